@@ -352,7 +352,8 @@ class TensionsNotFoundError(SolveError):
 
 
 class NoDerivativesError(SolveError):
-    """An answer that a small change moves without bound: the robot is about to buckle."""
+    """An answer that a small change moves without bound: the robot is about to buckle; or one whose cables come to rest in
+    their holes on a way that is not known well enough."""
 
 
 class StepsTooCoarseError(SolveError):

@@ -338,7 +338,9 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
         }
         SolveError::Cancelled { last_load } => timed_out(py, message, *last_load),
         SolveError::TensionsNotFound => raise("TensionsNotFoundError", &[]),
-        SolveError::NoDerivatives => raise("NoDerivativesError", &[]),
+        SolveError::NoDerivatives | SolveError::NoDerivativesOfRest => {
+            raise("NoDerivativesError", &[])
+        }
         SolveError::StepsTooCoarse { error, tolerance, steps } => raise(
             "StepsTooCoarseError",
             &[

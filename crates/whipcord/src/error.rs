@@ -179,6 +179,12 @@ pub enum SolveError {
     )]
     NoDerivatives,
 
+    /// An answer whose cables come to rest in their holes on a way that is not known well enough.
+    #[error(
+        "the answer has no derivatives: no equilibrium is found where a cable comes to rest in a hole within a step of actuation; divide the step into several, or change a command a little"
+    )]
+    NoDerivativesOfRest,
+
     /// The estimated error does not fall below the tolerance.
     #[error(
         "the discretisation error is still {} with {steps} steps, above the tolerance of {}: relax the tolerance, or smooth the routing",

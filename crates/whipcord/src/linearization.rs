@@ -12,7 +12,7 @@ use crate::kind::ModelKind;
 use crate::kinematics::{ComplianceUnknown, Local, Matrix6};
 use crate::model::{Model, Prepared};
 use crate::parameter::Parameter;
-use crate::robot::{Cable, Robot};
+use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::statics::options::StabilityAnalysis;
 
@@ -71,6 +71,16 @@ impl Linearization {
     #[must_use]
     pub fn command(&self, cable: usize) -> Change {
         ask!(self.command(cable))
+    }
+
+    /// How the answer changes where the command of a cable is changed by as much in all steps of the case ([`Self::command`] changes it
+    /// in the last). They differ where cables rub in their holes, which remember the steps before.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn offset(&self, cable: usize) -> Change {
+        ask!(self.offset(cable))
     }
 
     /// How the answer changes with the tension of a cable in N, all other tensions held.
@@ -185,6 +195,17 @@ impl Linearization {
     pub const fn is_contact_about_to_change(&self) -> bool {
         ask!(self.is_contact_about_to_change())
     }
+
+    /// Whether a cable with friction is about to slide in a hole where it sticks, or has only begun to slide: the answer has a kink
+    /// there, and these are the derivatives of the case that the answer is in.
+    #[must_use]
+    pub fn is_hole_about_to_change(&self) -> bool {
+        ask!(self.is_hole_about_to_change())
+    }
+}
+
+fn of_coordinates(of: Option<CoordinateDerivatives>) -> Option<Linearization> {
+    of.map(|of| Linearization::Coordinates(Box::new(of)))
 }
 
 impl Model {
@@ -192,11 +213,10 @@ impl Model {
     /// ([`Prepared::linearize`]).
     #[must_use]
     pub fn has_derivatives(&self, robot: &Robot) -> bool {
-        let slides = || !robot.cables().iter().any(Cable::has_friction);
         match self {
-            Self::Cosserat(_) | Self::CosseratDisks(_) => slides(),
+            Self::Cosserat(_) | Self::CosseratDisks(_) => true,
             Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
-                slides() && !robot.has_bending_friction()
+                !robot.has_bending_friction()
             }
             Self::FourBar(options) => {
                 four_bar::FourBar::new(robot, options).is_ok_and(|model| model.has_linearization())
@@ -242,23 +262,23 @@ impl Prepared {
         }
     }
 
-    /// The answers to all steps of a case in order, with their derivatives by these parameters where they are `wanted`, by the
-    /// number of the step from 0. Where the answer depends on the steps before, so do the derivatives by parameters; those by
-    /// commands are by the commands of the step alone.
+    /// The answers to all steps of a case in order, each from where the one before left the robot ([`Self::solve_steps`]), and to
+    /// those for which `asks` says so, by their number from 0, with their derivatives. `each` gets them as they come. Where the answer
+    /// depends on the steps before, so do the derivatives by parameters; those by commands are by the commands of the step alone.
     ///
     /// # Errors
-    /// The number of the first step without an answer or derivatives, from 0, and why: see [`Self::solve_with_derivatives`].
+    /// The number of the first step without an answer, from 0, and why it has none, as [`Self::solve_with_derivatives`].
     pub fn solve_steps_with_derivatives(
         &mut self,
         case: &Case,
         parameters: &[Parameter],
-        wanted: impl Fn(usize) -> bool,
+        asks: impl Fn(usize) -> bool,
         mut each: impl FnMut(Solution, Option<Linearization>),
     ) -> Result<(), (usize, SolveError)> {
         if case.independent {
             for (n, step) in case.single_steps().enumerate() {
                 let failed = |error| (n, error);
-                if wanted(n) {
+                if asks(n) {
                     let found = self.solve_with_derivatives(&step, None, parameters);
                     let (solution, derivatives) = found.map_err(failed)?;
                     each(solution, Some(derivatives));
@@ -268,31 +288,75 @@ impl Prepared {
             }
             return Ok(());
         }
-        let mut step = 0;
-        let rod = |derivatives| Linearization::Rod(Box::new(derivatives));
-        let of_rod = |solution, derivatives| {
-            each(solution, wanted(step).then(|| rod(derivatives)));
-            step += 1;
-        };
+        let is_free = case.obstacles.is_empty();
+        let of_rod = |of: Option<_>| of.map(|of| Linearization::Rod(Box::new(of)));
         match self {
             Self::Cosserat(model, workspace) if model.keeps_history(case) => {
-                return model.differentiate_steps(case, parameters, workspace, of_rod);
+                let mut step = 0;
+                return model.differentiate_steps(case, parameters, workspace, |solution, of| {
+                    each(solution, asks(step).then(|| Linearization::Rod(Box::new(of))));
+                    step += 1;
+                });
             }
             Self::CosseratDisks(model, workspace) if model.keeps_history(case) => {
-                return model.differentiate_steps(case, parameters, workspace, of_rod);
+                let mut step = 0;
+                return model.differentiate_steps(case, parameters, workspace, |solution, of| {
+                    each(solution, asks(step).then(|| Linearization::Rod(Box::new(of))));
+                    step += 1;
+                });
+            }
+            Self::Cosserat(model, workspace) if is_free && model.has_friction() => {
+                return model.slide_with_derivatives(
+                    case,
+                    parameters,
+                    asks,
+                    workspace,
+                    |(solution, of)| each(solution, of_rod(of)),
+                );
+            }
+            Self::CosseratDisks(model, workspace) if is_free && model.has_friction() => {
+                return model.solve_steps_with_derivatives(
+                    case,
+                    parameters,
+                    asks,
+                    workspace,
+                    |(solution, of)| each(solution, of_rod(of)),
+                );
+            }
+            Self::Linkage(model, workspace) if is_free && model.has_friction() => {
+                return model.solve_steps_with_derivatives(
+                    case,
+                    parameters,
+                    asks,
+                    workspace,
+                    |(solution, of)| each(solution, of_coordinates(of)),
+                );
+            }
+            Self::FourBar(model, workspace) if is_free => {
+                if let Some((chain, workspace)) =
+                    model.chain(workspace).filter(|(chain, _)| chain.has_friction())
+                {
+                    return chain.solve_steps_with_derivatives(
+                        case,
+                        parameters,
+                        asks,
+                        workspace,
+                        |(solution, of)| each(solution, of_coordinates(of)),
+                    );
+                }
             }
             _ => {}
         }
         let mut last: Option<Solution> = None;
         for (n, step) in case.single_steps().enumerate() {
-            let failed = |error| (n, error);
-            let (solution, derivatives) = if wanted(n) {
-                let found = self.solve_with_derivatives(&step, last.as_ref(), parameters);
-                found.map(|(solution, of)| (solution, Some(of))).map_err(failed)?
-            } else {
-                (self.solve(&step, last.as_ref()).map_err(failed)?, None)
-            };
-            each(last.insert(solution).clone(), derivatives);
+            let (solution, of) = match asks(n) {
+                true => self
+                    .solve_with_derivatives(&step, last.as_ref(), parameters)
+                    .map(|(solution, of)| (solution, Some(of))),
+                false => self.solve(&step, last.as_ref()).map(|solution| (solution, None)),
+            }
+            .map_err(|error| (n, error))?;
+            each(last.insert(solution).clone(), of);
         }
         Ok(())
     }

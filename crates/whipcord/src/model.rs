@@ -9,7 +9,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::kinematics::Local;
 use crate::refusal;
-use crate::robot::{Robot, check_on_backbone};
+use crate::robot::{Cable, Robot, check_on_backbone};
 use crate::shape::Solution;
 use crate::statics::Statics;
 use crate::statics::options::StabilityAnalysis;
@@ -464,7 +464,7 @@ pub trait Differentiable: Statics {
     ///
     /// # Errors
     /// As [`Statics::solve`]; [`SolveError::Invalid`] for a place that is not on the backbone,
-    /// [`SolveError::Unsupported`] for hole friction, and among obstacles of the geometric models, and
+    /// [`SolveError::Unsupported`] among obstacles of the geometric models, and
     /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
     fn solve_at(
         &self,
@@ -528,7 +528,8 @@ impl Model {
             }
         };
         let mut prepared = model.prepare(robot, &case.loads)?;
-        if robot.has_bending_friction() && case.obstacles.is_empty() {
+        let slides = self.has_hole_friction() && robot.cables().iter().any(Cable::has_friction);
+        if slides || (robot.has_bending_friction() && case.obstacles.is_empty()) {
             // No solution tells the steps before it: all of them are taken anew.
             let (solution, derivatives) = prepared.solve_with_derivatives(case, None, &[])?;
             let local = derivatives.at(crate::derivatives::Place::Station(0))?;

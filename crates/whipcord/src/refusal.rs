@@ -102,13 +102,6 @@ pub(crate) fn bending_friction_with_branches(
     bending_friction(model, robot, what, advice)
 }
 
-/// Refuses derivatives of a robot with hole friction.
-pub(crate) fn friction_with_derivatives(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
-    let what = "friction at the holes, for compliance and derivatives";
-    let advice = "with friction the compliance differs between pulling and releasing a cable: set the friction to 0";
-    hole_friction(model, robot, what, advice)
-}
-
 /// Refuses branches of a robot with hole friction.
 pub(crate) fn friction_with_branches(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
     let what = "friction at the holes, for branches";

@@ -27,7 +27,9 @@ impl Forward<'_> {
         columns: &mut [f64],
     ) -> Result<(), NoAnswerReason> {
         columns.fill(0.0);
-        let means = self.methods[experiment].clone();
+        let means: Vec<Vec<DerivativeMethod>> = (self.methods[experiment].iter().zip(x))
+            .map(|(methods, value)| DerivativeMethod::at(methods, *value))
+            .collect();
         let parameters: Vec<Parameter> = means
             .iter()
             .flatten()
@@ -40,7 +42,7 @@ impl Forward<'_> {
             matches!(
                 means,
                 DerivativeMethod::Parameter(_)
-                    | DerivativeMethod::Command { .. }
+                    | DerivativeMethod::Offset { .. }
                     | DerivativeMethod::Gain { .. }
             )
         });
@@ -80,7 +82,7 @@ impl Forward<'_> {
                             };
                             Motion::Change(change, by)
                         }
-                        (DerivativeMethod::Command { cable }, Some(derivatives)) => {
+                        (DerivativeMethod::Offset { cable }, Some(derivatives)) => {
                             let by = match (commands[cable].shortening, commands[cable].tension) {
                                 // An offset in m is a part of the length that the cable had before.
                                 (Some(Shortening::Fraction(_)), _) if !self.rest().is_empty() => {
@@ -88,7 +90,7 @@ impl Forward<'_> {
                                 }
                                 _ => 1.0,
                             };
-                            Motion::Change(derivatives.command(cable), by)
+                            Motion::Change(derivatives.offset(cable), by)
                         }
                         (DerivativeMethod::Gain { cable, by_tension }, Some(derivatives)) => {
                             let length = solution.cables[cable].initial_length;
@@ -149,7 +151,9 @@ impl Forward<'_> {
         let n = self.unknowns.len();
         let rows = self.first_rows[experiment + 1] - self.first_rows[experiment];
         for j in 0..n {
-            if self.methods[experiment][j] != [DerivativeMethod::Differences] {
+            if DerivativeMethod::at(&self.methods[experiment][j], x[j])
+                != [DerivativeMethod::Differences]
+            {
                 continue;
             }
             let h = STEP * scales[j];

@@ -13,8 +13,8 @@ use whipcord::robot::{Cable, Robot};
 pub(super) enum DerivativeMethod {
     /// Exactly: the model differentiates its answer by a parameter.
     Parameter(Parameter),
-    /// Exactly: by the command of a cable.
-    Command { cable: usize },
+    /// Exactly: by the command of a cable in all steps.
+    Offset { cable: usize },
     /// Exactly: by the command of a cable, which is multiplied.
     Gain { cable: usize, by_tension: bool },
     /// Exactly: all markers are moved along an axis of their frames.
@@ -28,6 +28,16 @@ pub(super) enum DerivativeMethod {
 }
 
 impl DerivativeMethod {
+    /// The derivatives at a value of the unknown. Without friction nothing tells which way the cables slide when there is some.
+    pub(super) fn at(methods: &[Self], value: f64) -> Vec<Self> {
+        let of_friction =
+            |method: &Self| matches!(method, Self::Parameter(Parameter::Friction { .. }));
+        match value <= 0.0 && methods.iter().any(of_friction) {
+            true => vec![Self::Differences],
+            false => methods.to_vec(),
+        }
+    }
+
     /// The derivatives by all quantities of an unknown, which add up.
     pub(super) fn of(
         unknown: &Unknown,
@@ -50,8 +60,7 @@ impl DerivativeMethod {
         (model, robot): (&Model, &Robot),
     ) -> Self {
         let loads = &experiment.case.loads;
-        let rubs = unknowns.iter().any(|u| matches!(u.quantity, Quantity::Friction { .. }));
-        let is_exact = !rubs && model.has_derivatives(robot);
+        let is_exact = model.has_derivatives(robot);
         let by_factor = unknowns.iter().any(|other| {
             matches!(other.quantity, Quantity::Parameter(Parameter::StiffnessScale(_)))
         });
@@ -59,6 +68,8 @@ impl DerivativeMethod {
         let case = &experiment.case;
         let keeps_commands =
             robot.has_bending_friction() && !case.before.is_empty() && !case.independent;
+        let rubs = robot.cables().iter().any(Cable::has_friction)
+            || unknowns.iter().any(|u| matches!(u.quantity, Quantity::Friction { .. }));
         let by_gain = unknowns.iter().any(|u| matches!(u.quantity, Quantity::Gain { .. }));
         match quantity {
             // Its stiffness then is given as such, and section and material no longer decide on it.
@@ -68,11 +79,7 @@ impl DerivativeMethod {
                 Self::Differences
             }
             // With friction all commands before change with it too.
-            Quantity::Gain { cable }
-                if is_exact
-                    && !keeps_commands
-                    && !robot.cables().iter().any(Cable::has_friction) =>
-            {
+            Quantity::Gain { cable } if is_exact && !keeps_commands && !rubs => {
                 match driven_by_tension(experiment, cable, model) {
                     Some(by_tension) => Self::Gain { cable, by_tension },
                     None => Self::Differences,
@@ -80,10 +87,13 @@ impl DerivativeMethod {
             }
             Quantity::MarkerOffset { axis } => Self::Marker { axis },
             Quantity::Parameter(parameter) if is_exact => Self::Parameter(parameter),
+            Quantity::Friction { cable } if is_exact => {
+                Self::Parameter(Parameter::Friction { cable })
+            }
             Quantity::TensionOffset { cable } | Quantity::ShorteningOffset { cable }
                 if is_exact && !keeps_commands =>
             {
-                Self::Command { cable }
+                Self::Offset { cable }
             }
             Quantity::BasePosition { axis } => Self::Move { axis },
             Quantity::BaseTurn { axis } if loads.frame == LoadFrame::Base || loads.is_none() => {

@@ -224,6 +224,7 @@ impl Quantity {
                 P::LineForce { .. } | P::LineForceAt { .. } => "N/m",
                 P::LineMoment { .. } | P::LineMomentAt { .. } => "N·m/m",
                 P::PoissonRatio
+                | P::Friction { .. }
                 | P::StiffnessScale(_)
                 | P::ShearCorrection
                 | P::Turns { .. }

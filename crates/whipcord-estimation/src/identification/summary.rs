@@ -33,8 +33,12 @@ pub(super) fn tell(
         meets(*value, unknown.least()) || meets(*value, unknown.greatest())
     };
     let is_at_bound: Vec<bool> = unknowns.iter().zip(x).map(at_bound).collect();
-    let by_differences =
-        |j: usize| forward.methods.iter().any(|means| means[j] == [DerivativeMethod::Differences]);
+    let by_differences = |j: usize| {
+        let is = |means: &Vec<Vec<DerivativeMethod>>| {
+            DerivativeMethod::at(&means[j], x[j]) == [DerivativeMethod::Differences]
+        };
+        forward.methods.iter().any(is)
+    };
     let any = (0..n).any(by_differences);
     let free: Vec<bool> = is_at_bound.iter().map(|bound| !bound).collect();
     let mut jacobian = workspace.jacobian().to_vec();

@@ -146,6 +146,7 @@ impl ContactResponse {
             are_strains_met: true,
             history: &[],
             nodes: &grid.stations,
+            sliding: None,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {
             NoDerivatives::Fault(fault) => {

@@ -99,6 +99,8 @@ pub(super) struct FrictionWorkspace {
     pub scratch: FrictionScratch,
     pub response: ResponseScratch,
     pub at: Passages,
+    /// Whether the ends of all substeps are kept, for derivatives.
+    pub keeps_trail: bool,
     /// Tensions of the cables below the base on the coarser grid.
     pub coarse_tensions: Vec<f64>,
 }
@@ -118,6 +120,8 @@ pub(super) struct Answer {
     pub slip_states: Vec<SlipState>,
     /// Tensions at all shooting nodes.
     pub varying: Vec<f64>,
+    /// The profile with which it was found.
+    pub profile: Vec<f64>,
 }
 
 /// The rod of a problem whose loads are gathered.
@@ -388,6 +392,11 @@ impl PassageResponse for FrictionRod<'_> {
 }
 
 impl ResponseScratch {
+    /// How the turns change with the directions of the cables, where they were measured last.
+    pub fn slopes(&self) -> &[TurnSlope] {
+        &self.slopes
+    }
+
     /// Eliminates the chain that was shot last, with all tensions for what its steps share, and keeps what lengths and turns are
     /// by the unknowns of each step; `false` where it is singular.
     fn eliminate(

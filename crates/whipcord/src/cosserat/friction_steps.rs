@@ -37,10 +37,13 @@ const LAST_TOLERANCE: f64 = 2e-3;
 const MOST_PASSES: usize = 3;
 /// A profile that changes by less is kept.
 const PROFILE_TOLERANCE: f64 = 1e-4;
+/// The same where derivatives are asked for.
+const PASSES_OF_DERIVATIVES: usize = 10;
+const PROFILE_OF_DERIVATIVES: f64 = 1e-11;
 
 impl Cosserat {
     /// Whether a cable has friction.
-    pub(super) fn has_friction(&self) -> bool {
+    pub(crate) fn has_friction(&self) -> bool {
         self.robot.cables().iter().any(Cable::has_friction)
     }
 
@@ -85,7 +88,7 @@ impl Cosserat {
         Ok(())
     }
 
-    fn friction_on(&self, grid: &Grid) -> Friction {
+    pub(super) fn friction_on(&self, grid: &Grid) -> Friction {
         Friction::new(&self.robot, grid, &self.layout.order, &self.layout.rest_lengths)
     }
 
@@ -213,6 +216,9 @@ impl Cosserat {
         let coarse = level.checked_sub(1).map(|coarser| levels[coarser].answers.clone());
         if answers.len() > cases.len() {
             (history, answers) = (History::default(), Vec::new());
+        }
+        if answers.is_empty() && workspace.friction.keeps_trail {
+            history = History::with_trail();
         }
         let mut found = Found::default();
         for (n, case) in cases.iter().enumerate().skip(answers.len()) {
@@ -347,6 +353,11 @@ fn take_step(
     scratch.trace.steps = grid.len();
     let fault = |fault| Failure::of_section(fault, &vec![0.0; cables], 0.0);
     scratch.unloaded.sweep(grid, &vec![0.0; cables], false, false).map_err(fault)?;
+    // Derivatives are those of a profile that has come to rest.
+    let (passes, tolerance) = match memory.keeps_trail {
+        true => (PASSES_OF_DERIVATIVES, PROFILE_OF_DERIVATIVES),
+        false => (MOST_PASSES, PROFILE_TOLERANCE),
+    };
     let FrictionWorkspace { scratch: newton, response, at, .. } = memory;
     let mut profile = nodes.flat_profile(grid);
     let mut start = guess.map(|answer| {
@@ -356,7 +367,7 @@ fn take_step(
     });
     let before = history.clone();
     let (mut found, mut answer) = (Found::default(), Answer::default());
-    for _ in 0..MOST_PASSES {
+    for _ in 0..passes {
         *history = before.clone();
         let mut rod = FrictionRod::new(problem, (friction, &profile), scratch, response);
         course.answer = start.take();
@@ -374,8 +385,8 @@ fn take_step(
         nodes.set_profile(grid, &tensions, &slip_states, &mut profile);
         let change = profile.iter().zip(&earlier).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         start = Some((shape.clone(), tensions));
-        answer = Answer { shape, slip_states, varying };
-        if change <= PROFILE_TOLERANCE {
+        answer = Answer { shape, slip_states, varying, profile: earlier };
+        if change <= tolerance {
             break;
         }
     }

@@ -32,6 +32,7 @@ mod contact;
 mod contact_response;
 mod continuation;
 mod friction;
+mod friction_derivatives;
 mod friction_steps;
 mod guess;
 mod lanes;

@@ -172,8 +172,7 @@ impl Cosserat {
     ///
     /// # Errors
     /// As [`Self::solve`]; [`SolveError::Invalid`] for a parameter that robot and case do not have,
-    /// [`SolveError::Unsupported`] where a cable has friction: pulling and releasing it then give different derivatives; and
-    /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    /// and [`SolveError::NoDerivatives`] where the robot is about to buckle.
     pub fn solve_with_derivatives(
         &self,
         case: &Case,
@@ -181,7 +180,9 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        refusal::friction_with_derivatives(ModelKind::Cosserat, &self.robot)?;
+        if self.has_friction() && case.obstacles.is_empty() {
+            return self.solve_sliding_with_derivatives(case, parameters, workspace);
+        }
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
@@ -254,6 +255,7 @@ impl Cosserat {
             are_strains_met: starts.is_empty(),
             history,
             nodes: &grid.stations,
+            sliding: None,
         })
     }
 

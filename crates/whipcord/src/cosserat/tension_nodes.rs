@@ -9,13 +9,13 @@
 use whipcord_numerics::Vec3;
 
 use super::loaded::Trajectory;
+use crate::derivatives::{PLACES, Share};
 use crate::section::Strain;
 use crate::shape::SlipState;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
 use whipcord_numerics::BUTCHER_5;
 
-const PLACES: usize = SHOOTING_NODES.len();
 /// An angle so small, in rad, has no direction.
 const STRAIGHT: f64 = 1e-9;
 /// The profile stays within these bounds.
@@ -45,6 +45,41 @@ impl CableNodes {
 
     const fn at(&self, step: usize) -> usize {
         if self.varies { self.first + step } else { self.first }
+    }
+}
+
+impl CableNodes {
+    /// The parabola through the tensions of three neighbouring nodes in a step, where the cable slides one way past all of them.
+    fn parabola(
+        &self,
+        grid: &Grid,
+        k: usize,
+        tensions: &[f64],
+        states: &[SlipState],
+    ) -> Option<Share> {
+        if !self.varies || k >= self.steps {
+            return None;
+        }
+        let middle = |k: usize| grid.steps[k].start + 0.5 * grid.steps[k].length;
+        let slides = |k: usize| states[self.first + k];
+        // Three steps, or as many as there are, with this one in the middle where that can be.
+        let first = k.saturating_sub(1).min(self.steps.saturating_sub(3));
+        let near = first..self.steps.min(first + 3);
+        let way = slides(near.end - 1);
+        let one_way = near.clone().all(|j| slides(j) == way);
+        if !one_way || way == SlipState::Sticks || tensions[self.first + k] <= 0.0 {
+            return None;
+        }
+        let mut share = Share::own(usize::MAX, [0.0; PLACES]);
+        for (slot, j) in near.clone().enumerate() {
+            share.strands[slot] = self.first + j;
+            for (weight, at) in share.weights[slot].iter_mut().zip(SHOOTING_NODES) {
+                let s = grid.steps[k].start + at * grid.steps[k].length;
+                let of = |i: usize| (s - middle(i)) / (middle(j) - middle(i));
+                *weight = near.clone().filter(|&i| i != j).map(of).product();
+            }
+        }
+        Some(share)
     }
 }
 
@@ -174,6 +209,52 @@ impl TensionNodes {
         vec![1.0; self.cables.len() * PLACES * grid.len()]
     }
 
+    /// How the tensions in each step, by cables, come about of those at the nodes.
+    pub fn shares(&self, grid: &Grid, tensions: &[f64], states: &[SlipState]) -> Vec<Share> {
+        let mut shares = Vec::with_capacity(grid.len() * self.cables.len());
+        for k in 0..grid.len() {
+            for nodes in &self.cables {
+                shares.push(match nodes.parabola(grid, k, tensions, states) {
+                    Some(share) => share,
+                    None if k < nodes.steps => Share::own(nodes.at(k), [1.0; PLACES]),
+                    None => Share::own(usize::MAX, [0.0; PLACES]),
+                });
+            }
+        }
+        shares
+    }
+
+    /// The same with this profile, whatever makes it.
+    pub fn shares_of_profile(&self, grid: &Grid, profile: &[f64]) -> Vec<Share> {
+        let cables = self.cables.len();
+        let of = |k: usize, cable: usize| {
+            let nodes = &self.cables[cable];
+            let at = |place: usize| profile[cables * (k * PLACES + place) + cable];
+            let node = if k < nodes.steps { nodes.at(k) } else { usize::MAX };
+            Share::own(node, core::array::from_fn(at))
+        };
+        (0..grid.len()).flat_map(|k| (0..cables).map(move |cable| of(k, cable))).collect()
+    }
+
+    /// The strand of a cable in a step, which is its node.
+    pub fn strand(&self, step: usize, cable: usize) -> Option<usize> {
+        let nodes = &self.cables[cable];
+        (step < nodes.steps).then(|| nodes.at(step))
+    }
+
+    /// The slopes of the turns by steps, then cables.
+    pub fn slopes(&self, grid: &Grid, of_nodes: &[TurnSlope]) -> Vec<Option<[Vec3; 3]>> {
+        let of = |k: usize, nodes: &CableNodes| {
+            let TurnSlope { before, start, middle } = of_nodes[nodes.at(k)];
+            [before, start, middle]
+        };
+        let of_step = |k: usize| {
+            let cables = self.cables.iter();
+            cables.map(move |nodes| (nodes.varies && k < nodes.steps).then(|| of(k, nodes)))
+        };
+        (0..grid.len()).flat_map(of_step).collect()
+    }
+
     /// The profile at all shooting nodes, of these tensions and of how the cables slid past the nodes.
     pub fn set_profile(
         &self,
@@ -184,27 +265,15 @@ impl TensionNodes {
     ) {
         let per_node = self.cables.len();
         profile.fill(1.0);
-        let middle = |k: usize| grid.steps[k].start + 0.5 * grid.steps[k].length;
         for (cable, nodes) in self.cables.iter().enumerate().filter(|(_, nodes)| nodes.varies) {
-            let slides = |k: usize| states[nodes.first + k];
             for k in 0..nodes.steps {
-                // Three steps, or as many as there are, with this one in the middle where that can be.
-                let first = k.saturating_sub(1).min(nodes.steps.saturating_sub(3));
-                let near = first..nodes.steps.min(first + 3);
-                let way = slides(near.end - 1);
-                let one_way = near.clone().all(|j| slides(j) == way);
-                let here = tensions[nodes.first + k];
-                if !one_way || way == SlipState::Sticks || here <= 0.0 {
-                    continue;
-                }
-                for (place, at) in SHOOTING_NODES.iter().enumerate() {
-                    let s = grid.steps[k].start + at * grid.steps[k].length;
-                    let part = |j: usize| {
-                        let others = near.clone().filter(|&i| i != j);
-                        let of = |i: usize| (s - middle(i)) / (middle(j) - middle(i));
-                        tensions[nodes.first + j] * others.map(of).product::<f64>()
+                let Some(share) = nodes.parabola(grid, k, tensions, states) else { continue };
+                for place in 0..PLACES {
+                    let near = share.strands.iter().zip(&share.weights);
+                    let part = |(&node, weights): (&usize, &[f64; PLACES])| {
+                        Some(tensions.get(node)? * weights[place])
                     };
-                    let value = near.clone().map(part).sum::<f64>() / here;
+                    let value = near.filter_map(part).sum::<f64>() / tensions[nodes.first + k];
                     profile[per_node * (k * PLACES + place) + cable] =
                         value.clamp(PROFILE[0], PROFILE[1]);
                 }

@@ -277,6 +277,7 @@ impl ContactResponse {
             are_strains_met: false,
             history: &[],
             nodes,
+            sliding: None,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {
             NoDerivatives::Parameter(error) => error.into(),

@@ -14,7 +14,7 @@ use super::tensions::Rod;
 use crate::budget::Meter;
 use crate::section::{BodyWrench, Fault};
 use crate::statics::elimination::{Change, Size};
-use crate::statics::friction::{self, Holes, PassageResponse, Passages, Response};
+use crate::statics::friction::{self, Holes, PassageResponse, Passages, Response, SubstepEnd};
 use crate::statics::outcome::{Failure, Found};
 
 /// An angle so small, in rad, has no direction.
@@ -49,6 +49,28 @@ pub(super) fn solve(
     }
     (scratch.history, scratch.friction, scratch.course) = (history, memory, course);
     found
+}
+
+/// Puts the chain to the end of a substep, which is then the answer.
+pub(super) fn put(
+    problem: &Problem<'_>,
+    end: &SubstepEnd<Vec<Node>>,
+    scratch: &mut Scratch,
+) -> Result<(), Fault> {
+    scratch.groups.clear();
+    scratch.groups.extend(0..problem.frame.passages);
+    scratch.chain.slopes.resize(problem.frame.passages, Slope::default());
+    let mut model = Rubbing { problem, scratch };
+    model.set_shape(&end.shape);
+    let mut at = Passages::default();
+    let measured = model.measure(&end.standing.tensions, &mut at);
+    scratch.chain.slopes.clear();
+    measured?;
+    let Scratch { chain, unloaded, .. } = &mut *scratch;
+    unloaded.adopt(chain, problem.frame);
+    scratch.pulled.clone_from(&end.standing.tensions);
+    copy_out(problem, scratch);
+    Ok(())
 }
 
 /// The chain with the tensions of all passages.

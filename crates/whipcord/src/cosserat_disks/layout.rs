@@ -163,6 +163,7 @@ impl Frame {
                 steps: steps.clone(),
                 passages: &span.passages,
                 anchors: mesh.anchors_of(span),
+                tensions: None,
             })
             .collect()
     }

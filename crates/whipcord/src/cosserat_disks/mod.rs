@@ -31,6 +31,7 @@ mod column;
 mod contact;
 mod contact_response;
 mod friction;
+mod friction_derivatives;
 pub(crate) mod layout;
 mod levels;
 mod linear_step;

@@ -304,8 +304,7 @@ impl CosseratDisks {
     ///
     /// # Errors
     /// As [`Self::solve`]; [`SolveError::Invalid`] for a parameter that robot and case do not have,
-    /// [`SolveError::Unsupported`] where a cable rubs: pulling and releasing it then give different derivatives; and
-    /// [`SolveError::NoDerivatives`] where the robot is about to buckle.
+    /// and [`SolveError::NoDerivatives`] where the robot is about to buckle.
     pub fn solve_with_derivatives(
         &self,
         case: &Case,
@@ -313,7 +312,9 @@ impl CosseratDisks {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        refusal::friction_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
+        if let Some(holes) = self.holes.as_ref().filter(|_| case.obstacles.is_empty()) {
+            return self.solve_sliding_with_derivatives(holes, case, parameters, workspace);
+        }
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if !case.obstacles.is_empty() {
             let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
@@ -396,6 +397,7 @@ impl CosseratDisks {
             are_strains_met: false,
             history,
             nodes: if self.robot.has_bending_friction() { &all } else { &mesh.grid.stations },
+            sliding: None,
         })
     }
 

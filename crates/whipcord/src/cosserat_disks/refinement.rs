@@ -186,7 +186,7 @@ impl CosseratDisks {
         start: Start<'_>,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let Workspace { scratch, commands, histories, courses, meter, .. } = workspace;
+        let Workspace { scratch, commands, histories, courses, meter, keeps_trail, .. } = workspace;
         courses.resize(cases.len().max(courses.len()), Course::default());
         if histories.len() <= level {
             histories.resize(level + 1, StepHistory::default());
@@ -194,7 +194,11 @@ impl CosseratDisks {
         // Where a step fails the way starts anew.
         let StepHistory { taken, history } = core::mem::take(&mut histories[level]);
         let taken = if self.holes.is_some() { taken } else { 0 };
-        scratch.history = if taken > 0 { history } else { History::default() };
+        scratch.history = match taken {
+            0 if *keeps_trail => History::with_trail(),
+            0 => History::default(),
+            _ => history,
+        };
         let mut found = Found::default();
         for (n, case) in cases.iter().enumerate().skip(taken) {
             scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);

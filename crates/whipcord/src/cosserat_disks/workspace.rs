@@ -25,6 +25,8 @@ pub struct Workspace {
     pub(super) coarse_tensions: Vec<f64>,
     pub(super) coarse_base_wrench: Wrench,
     pub(super) histories: Vec<StepHistory>,
+    /// Whether these keep the ends of all substeps.
+    pub(super) keeps_trail: bool,
     /// The substeps of each step of actuation, the same on all meshes.
     pub(super) courses: Vec<Course<Vec<Node>>>,
     pub(super) meter: Meter,

@@ -14,13 +14,13 @@ pub(super) fn stage_pulls(
     steps: &[Step],
     replay: &Replay,
     pulls: &[StepPull],
-    lengths: &[f64],
+    (cables, rows): (usize, &dyn Fn(usize, usize) -> f64),
     out: &mut Vec<Forcing>,
 ) {
     out.clear();
     out.resize(STAGES * steps.len(), Forcing::default());
     for (k, (at, pull)) in steps.iter().zip(pulls).enumerate() {
-        step(at, replay, k, pull, lengths, &mut out[STAGES * k..STAGES * (k + 1)]);
+        step(at, replay, k, pull, (cables, rows), &mut out[STAGES * k..STAGES * (k + 1)]);
     }
 }
 
@@ -45,7 +45,7 @@ fn step(
     replay: &Replay,
     k: usize,
     pull: &StepPull,
-    lengths: &[f64],
+    (cables, rows): (usize, &dyn Fn(usize, usize) -> f64),
     out: &mut [Forcing],
 ) {
     let table = &BUTCHER_5;
@@ -61,13 +61,22 @@ fn step(
         slopes[i].add(weight, &end);
         let stage = &replay.stages[STAGES * k + i];
         let (mut strain, mut curvature) = (Vec3::ZERO, Vec3::ZERO);
-        let pulls = replay.pulls_at(STAGES * k + i, lengths.len(), step.active);
-        for ((exerted, _), length) in pulls.iter().zip(lengths) {
+        let pulls = replay.pulls_at(STAGES * k + i, cables, step.active);
+        for (cable, (exerted, _)) in pulls.iter().enumerate() {
+            let length = rows(k, cable);
             strain += weight * length * exerted.linear;
             curvature += weight * length * exerted.angular;
         }
+        let mut turned = TurnPull::default();
+        for turn in replay.turns_at(k, i) {
+            let worth = rows(k, turn.row);
+            strain += worth * turn.by.strain;
+            curvature += worth * turn.by.curvature;
+            turned.y += worth * turn.by.y;
+            turned.s += worth * turn.by.s;
+        }
         let velocity = weight * pull.effect.shift;
-        let (mut at, forcing) = transpose(stage, &slopes[i], velocity, strain, curvature);
+        let (mut at, forcing) = transpose(stage, &slopes[i], velocity, (strain, curvature), turned);
         rates[i] += weight * pull.effect.force;
         out[i] = Forcing { torque: slopes[i].moment, rate: rates[i], ..forcing };
         if let Some(spread) = spread {
@@ -96,14 +105,13 @@ fn transpose(
     stage: &Stage,
     slope: &Pull,
     velocity: Vec3,
-    mut strain: Vec3,
-    mut curvature: Vec3,
+    (mut strain, mut curvature): (Vec3, Vec3),
+    mut turn: TurnPull,
 ) -> (Pull, Forcing) {
     let velocity = velocity + slope.moment.cross(stage.force);
     let swung = stage.rotation.transpose_mul(velocity);
     strain += swung;
     let turned = &stage.turned;
-    let mut turn = TurnPull::default();
     turn.of_body(stage, &stage.velocity_swing, velocity);
     // Of the bracket that q multiplies in q′.
     let q = turned.quaternion;

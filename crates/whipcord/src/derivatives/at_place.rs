@@ -6,6 +6,7 @@ use super::change::Place;
 use super::column::Source;
 use super::node_change::NodeChange;
 use super::rod::Derivatives;
+use super::sliding_holes::Cause;
 use crate::kinematics::{Compliance, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6};
 use crate::statics::command::Command;
 use crate::statics::hold::Hold;
@@ -19,39 +20,28 @@ impl Derivatives {
     #[must_use]
     pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
         let node = self.places.number(at);
-        self.jacobian(|cable| self.twist_of(node, &self.tensions_by_command(cable)))
+        self.jacobian(|place| self.twist_of(node, &self.pulled(place, Hold::Commands)[0]))
     }
 
     /// How the length of each cable changes with the command of each, in m by N of tension or m of
     /// shortening: by rows of lengths.
     #[must_use]
     pub fn length_by_command(&self) -> Vec<Vec<f64>> {
-        let by_command: Vec<Vec<f64>> =
-            (0..self.place_of.len()).map(|cable| self.tensions_by_command(cable)).collect();
-        let entry = |i: usize, tensions: &Vec<f64>| {
-            let columns = self.by_tension.iter().zip(tensions);
-            columns.map(|(column, tension)| column.lengths[i] * tension).sum()
-        };
-        let row = |&i: &usize| by_command.iter().map(|tensions| entry(i, tensions)).collect();
-        self.place_of.iter().map(row).collect()
+        self.lengths_by(Hold::Commands)
     }
 
-    /// What the command of a cable changes of every tension; those of the grid's order.
-    fn tensions_by_command(&self, cable: usize) -> Vec<f64> {
-        let place = self.place_of[cable];
-        let right: Vec<f64> = match self.commands[place] {
-            Command::Tension(_) => {
-                self.by_tension[place].lengths.iter().map(|length| -length).collect()
+    /// How the length of each cable changes with the command of each, or with the tension.
+    fn lengths_by(&self, hold: Hold) -> Vec<Vec<f64>> {
+        let by = |&place: &usize| {
+            let mut outputs = vec![0.0; self.strands.outputs()];
+            for (column, &tension) in self.by_tension.iter().zip(&self.pulled(place, hold)[0]) {
+                outputs.iter_mut().zip(&column.lengths).for_each(|(out, by)| *out += tension * by);
             }
-            Command::Length { .. } => {
-                (0..self.place_of.len()).map(|i| if i == place { -1.0 } else { 0.0 }).collect()
-            }
+            self.cable_lengths(outputs)
         };
-        let mut tensions = self.held.tensions(Hold::Commands, &right);
-        if matches!(self.commands[place], Command::Tension(_)) {
-            tensions[place] += 1.0;
-        }
-        tensions
+        let columns: Vec<Vec<f64>> = self.place_of.iter().map(by).collect();
+        let row = |&i: &usize| columns.iter().map(|lengths| lengths[i]).collect();
+        self.place_of.iter().map(row).collect()
     }
 
     /// The Jacobian of a place by the tensions of all cables in N, whatever drives them.
@@ -61,11 +51,11 @@ impl Derivatives {
     #[must_use]
     pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
         let node = self.places.number(at);
-        self.jacobian(|cable| self.by_tension[self.place_of[cable]].nodes[node].twist())
+        self.jacobian(|place| self.twist_of(node, &self.pulled(place, Hold::Tensions)[0]))
     }
 
     fn jacobian(&self, column: impl Fn(usize) -> Twist) -> Vec<Twist> {
-        (0..self.place_of.len()).map(column).collect()
+        self.place_of.iter().map(|&place| column(place)).collect()
     }
 
     fn twist_of(&self, node: usize, tensions: &[f64]) -> Twist {
@@ -89,8 +79,7 @@ impl Derivatives {
         let mut columns = [Twist::default(); 6];
         for (component, column) in columns.iter_mut().enumerate() {
             let raw = self.raw(Source::Wrench { node, component });
-            let right: Vec<f64> = raw.lengths.iter().map(|length| -length).collect();
-            let tensions = self.held.tensions(hold, &right);
+            let [tensions, _] = self.tensions(hold, &raw.lengths, Cause::Nothing);
             let (free, pulled) = (raw.nodes[node].twist(), self.twist_of(node, &tensions));
             *column = free + pulled;
             if !(column.linear.is_finite() && column.angular.is_finite()) {
@@ -144,9 +133,6 @@ impl Derivatives {
     /// lengths. Symmetric and not positive under dead forces.
     #[must_use]
     pub fn length_by_tension(&self) -> Vec<Vec<f64>> {
-        let entry =
-            |i: usize, j: usize| self.by_tension[self.place_of[j]].lengths[self.place_of[i]];
-        let cables = self.place_of.len();
-        (0..cables).map(|i| (0..cables).map(|j| entry(i, j)).collect()).collect()
+        self.lengths_by(Hold::Tensions)
     }
 }

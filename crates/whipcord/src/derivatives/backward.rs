@@ -65,33 +65,44 @@ impl Derivatives {
             node.turn += twist.angular;
         }
         let at_base = &cotangent.base_wrench;
+        let lengths = match &self.sliding {
+            Some(sliding) => sliding.worth_of_lengths(&lengths),
+            None => lengths,
+        };
         // What a change of each tension is worth, by all that it moves.
-        let worth: Vec<f64> = (self.by_tension.iter().zip(&tensions))
-            .map(|(column, own)| own + column.worth(&nodes, &lengths, at_base))
-            .collect();
-        let by_length = self.held.pull_back(hold, &worth);
-        let by_commands = self.held.pull_back(Hold::Commands, &worth);
-        let commands = (0..cables)
-            .map(|cable| {
-                let place = self.place_of[cable];
-                match self.commands[place] {
+        let mut worth: Vec<f64> =
+            self.by_tension.iter().map(|column| column.worth(&nodes, &lengths, at_base)).collect();
+        let (by_place, by_length, more) = match &self.sliding {
+            Some(sliding) => {
+                worth.extend(&tensions);
+                sliding.pull_back(hold, &worth)
+            }
+            None => {
+                worth.iter_mut().zip(&tensions).for_each(|(worth, own)| *worth += own);
+                let by_length = self.held.pull_back(hold, &worth);
+                let by_commands = self.held.pull_back(Hold::Commands, &worth);
+                let command = |place: usize| match self.commands[place] {
                     Command::Length { .. } => -by_commands[place],
                     Command::Tension(_) => {
                         let lengths = &self.by_tension[place].lengths;
                         let held: f64 = by_commands.iter().zip(lengths).map(|(a, b)| a * b).sum();
                         worth[place] - held
                     }
-                }
-            })
-            .collect();
-        let lengths: Vec<f64> = lengths.iter().zip(&by_length).map(|(a, b)| a - b).collect();
+                };
+                let more: Vec<f64> = by_length.iter().map(|by| -by).collect();
+                ((0..cables).map(command).collect(), by_length, more)
+            }
+        };
+        let commands = self.place_of.iter().map(|&place| by_place[place]).collect();
+        let lengths: Vec<f64> = lengths.iter().zip(&more).map(|(a, b)| a + b).collect();
         self.touching.pull_back(&mut nodes, &lengths, at_base);
         let extra = |k: usize| {
             let mut sum = [Vec3::ZERO; 3];
-            for (place, length) in lengths.iter().enumerate() {
-                let rates = &self.maps.length_by_state[k * cables + place];
+            for row in 0..self.maps.rows {
+                let Some(output) = self.strands.output(k, row) else { continue };
+                let rates = &self.maps.length_by_state[k * self.maps.rows + row];
                 for (s, rate) in sum.iter_mut().zip(rates) {
-                    *s += *length * *rate;
+                    *s += lengths[output] * *rate;
                 }
             }
             sum
@@ -113,7 +124,10 @@ impl Derivatives {
         let mut steps = Vec::new();
         self.elimination.pull_back(&links, extra, &mut steps);
         let mut stages = Vec::new();
-        self.linear.pull_back(&self.steps, &steps, &lengths, &mut stages);
+        let rows = |k: usize, row: usize| {
+            self.strands.output(k, row).map_or(0.0, |output| lengths[output])
+        };
+        self.linear.pull_back(&self.steps, &steps, (cables, &rows), &mut stages);
         let mut wrenches = vec![Wrench::default()];
         match spans {
             None => wrenches.extend(steps.iter().map(|step| step.added)),
@@ -131,12 +145,16 @@ impl Derivatives {
             .enumerate()
             .map(|(p, partial)| {
                 let within = spans.map_or(0.0, |spans| {
-                    self.worth_of_input(spans, cables + p, &nodes, &steps, &lengths)
+                    let input = self.strands.inputs() + p;
+                    self.worth_of_input(spans, input, &nodes, &steps, &lengths)
                 });
                 let acting: f64 =
                     stages.iter().enumerate().map(|(i, pull)| pull.dot(&partial.forcing(i))).sum();
                 let longer: f64 = partial.lengths.iter().zip(&lengths).map(|(a, b)| a * b).sum();
-                let asked: f64 = partial.targets.iter().zip(&by_length).map(|(a, b)| a * b).sum();
+                let asked: f64 = match &self.sliding {
+                    Some(sliding) => sliding.worth_of(hold, &by_length, p),
+                    None => partial.targets.iter().zip(&by_length).map(|(a, b)| a * b).sum(),
+                };
                 let added = partial.added.map_or(0.0, |(node, wrench)| wrenches[node].dot(&wrench));
                 let at_base = at_base.force.dot(partial.at_node(0).force);
                 within + acting + longer + asked + added + at_base
@@ -156,14 +174,17 @@ impl Derivatives {
         pulls: &[StepPull],
         lengths: &[f64],
     ) -> f64 {
-        let cables = lengths.len();
         let of_span = |(k, pull): (usize, &StepPull)| {
-            let at = (k * self.maps.inputs + input) * cables;
-            let by = &self.maps.length_by_input[at..at + cables];
-            let longer: f64 = by.iter().zip(lengths).map(|(a, b)| a * b).sum();
+            let longer = self.worth_of_outputs(k, self.maps.outputs_of(k, input), lengths);
             pull.effect.dot(&self.maps.effects_of(k)[input]) + longer
         };
         spans.worth(nodes, spans.input(input)) + pulls.iter().enumerate().map(of_span).sum::<f64>()
+    }
+
+    /// What outputs of a span are worth, where all outputs are worth this.
+    fn worth_of_outputs(&self, k: usize, own: &[f64], outputs: &[f64]) -> f64 {
+        let of = |(row, by): (usize, &f64)| self.strands.output(k, row).map(|at| by * outputs[at]);
+        own.iter().enumerate().filter_map(of).sum()
     }
 
     /// What a dead force and moment on a node of the grid are worth, of a robot that is cut into spans.
@@ -179,8 +200,8 @@ impl Derivatives {
             return disk.checked_sub(1).map_or_else(Wrench::default, |span| pulls[span].added);
         }
         let of = |component: usize| {
-            let pushed = spans.push(node, unit_wrench(component), lengths.len());
-            let longer: f64 = pushed.lengths.iter().zip(lengths).map(|(a, b)| a * b).sum();
+            let pushed = spans.push(node, unit_wrench(component), self.maps.rows);
+            let longer = self.worth_of_outputs(pushed.span, &pushed.lengths, lengths);
             let acting = |k: usize, node: usize| {
                 if k == pushed.span { pushed.inside[node] } else { Effect::default() }
             };

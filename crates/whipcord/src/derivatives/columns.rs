@@ -5,11 +5,21 @@ use super::column::{Raw, Source, unit_wrench};
 use super::effect::{Effect, Forcing};
 use super::node_change::NodeChange;
 use super::rod::Derivatives;
+use super::sliding_holes::Cause;
 use super::spans::Spans;
+use super::strands::PLACES;
 use crate::section::Strain;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::hold::Hold;
+
+/// An input of the maps.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Input {
+    /// Of a strand.
+    Tension(usize),
+    Parameter(usize),
+}
 
 impl Derivatives {
     /// The change that a source makes at constant tensions.
@@ -21,15 +31,15 @@ impl Derivatives {
 
     /// The same of the robot without its contacts, under what they push.
     fn raw_alone(&self, source: Source) -> Raw {
-        let cables = self.place_of.len();
         match source {
-            Source::Tension(place) => self.respond(Some(place), None),
+            Source::Tension(strand) => self.respond(Some(Input::Tension(strand)), None),
             Source::Wrench { node, component } => {
                 self.respond(None, Some((node, unit_wrench(component))))
             }
             Source::Parameter(p) => {
                 let partial = &self.partials[p];
-                let mut raw = self.respond(partial.acts().then_some(cables + p), partial.added);
+                let mut raw =
+                    self.respond(partial.acts().then_some(Input::Parameter(p)), partial.added);
                 for (length, by) in raw.lengths.iter_mut().zip(&partial.lengths) {
                     *length += by;
                 }
@@ -40,20 +50,24 @@ impl Derivatives {
 
     /// The change at constant tensions that goes with one of the inputs of the maps, and with a dead wrench that is added
     /// at a node of the grid.
-    pub(super) fn respond(&self, input: Option<usize>, wrench: Option<(usize, Wrench)>) -> Raw {
-        let cables = self.place_of.len();
+    pub(super) fn respond(&self, input: Option<Input>, wrench: Option<(usize, Wrench)>) -> Raw {
+        // The number of the input among those of a step or span.
+        let number = |k: usize| match input? {
+            Input::Tension(strand) => self.strands.input(k, strand),
+            Input::Parameter(p) => Some(self.strands.inputs() + p),
+        };
         let spans = self.linear.spans();
         // The number that the node has in the chain; `None` between disks.
         let link = |node: usize| spans.map_or(Some(node), |spans| spans.disk(node));
         let pushed = match (spans, wrench) {
             (Some(spans), Some((node, wrench))) if link(node).is_none() => {
-                Some(spans.push(node, wrench, cables))
+                Some(spans.push(node, wrench, self.maps.rows))
             }
             _ => None,
         };
         let added = wrench.and_then(|(node, wrench)| Some((link(node)?, wrench)));
         let effect = |k: usize| {
-            let own = input.map_or_else(Effect::default, |i| self.maps.effects_of(k)[i]);
+            let own = number(k).map_or_else(Effect::default, |i| self.maps.effects_of(k)[i]);
             match &pushed {
                 Some(pushed) if pushed.span == k => own.plus(&pushed.effect),
                 _ => own,
@@ -69,21 +83,22 @@ impl Derivatives {
             Some((at, wrench)) if at == node => wrench,
             _ => Wrench::default(),
         });
-        for (place, length) in raw.lengths.iter_mut().enumerate() {
-            if let Some(input) = input {
-                let at = |k: usize| (k * self.maps.inputs + input) * cables + place;
-                *length += (0..self.links()).map(|k| self.maps.length_by_input[at(k)]).sum::<f64>();
+        let mut own = vec![0.0; raw.lengths.len()];
+        for k in 0..self.links() {
+            if let Some(input) = number(k) {
+                self.add_outputs(k, self.maps.outputs_of(k, input), &mut own);
             }
-            if let Some(pushed) = &pushed {
-                *length += pushed.lengths[place];
-            }
+        }
+        raw.lengths.iter_mut().zip(&own).for_each(|(length, own)| *length += own);
+        if let Some(pushed) = &pushed {
+            self.add_outputs(pushed.span, &pushed.lengths, &mut raw.lengths);
         }
         if let Some(spans) = spans {
             raw.disks = core::mem::take(&mut raw.nodes);
             spans.expand(
                 &raw.disks,
                 |k, node| {
-                    let own = input.map_or_else(Effect::default, |i| spans.input(i)(k, node));
+                    let own = number(k).map_or_else(Effect::default, |i| spans.input(i)(k, node));
                     match &pushed {
                         Some(pushed) if pushed.span == k => own.plus(&pushed.inside[node]),
                         _ => own,
@@ -93,6 +108,15 @@ impl Derivatives {
             );
         }
         raw
+    }
+
+    /// Adds what a step or a span changes of its outputs to all outputs.
+    fn add_outputs(&self, k: usize, own: &[f64], outputs: &mut [f64]) {
+        for (row, by) in own.iter().enumerate() {
+            if let Some(output) = self.strands.output(k, row) {
+                outputs[output] += by;
+            }
+        }
     }
 
     /// How many steps, or spans, are eliminated.
@@ -108,32 +132,71 @@ impl Derivatives {
         effect: impl Fn(usize) -> Effect,
         added: impl Fn(usize) -> Wrench,
     ) -> Raw {
-        let cables = self.place_of.len();
-        let mut raw = Raw { lengths: vec![0.0; cables], ..Raw::default() };
+        let mut raw = Raw { lengths: vec![0.0; self.strands.outputs()], ..Raw::default() };
         self.elimination.solve(first, effect, added, &mut raw.nodes);
+        let rows = self.maps.rows;
         for (k, node) in raw.nodes.iter().take(self.links()).enumerate() {
-            for (place, length) in raw.lengths.iter_mut().enumerate() {
-                let [turn, moment, force] = &self.maps.length_by_state[k * cables + place];
-                *length += turn.dot(node.turn) + moment.dot(node.moment) + force.dot(node.force);
+            for row in 0..rows {
+                let Some(output) = self.strands.output(k, row) else { continue };
+                let [turn, moment, force] = &self.maps.length_by_state[k * rows + row];
+                raw.lengths[output] +=
+                    turn.dot(node.turn) + moment.dot(node.moment) + force.dot(node.force);
             }
         }
         raw.base = Wrench { force: raw.nodes[0].force, moment: raw.nodes[0].moment };
         raw
     }
 
-    /// A change at constant tensions completed by the tensions that keep what is held; `targets` is
-    /// the change of the lengths that are to be kept.
-    fn completed(&self, source: Source, hold: Hold, targets: &[f64]) -> Change {
-        let (mut changed, mut tensions) = self.completing(source, hold, targets);
+    /// The changes of the tensions of all strands that keep what is held with a cause that changes the outputs so at constant tensions;
+    /// and where cables rub, of the tensions below the base. By grid places.
+    pub(super) fn tensions(&self, hold: Hold, outputs: &[f64], cause: Cause) -> [Vec<f64>; 2] {
+        if let Some(sliding) = &self.sliding {
+            return sliding.tensions(hold, outputs, cause);
+        }
+        let target = |place: usize| match cause {
+            Cause::Parameter(p) => self.partials[p].targets[place],
+            Cause::Command(cable) if cable == place => -1.0,
+            _ => 0.0,
+        };
+        let cables = 0..self.place_of.len();
+        let right: Vec<f64> = cables
+            .map(|place| target(place) - outputs.get(place).copied().unwrap_or(0.0))
+            .collect();
+        [self.held.tensions(hold, &right), Vec::new()]
+    }
+
+    /// What the command of a cable, by its grid place, or where `hold` is that of tensions its tension, changes of every tension.
+    pub(super) fn pulled(&self, place: usize, hold: Hold) -> [Vec<f64>; 2] {
+        let is_tension =
+            hold == Hold::Tensions || matches!(self.commands[place], Command::Tension(_));
+        if self.sliding.is_none() && is_tension {
+            let outputs = &self.by_tension[place].lengths;
+            let [mut tensions, none] = self.tensions(hold, outputs, Cause::Nothing);
+            tensions[place] += 1.0;
+            return [tensions, none];
+        }
+        let cause =
+            if hold == Hold::Tensions { Cause::Tension(place) } else { Cause::Command(place) };
+        self.tensions(hold, &[], cause)
+    }
+
+    /// The lengths of the cables by grid places, of those of all strands.
+    pub(super) fn cable_lengths(&self, outputs: Vec<f64>) -> Vec<f64> {
+        match &self.sliding {
+            Some(sliding) => sliding.cable_lengths(&outputs),
+            None => outputs,
+        }
+    }
+
+    /// A change at constant tensions completed by the tensions that keep what is held.
+    fn completed(&self, source: Source, hold: Hold, cause: Cause) -> Change {
+        let (mut changed, [tensions, base]) = self.completing(source, hold, cause);
         let strains = self.strains(&changed, source, &tensions);
         if let Source::Parameter(p) = source {
             // What acts on the rod between base and tip adds to what the nodes carry.
             changed.base.force += self.partials[p].at_node(0).force;
         }
-        if let Source::Tension(place) = source {
-            tensions[place] += 1.0;
-        }
-        self.change(changed, strains, &tensions)
+        self.change(changed, strains, [tensions, base])
     }
 
     /// The same in the terms of the grid, and the tensions that complete it.
@@ -141,36 +204,31 @@ impl Derivatives {
         &self,
         source: Source,
         hold: Hold,
-        targets: &[f64],
-    ) -> (Raw, Vec<f64>) {
-        let raw = self.raw(source);
-        let cables = self.place_of.len();
-        let right: Vec<f64> = (0..cables)
-            .map(|place| targets.get(place).copied().unwrap_or(0.0) - raw.lengths[place])
-            .collect();
-        let tensions = self.held.tensions(hold, &right);
-        let mut changed = raw;
-        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
+        cause: Cause,
+    ) -> (Raw, [Vec<f64>; 2]) {
+        let mut changed = self.raw(source);
+        let tensions = self.tensions(hold, &changed.lengths, cause);
+        for (column, &tension) in self.by_tension.iter().zip(&tensions[0]) {
             changed.add(tension, column);
         }
         (changed, tensions)
     }
 
-    fn change(&self, changed: Raw, strains: Vec<Strain>, tensions: &[f64]) -> Change {
+    fn change(&self, changed: Raw, strains: Vec<Strain>, [pulls, base]: [Vec<f64>; 2]) -> Change {
         let of_robot = |values: &[f64]| self.place_of.iter().map(|&place| values[place]).collect();
         Change {
             places: self.places.clone(),
             strains,
             base: changed.base,
-            lengths: of_robot(&changed.lengths),
             twists: changed.nodes.iter().map(NodeChange::twist).collect(),
-            tensions: of_robot(tensions),
+            lengths: of_robot(&self.cable_lengths(changed.lengths)),
+            tensions: of_robot(if self.sliding.is_some() { &base } else { &pulls }),
         }
     }
 
     /// How the strain behind each node changes, and of the tip in front of it: eq. (d1) at the nodes.
     pub(super) fn strains(&self, changed: &Raw, source: Source, tensions: &[f64]) -> Vec<Strain> {
-        let cables = tensions.len();
+        let cables = self.place_of.len();
         let nodes = &changed.nodes;
         (0..nodes.len())
             .map(|node| {
@@ -202,9 +260,10 @@ impl Derivatives {
                     _ => Forcing::default(),
                 };
                 let pulls = self.linear.pulls_at_node(node, cables, active);
-                for (place, ((pull, _), tension)) in pulls.iter().zip(tensions).enumerate() {
-                    let own = matches!(source, Source::Tension(p) if p == place);
-                    let tension = tension + if own { 1.0 } else { 0.0 };
+                let link = node.min(self.links() - 1);
+                let at = if node == link { 0 } else { PLACES - 1 };
+                for (place, (pull, _)) in pulls.iter().enumerate() {
+                    let tension = self.strands.tension((link, place), at, tensions);
                     forcing.force_balance += tension * pull.linear;
                     forcing.moment_balance += tension * pull.angular;
                 }
@@ -220,16 +279,22 @@ impl Derivatives {
     /// When the robot has no cable of this number.
     #[must_use]
     pub fn command(&self, cable: usize) -> Change {
-        let place = self.place_of[cable];
-        match self.commands[place] {
-            Command::Tension(_) => self.completed(Source::Tension(place), Hold::Commands, &[]),
-            Command::Length { .. } => {
-                let cables = self.place_of.len();
-                let right: Vec<f64> =
-                    (0..cables).map(|i| if i == place { -1.0 } else { 0.0 }).collect();
-                let tensions = self.held.tensions(Hold::Commands, &right);
-                self.with_tensions(&tensions)
+        self.with_tensions(self.pulled(self.place_of[cable], Hold::Commands))
+    }
+
+    /// How the answer changes where the command of a cable is changed by as much in all steps of the case ([`Self::command`] changes it
+    /// in the last). They differ where cables rub in their holes, which remember the steps before.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn offset(&self, cable: usize) -> Change {
+        match &self.sliding {
+            Some(sliding) => {
+                let cause = Cause::Offset(self.place_of[cable]);
+                self.with_tensions(sliding.tensions(Hold::Commands, &[], cause))
             }
+            None => self.command(cable),
         }
     }
 
@@ -239,23 +304,23 @@ impl Derivatives {
     /// When the robot has no cable of this number.
     #[must_use]
     pub fn tension(&self, cable: usize) -> Change {
-        self.completed(Source::Tension(self.place_of[cable]), Hold::Tensions, &[])
+        self.with_tensions(self.pulled(self.place_of[cable], Hold::Tensions))
     }
 
-    /// The change that goes with changes of the tensions, by grid places, and with nothing else.
-    fn with_tensions(&self, tensions: &[f64]) -> Change {
-        let cables = tensions.len();
+    /// The change that goes with changes of the tensions of all strands, and with nothing else; and with the tensions below the base, where
+    /// these are others.
+    fn with_tensions(&self, tensions: [Vec<f64>; 2]) -> Change {
         let mut changed = Raw {
             nodes: vec![NodeChange::default(); self.steps.len() + 1],
-            lengths: vec![0.0; cables],
+            lengths: vec![0.0; self.strands.outputs()],
             ..Raw::default()
         };
-        for (column, &tension) in self.by_tension.iter().zip(tensions) {
+        for (column, &tension) in self.by_tension.iter().zip(&tensions[0]) {
             changed.add(tension, column);
         }
         // No wrench at all is added: the component does not matter.
         let nothing = Source::Wrench { node: usize::MAX, component: 0 };
-        let strains = self.strains(&changed, nothing, tensions);
+        let strains = self.strains(&changed, nothing, &tensions[0]);
         self.change(changed, strains, tensions)
     }
 
@@ -265,8 +330,7 @@ impl Derivatives {
     /// When no parameter has this number.
     #[must_use]
     pub fn parameter(&self, index: usize, hold: Hold) -> Change {
-        let targets = &self.partials[index].targets;
-        self.completed(Source::Parameter(index), hold, targets)
+        self.completed(Source::Parameter(index), hold, Cause::Parameter(index))
     }
 
     /// How the answer changes with a component of a dead wrench at a place, base frame: force in N
@@ -278,6 +342,6 @@ impl Derivatives {
     pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
         assert!(component < 6, "a wrench has six components, none of which is {component}");
         let node = self.places.number(at);
-        self.completed(Source::Wrench { node, component }, hold, &[])
+        self.completed(Source::Wrench { node, component }, hold, Cause::Nothing)
     }
 }

@@ -14,19 +14,22 @@
 //! δq = H⁻¹ (f + J_cᵀ K J_c H⁻¹ f)                                                       (d9)
 //! ```
 //!
-//! Tensions of the cables that are held follow as those of a rod do ([`crate::statics::hold`]).
+//! Tensions of the cables that are held follow as those of a rod do ([`crate::statics::hold`]). Where cables rub in their holes, every
+//! passage has a tension, and the outputs that the holes' equations take ([`crate::statics::friction`]) are lengths and angles of all
+//! passages; else they are the lengths of the cables.
 
 use whipcord_numerics::{Twist, Vec3};
 
 use super::backward::{Cotangent, Gradient};
 use super::change::{Change, Place, Places};
 use super::linear_system::{KnownPlaces, LinearSystem, ParameterChange, add, dot};
+use super::sliding_holes::{AnswerHoles, Cause, SlidingHoles};
 use crate::error::SolveError;
-use crate::kinematics::{Local, Matrix6};
+use crate::kinematics::{Compliance, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
+use crate::statics::friction::Carried;
 use crate::statics::hold::{Critical, HeldCables, Hold};
-use crate::statics::local::{Column, local_of};
 
 /// A cable of an answer.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +66,7 @@ struct Contacts {
 struct Response {
     /// Of the places.
     twists: Vec<Twist>,
+    /// Of the outputs.
     lengths: Vec<f64>,
     base: Wrench,
 }
@@ -74,8 +78,11 @@ pub struct CoordinateDerivatives {
     places: Places,
     cables: Vec<CoordinateCable>,
     parameters: Vec<ParameterChange>,
+    /// By the tension of each cable, or of each passage.
     by_tension: Vec<Response>,
     held: HeldCables,
+    /// Where cables rub.
+    sliding: Option<Box<SlidingHoles>>,
     contacts: Contacts,
     length: f64,
 }
@@ -90,12 +97,31 @@ impl CoordinateDerivatives {
         are_about_to_change: bool,
         gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
     ) -> Result<Self, SolveError> {
-        Self::linear(solved, are_about_to_change, gain)
+        Self::linear(solved, None, are_about_to_change, gain)
             .map_err(|Critical| SolveError::NoDerivatives)
+    }
+
+    /// Of an answer whose cables rub in these holes, and how the state that the holes remember changes, as
+    /// [`AnswerHoles::carried`] has it.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub(crate) fn of_sliding(
+        solved: SolvedCoordinates,
+        holes: &AnswerHoles<'_>,
+    ) -> Result<(Self, Vec<Carried>), SolveError> {
+        let no_contacts = |_: &[f64]| Ok(Vec::new());
+        let derivatives = Self::linear(solved, Some(holes), false, no_contacts)
+            .map_err(|Critical| SolveError::NoDerivatives)?;
+        let Some(sliding) = &derivatives.sliding else { return Ok((derivatives, Vec::new())) };
+        let by_parameter = |p: usize| derivatives.by_parameter(&derivatives.parameters[p]).lengths;
+        let carried = sliding.carried(by_parameter);
+        Ok((derivatives, carried))
     }
 
     fn linear(
         solved: SolvedCoordinates,
+        holes: Option<&AnswerHoles<'_>>,
         are_about_to_change: bool,
         gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
     ) -> Result<Self, Critical> {
@@ -109,6 +135,7 @@ impl CoordinateDerivatives {
             parameters,
             by_tension: Vec::new(),
             held: HeldCables::default(),
+            sliding: None,
             contacts: Contacts { are_about_to_change, ..Contacts::default() },
             length,
         };
@@ -118,16 +145,24 @@ impl CoordinateDerivatives {
             derivatives.contacts = Contacts { places, gain, are_about_to_change };
         }
         let count = derivatives.cables.len();
-        derivatives.by_tension = (0..count).map(|i| derivatives.by_tension(i)).collect();
+        let pulls = holes.map_or(count, |answer| answer.holes.count());
+        derivatives.by_tension = (0..pulls).map(|i| derivatives.by_tension(i)).collect();
         let lengths = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
         let cables = &derivatives.cables;
-        derivatives.held = HeldCables::new(
-            count,
-            lengths,
-            |i| cables[i].compliance,
-            |i| cables[i].is_taut,
-            |i| cables[i].command.is_length(),
-        )?;
+        match holes {
+            Some(answer) => {
+                derivatives.sliding = Some(Box::new(SlidingHoles::new(answer, lengths)?));
+            }
+            None => {
+                derivatives.held = HeldCables::new(
+                    count,
+                    lengths,
+                    |i| cables[i].compliance,
+                    |i| cables[i].is_taut,
+                    |i| cables[i].command.is_length(),
+                )?;
+            }
+        }
         let finite = derivatives.by_tension.iter().all(Response::is_finite);
         if finite { Ok(derivatives) } else { Err(Critical) }
     }
@@ -194,21 +229,40 @@ impl CoordinateDerivatives {
         self.respond(self.system.row(place, component), (&[], at_base))
     }
 
-    /// A change at constant tensions completed by the tensions that keep what is held; `targets` is the change of the lengths
-    /// that are to be kept.
-    fn completed(&self, mut response: Response, hold: Hold, targets: &[f64]) -> Change {
-        let right: Vec<f64> = (response.lengths.iter().enumerate())
-            .map(|(i, length)| targets.get(i).copied().unwrap_or(0.0) - length)
-            .collect();
-        let tensions = self.held.tensions(hold, &right);
-        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
+    /// A change at constant tensions completed by the tensions that keep what is held.
+    fn completed(&self, mut response: Response, hold: Hold, cause: Cause) -> Change {
+        let outputs = &response.lengths;
+        let [pulls, base] = match &self.sliding {
+            Some(sliding) => sliding.tensions(hold, outputs, cause),
+            None => {
+                let target = |i: usize| match cause {
+                    Cause::Parameter(p) => self.parameters[p].targets[i],
+                    Cause::Command(cable) if cable == i => -1.0,
+                    _ => 0.0,
+                };
+                let right: Vec<f64> = (0..outputs.len()).map(|i| target(i) - outputs[i]).collect();
+                [self.held.tensions(hold, &right), Vec::new()]
+            }
+        };
+        for (column, &tension) in self.by_tension.iter().zip(&pulls) {
             response.add(tension, column);
         }
-        self.change(response, tensions)
+        let Response { twists, lengths, base: at_base } = response;
+        let (lengths, tensions) = match &self.sliding {
+            Some(sliding) => (sliding.cable_lengths(&lengths), base),
+            None => (lengths, pulls),
+        };
+        let (places, strains) = (self.places.clone(), Vec::new());
+        Change { places, twists, strains, base: at_base, lengths, tensions }
     }
 
-    fn change(&self, Response { twists, lengths, base }: Response, tensions: Vec<f64>) -> Change {
-        Change { places: self.places.clone(), twists, strains: Vec::new(), base, lengths, tensions }
+    /// Nothing that changes at constant tensions.
+    fn still(&self) -> Response {
+        Response {
+            twists: vec![Twist::default(); self.system.positions.len()],
+            lengths: vec![0.0; self.by_tension.first().map_or(0, |column| column.lengths.len())],
+            base: Wrench::default(),
+        }
     }
 
     /// As [`super::Derivatives::command`].
@@ -218,22 +272,25 @@ impl CoordinateDerivatives {
     #[must_use]
     pub fn command(&self, cable: usize) -> Change {
         match self.cables[cable].command {
-            Command::Tension(_) => self.pulled(cable, Hold::Commands),
-            Command::Length { .. } => {
-                let targets: Vec<f64> =
-                    (0..self.cables.len()).map(|i| if i == cable { -1.0 } else { 0.0 }).collect();
-                let still = Response {
-                    twists: vec![Twist::default(); self.system.positions.len()],
-                    lengths: vec![0.0; self.cables.len()],
-                    base: Wrench::default(),
-                };
-                self.completed(still, Hold::Commands, &targets)
-            }
+            Command::Tension(_) if self.sliding.is_none() => self.pulled(cable, Hold::Commands),
+            _ => self.completed(self.still(), Hold::Commands, Cause::Command(cable)),
+        }
+    }
+
+    /// As [`super::Derivatives::offset`].
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn offset(&self, cable: usize) -> Change {
+        match self.sliding {
+            Some(_) => self.completed(self.still(), Hold::Commands, Cause::Offset(cable)),
+            None => self.command(cable),
         }
     }
 
     fn pulled(&self, cable: usize, hold: Hold) -> Change {
-        let mut change = self.completed(self.by_tension[cable].clone(), hold, &[]);
+        let mut change = self.completed(self.by_tension[cable].clone(), hold, Cause::Nothing);
         change.tensions[cable] += 1.0;
         change
     }
@@ -244,7 +301,14 @@ impl CoordinateDerivatives {
     /// When the robot has no cable of this number.
     #[must_use]
     pub fn tension(&self, cable: usize) -> Change {
-        self.pulled(cable, Hold::Tensions)
+        match self.sliding {
+            Some(_) => self.completed(self.still(), Hold::Tensions, Cause::Tension(cable)),
+            None => self.pulled(cable, Hold::Tensions),
+        }
+    }
+
+    fn by_parameter(&self, parameter: &ParameterChange) -> Response {
+        self.respond(&parameter.force, (&parameter.lengths, parameter.base))
     }
 
     /// As [`super::Derivatives::parameter`].
@@ -253,9 +317,8 @@ impl CoordinateDerivatives {
     /// When no parameter has this number.
     #[must_use]
     pub fn parameter(&self, index: usize, hold: Hold) -> Change {
-        let parameter = &self.parameters[index];
-        let response = self.respond(&parameter.force, (&parameter.lengths, parameter.base));
-        self.completed(response, hold, &parameter.targets)
+        let response = self.by_parameter(&self.parameters[index]);
+        self.completed(response, hold, Cause::Parameter(index))
     }
 
     /// As [`super::Derivatives::wrench`].
@@ -265,7 +328,7 @@ impl CoordinateDerivatives {
     #[must_use]
     pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
         assert!(component < 6, "a wrench has six components, none of which is {component}");
-        self.completed(self.by_wrench(self.places.number(at), component), hold, &[])
+        self.completed(self.by_wrench(self.places.number(at), component), hold, Cause::Nothing)
     }
 
     /// As [`super::Derivatives::actuation_jacobian`].
@@ -290,15 +353,14 @@ impl CoordinateDerivatives {
     /// When there is no such station or disk.
     #[must_use]
     pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
-        let number = self.places.number(at);
-        self.by_tension.iter().map(|column| column.twists[number]).collect()
+        (0..self.cables.len()).map(|cable| self.tension(cable).twist(at)).collect()
     }
 
     /// As [`super::Derivatives::length_by_tension`].
     #[must_use]
     pub fn length_by_tension(&self) -> Vec<Vec<f64>> {
-        let row = |i: usize| self.by_tension.iter().map(|column| column.lengths[i]).collect();
-        (0..self.cables.len()).map(row).collect()
+        let by: Vec<Change> = (0..self.cables.len()).map(|cable| self.tension(cable)).collect();
+        (0..by.len()).map(|i| by.iter().map(|change| change.lengths[i]).collect()).collect()
     }
 
     /// As [`super::Derivatives::compliance`].
@@ -337,23 +399,36 @@ impl CoordinateDerivatives {
     /// # Panics
     /// When there is no such station or disk.
     pub fn at(&self, place: Place) -> Result<Local, SolveError> {
-        let number = self.places.number(place);
-        let column = |response: &Response| Column {
-            twist: response.twists[number],
-            lengths: response.lengths.clone(),
+        let yielding = |hold: Hold| -> Result<Compliance, SolveError> {
+            let compliance = self.compliance(place, hold)?;
+            Ok(Compliance { compliance, stiffness: compliance.inverse(self.length) })
         };
-        let by_tension: Vec<Column> = self.by_tension.iter().map(column).collect();
-        let by_wrench: Vec<Column> =
-            (0..6).map(|component| column(&self.by_wrench(number, component))).collect();
-        let commands: Vec<Command> = self.cables.iter().map(|cable| cable.command).collect();
-        let ends = (|i: usize| self.cables[i].is_taut, |i: usize| self.cables[i].compliance);
-        local_of(&commands, ends, &by_tension, Ok(&by_wrench), self.length)
+        let driven_by = |cable: &CoordinateCable| match cable.command {
+            Command::Tension(_) => DrivenBy::Tension,
+            Command::Length { .. } => DrivenBy::Shortening,
+        };
+        Ok(Local {
+            driven_by: self.cables.iter().map(driven_by).collect(),
+            actuation_jacobian: self.actuation_jacobian(place),
+            length_jacobian: self.length_by_command(),
+            compliances: Ok(Compliances {
+                tensions_held: yielding(Hold::Tensions)?,
+                lengths_held: yielding(Hold::Lengths)?,
+            }),
+            method: DerivativeMethod::Exact,
+        })
     }
 
     /// Whether a contact of the answer is about to open or to close, to stick or to slide.
     #[must_use]
     pub const fn is_contact_about_to_change(&self) -> bool {
         self.contacts.are_about_to_change
+    }
+
+    /// As [`super::Derivatives::is_hole_about_to_change`].
+    #[must_use]
+    pub fn is_hole_about_to_change(&self) -> bool {
+        self.sliding.as_ref().is_some_and(|sliding| sliding.held.is_about_to_change())
     }
 
     /// As [`super::Derivatives::pull_back`].
@@ -373,18 +448,36 @@ impl CoordinateDerivatives {
             *sum = *sum + *twist;
         }
         let at_base = &cotangent.base_wrench;
-        let worth: Vec<f64> = (self.by_tension.iter().zip(&tensions))
-            .map(|(column, own)| own + column.worth(&twists, &lengths, at_base))
-            .collect();
-        let by_length = self.held.pull_back(hold, &worth);
-        let by_commands = self.held.pull_back(Hold::Commands, &worth);
-        let commands = (0..cables)
-            .map(|i| match self.cables[i].command {
-                Command::Length { .. } => -by_commands[i],
-                Command::Tension(_) => worth[i] - dot(&by_commands, &self.by_tension[i].lengths),
-            })
-            .collect();
-        let lengths: Vec<f64> = lengths.iter().zip(&by_length).map(|(a, b)| a - b).collect();
+        let lengths = match &self.sliding {
+            Some(sliding) => sliding.worth_of_lengths(&lengths),
+            None => lengths,
+        };
+        let mut worth: Vec<f64> =
+            self.by_tension.iter().map(|column| column.worth(&twists, &lengths, at_base)).collect();
+        let (commands, by_length, more) = match &self.sliding {
+            Some(sliding) => {
+                worth.extend(&tensions);
+                sliding.pull_back(hold, &worth)
+            }
+            None => {
+                add(&mut worth, 1.0, &tensions);
+                let by_length = self.held.pull_back(hold, &worth);
+                let by_commands = self.held.pull_back(Hold::Commands, &worth);
+                let command = |i: usize| match self.cables[i].command {
+                    Command::Length { .. } => -by_commands[i],
+                    Command::Tension(_) => {
+                        worth[i] - dot(&by_commands, &self.by_tension[i].lengths)
+                    }
+                };
+                let more: Vec<f64> = by_length.iter().map(|by| -by).collect();
+                ((0..cables).map(command).collect(), by_length, more)
+            }
+        };
+        let lengths: Vec<f64> = lengths.iter().zip(&more).map(|(a, b)| a + b).collect();
+        let asked = |(p, parameter): (usize, &ParameterChange)| match &self.sliding {
+            Some(sliding) => sliding.worth_of(hold, &by_length, p),
+            None => dot(&by_length, &parameter.targets),
+        };
         // What a unit of each generalised force is worth.
         let mut by_motion = vec![0.0; system.coordinates];
         for (place, Twist { linear, angular }) in twists.iter().enumerate() {
@@ -422,10 +515,10 @@ impl CoordinateDerivatives {
             }
             add(&mut by_force, 1.0, &system.solve_transposed(&by_contact));
         }
-        let of_parameter = |parameter: &ParameterChange| {
+        let of_parameter = |(p, parameter): (usize, &ParameterChange)| {
             dot(&by_force, &parameter.force)
                 + dot(&lengths, &parameter.lengths)
-                + dot(&by_length, &parameter.targets)
+                + asked((p, parameter))
                 + parameter.base.dot(at_base)
         };
         let wrench = |place: usize| {
@@ -437,7 +530,7 @@ impl CoordinateDerivatives {
         };
         Gradient {
             commands,
-            parameters: self.parameters.iter().map(of_parameter).collect(),
+            parameters: self.parameters.iter().enumerate().map(of_parameter).collect(),
             wrenches: (0..system.positions.len()).map(wrench).collect(),
             places: self.places.clone(),
         }

@@ -129,12 +129,14 @@ pub(super) struct Maps {
     pub steps: Vec<StepMap>,
     /// Effects on the ends: by steps, then inputs.
     pub effects: Vec<Effect>,
-    /// Rates of the cables' lengths with the state at the start of a step, as (turn, moment, force):
-    /// by steps, then cables.
+    /// Rates of the outputs, such as the cables' lengths, with the state at the start of a step, as (turn, moment, force):
+    /// by steps, then outputs.
     pub length_by_state: Vec<[Vec3; 3]>,
-    /// The same with the inputs: by steps, then inputs, then cables.
+    /// The same with the inputs: by steps, then inputs, then outputs.
     pub length_by_input: Vec<f64>,
     pub inputs: usize,
+    /// Number of the outputs of a step.
+    pub rows: usize,
 }
 
 /// The columns of one pass.
@@ -165,31 +167,31 @@ struct Push {
 }
 
 impl Maps {
-    /// Maps of every step by its start, by the tensions, which are the first inputs, and by `more`
+    /// Maps of every step by its start, by `pulls` inputs that are tensions, which are the first inputs, and by `more`
     /// inputs, whose `forcing` at a stage is given by step, stage and input.
     pub fn compute(
         &mut self,
         steps: &[Step],
         replay: &Replay,
-        cables: usize,
-        more: usize,
+        (cables, rows): (usize, usize),
+        (pulls, more): (usize, usize),
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
     ) {
-        self.prepare(steps.len(), cables, more);
-        Arch::new().dispatch(AllSteps { maps: self, steps, replay, cables, forcing });
+        self.prepare(steps.len(), pulls, more, rows);
+        Arch::new().dispatch(AllSteps { maps: self, steps, replay, cables, pulls, forcing });
     }
 
-    /// Room for the maps of so many steps by tensions and `more` inputs.
-    pub fn prepare(&mut self, steps: usize, cables: usize, more: usize) {
-        self.inputs = cables + more;
+    /// Room for the maps of so many steps by tensions and `more` inputs, with so many outputs.
+    pub fn prepare(&mut self, steps: usize, cables: usize, more: usize, rows: usize) {
+        (self.inputs, self.rows) = (cables + more, rows);
         self.steps.clear();
         self.steps.reserve(steps);
         self.effects.clear();
         self.effects.resize(steps * self.inputs, Effect::default());
         self.length_by_state.clear();
-        self.length_by_state.resize(steps * cables, Default::default());
+        self.length_by_state.resize(steps * rows, Default::default());
         self.length_by_input.clear();
-        self.length_by_input.resize(steps * self.inputs * cables, 0.0);
+        self.length_by_input.resize(steps * self.inputs * rows, 0.0);
     }
 
     /// What acts on the columns of a pass; `None` where nothing does.
@@ -198,7 +200,7 @@ impl Maps {
         &self,
         replay: &Replay,
         k: usize,
-        cables: usize,
+        (cables, tensions): (usize, usize),
         active: usize,
         first: usize,
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
@@ -209,17 +211,21 @@ impl Maps {
         let mut pushes = [Push::default(); STAGES];
         for (i, push) in pushes.iter_mut().enumerate() {
             let pulls = replay.pulls_at(STAGES * k + i, cables, active);
+            let weights = replay.weights_at(STAGES * k + i, tensions);
+            // How many tensions of a cable there are.
+            let near = tensions / cables.max(1);
             for lane in 0..LANES {
                 let Some(input) = (first + lane).checked_sub(STATES) else { continue };
-                let forced = if input < cables {
-                    let Some((pull, _)) = pulls.get(input) else { continue };
+                let forced = if input < tensions {
+                    let Some((pull, _)) = pulls.get(input / near) else { continue };
+                    let weight = weights.map_or(1.0, |weights| weights[input]);
                     Forcing {
-                        force_balance: pull.linear,
-                        moment_balance: pull.angular,
+                        force_balance: weight * pull.linear,
+                        moment_balance: weight * pull.angular,
                         ..Forcing::default()
                     }
                 } else if input < self.inputs {
-                    forcing(k, i, input - cables)
+                    forcing(k, i, input - tensions)
                 } else {
                     continue;
                 };
@@ -231,6 +237,12 @@ impl Maps {
             }
         }
         Some(pushes)
+    }
+
+    /// Rates of the outputs of a step with an input.
+    pub fn outputs_of(&self, k: usize, input: usize) -> &[f64] {
+        let first = (k * self.inputs + input) * self.rows;
+        &self.length_by_input[first..first + self.rows]
     }
 
     /// Effects of all inputs on the end of a step.
@@ -246,6 +258,8 @@ struct AllSteps<'a> {
     steps: &'a [Step],
     replay: &'a Replay,
     cables: usize,
+    /// Inputs that are tensions.
+    pulls: usize,
     forcing: &'a dyn Fn(usize, usize, usize) -> Forcing,
 }
 
@@ -254,16 +268,17 @@ impl WithSimd for AllSteps<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { maps, steps, replay, cables, forcing } = self;
+        let Self { maps, steps, replay, cables, pulls, forcing } = self;
+        let rows = maps.rows;
         let inputs = maps.inputs;
         let columns = STATES + inputs;
-        let mut lengths = vec![Lane::default(); cables];
+        let mut lengths = vec![Lane::default(); rows];
         for (k, step) in steps.iter().enumerate() {
             let active = step.active;
             let force = replay.spread(k).map(|_| Default::default());
             let mut map = StepMap { force, ..StepMap::default() };
             for first in (0..columns).step_by(LANES) {
-                let pushes = maps.pushes(replay, k, cables, active, first, forcing);
+                let pushes = maps.pushes(replay, k, (cables, pulls), active, first, forcing);
                 lengths.fill(Lane::default());
                 let start = start(replay, k, first);
                 let pushes = pushes.as_ref();
@@ -280,12 +295,12 @@ impl WithSimd for AllSteps<'_> {
                     if c < STATES {
                         map.set(c, &Effect { turn, moment, shift, force });
                         for (i, length) in lengths.iter().enumerate() {
-                            maps.length_by_state[k * cables + i][c / 3][c % 3] = length.0[lane];
+                            maps.length_by_state[k * rows + i][c / 3][c % 3] = length.0[lane];
                         }
                     } else {
                         let input = c - STATES;
                         maps.effects[k * inputs + input] = Effect { turn, moment, shift, force };
-                        let place = (k * inputs + input) * cables;
+                        let place = (k * inputs + input) * rows;
                         for (i, length) in lengths.iter().enumerate() {
                             maps.length_by_input[place + i] = length.0[lane];
                         }
@@ -381,6 +396,13 @@ fn pass(
             end.force += (h * table.b[i]) * rates[i];
         }
         (spins[i], torques[i]) = (slopes.spin, slopes.torque);
+        for turn in replay.turns_at(k, i) {
+            let by = &turn.by;
+            lengths[turn.row] += slopes.strain.dot(by.strain)
+                + slopes.curvature.dot(by.curvature)
+                + slopes.turn.y.dot(by.y)
+                + by.s * slopes.turn.s;
+        }
         let weight = h * table.b[i];
         if weight == 0.0 {
             continue;
@@ -391,6 +413,7 @@ fn pass(
         end.moment += weight * slopes.torque;
         shift += weight * slopes.velocity;
         let pulls = replay.pulls_at(STAGES * k + i, cables, step.active);
+        // The lengths are the first outputs.
         for (length, (pull, _)) in lengths.iter_mut().zip(pulls) {
             *length +=
                 weight * (slopes.strain.dot(pull.linear) + slopes.curvature.dot(pull.angular));

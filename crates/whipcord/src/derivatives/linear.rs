@@ -8,8 +8,9 @@ use super::effect::Forcing;
 use super::elimination::StepPull;
 use super::forward::Maps;
 use super::quadrature::{POINTS, Quadrature};
-use super::replay::{Answer, Replay, Stage};
+use super::replay::{Answer, Replay, Stage, TurnOutput};
 use super::spans::{Spans, StraightSpan};
+use super::strands::Strands;
 use crate::section::Fault;
 use crate::section::{BodyWrench, Crossing, Strain};
 use crate::statics::grid::{Grid, Node, Step};
@@ -73,6 +74,14 @@ impl Linear {
         }
     }
 
+    /// At which place of the shooting grid, or near it, a section of a step lies.
+    pub fn shooting_place(&self, i: usize) -> usize {
+        match self {
+            Self::Trajectory(_) | Self::Spans(_) => NODE_OF_STAGE[i],
+            Self::Unloaded(_) => 0,
+        }
+    }
+
     /// A section of a step on the grid.
     pub fn node<'g>(
         &self,
@@ -115,6 +124,14 @@ impl Linear {
         &all[at * cables..at * cables + active]
     }
 
+    /// The outputs of step `k` that hang on one of its sections beside those that are integrated.
+    pub fn turns_at(&self, k: usize, i: usize) -> &[TurnOutput] {
+        match self {
+            Self::Trajectory(replay) => replay.turns_at(k, i),
+            Self::Unloaded(_) | Self::Spans(_) => &[],
+        }
+    }
+
     /// The section just behind a node, and at the tip in front of it.
     pub fn at_node(&self, node: usize) -> &Stage {
         match self {
@@ -140,33 +157,41 @@ impl Linear {
     pub fn maps(
         &mut self,
         grid: &Grid,
-        cables: usize,
-        more: usize,
+        (strands, more): (&Strands, usize),
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
         holes: &dyn Fn(usize, usize, usize) -> [Vec3; 2],
     ) -> Result<Maps, Critical> {
+        let (cables, rows) = (strands.cables(), strands.rows());
         let mut maps = Maps::default();
         match self {
-            Self::Trajectory(replay) => maps.compute(&grid.steps, replay, cables, more, forcing),
+            Self::Trajectory(replay) => {
+                let inputs = (strands.inputs(), more);
+                maps.compute(&grid.steps, replay, (cables, rows), inputs, forcing);
+            }
             Self::Unloaded(quadrature) => {
                 quadrature.compute(&mut maps, &grid.steps, cables, more, forcing);
             }
-            Self::Spans(spans) => return spans.compute(grid, (cables, more), forcing, holes),
+            Self::Spans(spans) => return spans.compute(grid, (cables, more, rows), forcing, holes),
         }
         Ok(maps)
     }
 
-    /// Sensitivities of one scalar to the forcing of every section within the steps; none of spans, see [`Spans::worth`].
+    /// Sensitivities of one scalar to the forcing of every section within the steps, where the outputs of a step, by its number and
+    /// theirs, are worth this; none of spans, see [`Spans::worth`].
     pub fn pull_back(
         &self,
         steps: &[Step],
         pulls: &[StepPull],
-        lengths: &[f64],
+        (cables, rows): (usize, &dyn Fn(usize, usize) -> f64),
         out: &mut Vec<Forcing>,
     ) {
         match self {
-            Self::Trajectory(replay) => stage_pulls(steps, replay, pulls, lengths, out),
-            Self::Unloaded(quadrature) => quadrature.stage_pulls(steps, pulls, lengths, out),
+            Self::Trajectory(replay) => stage_pulls(steps, replay, pulls, (cables, rows), out),
+            Self::Unloaded(quadrature) => {
+                // Without friction each row is the length of a cable, in all steps.
+                let lengths: Vec<f64> = (0..cables).map(|cable| rows(0, cable)).collect();
+                quadrature.stage_pulls(steps, pulls, &lengths, out);
+            }
             Self::Spans(_) => out.clear(),
         }
     }

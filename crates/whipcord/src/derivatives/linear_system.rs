@@ -19,7 +19,7 @@ pub(crate) struct LinearSystem {
     pub coordinates: usize,
     /// `H⁻¹`.
     pub inverse: Vec<f64>,
-    /// `C`: a row for each cable.
+    /// `C`: a row for each cable; where cables rub, one for each passage, and then one for the angle in the near hole of each.
     pub lengths: Vec<f64>,
     /// How force and moment at the base change with a unit of each generalised force: six rows.
     pub base: Vec<f64>,
@@ -67,11 +67,12 @@ impl LinearSystem {
 pub(crate) struct ParameterChange {
     /// `−∂r/∂p`.
     pub force: Vec<f64>,
-    /// Of the cables' lengths.
+    /// Of the cables' lengths, or of lengths and angles of all passages.
     pub lengths: Vec<f64>,
     /// Of the wrench at the base.
     pub base: Wrench,
-    /// Of the length that each cable is to keep, with its own stretch at its tension.
+    /// Of the length that each cable is to keep, with its own stretch at its tension; where cables rub, of what
+    /// [`Equations::targets`] has there.
     pub targets: Vec<f64>,
 }
 
@@ -80,9 +81,9 @@ pub(crate) struct ParameterChange {
 pub(crate) struct Equations {
     /// `r`.
     pub residuals: Vec<f64>,
-    /// Of the cables.
+    /// Of the cables, or lengths and angles of all passages.
     pub lengths: Vec<f64>,
-    /// The length that each cable is to keep, with its own stretch.
+    /// The length that each cable is to keep, with its own stretch; or what the equations of the holes have besides.
     pub targets: Vec<f64>,
     pub base: Wrench,
 }
@@ -93,16 +94,16 @@ impl ParameterChange {
         scale: f64,
         mut equations: impl FnMut(f64) -> Result<Equations, SolveError>,
     ) -> Result<Self, SolveError> {
-        let (mut coordinates, mut cables) = (0, 0);
+        let (mut coordinates, mut outputs) = (0, 0);
         let values = |by: f64| -> Result<Vec<f64>, SolveError> {
             let Equations { residuals, lengths, targets, base } = equations(by)?;
-            (coordinates, cables) = (residuals.len(), lengths.len());
+            (coordinates, outputs) = (residuals.len(), lengths.len());
             let base = [base.force, base.moment].map(<[f64; 3]>::from).concat();
-            Ok([residuals, lengths, targets, base].concat())
+            Ok([residuals, lengths, base, targets].concat())
         };
         let mut change = derivative(values, PARAMETER_STEP * scale)?;
-        let base = change.split_off(coordinates + 2 * cables);
-        let targets = change.split_off(coordinates + cables);
+        let targets = change.split_off(coordinates + outputs + 6);
+        let base = change.split_off(coordinates + outputs);
         let lengths = change.split_off(coordinates);
         change.iter_mut().for_each(|residual| *residual = -*residual);
         let vector = |at: usize| [base[at], base[at + 1], base[at + 2]].into();

@@ -8,7 +8,8 @@
 //! says where a parameter enters, with `mass_change` and `spread_change`; `touching` adds what the contacts of an answer push; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
 //! what one source changes, `change` is what comes out, `at_place` what is said of one place. `rod` is what is kept of an
 //! answer and `of_answer` makes it; `cables`, `setting`, `node_change`, `effect` and `column` are data of these. Where cables run straight
-//! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. `coordinates` has the same of
+//! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
+//! tensions of their own, which follow from `sliding_holes`. `coordinates` has the same of
 //! models that have generalised coordinates for a rod, from their `linear_system`.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
@@ -42,9 +43,11 @@ mod quadrature;
 mod replay;
 mod rod;
 mod setting;
+mod sliding_holes;
 mod spans;
 mod spread_change;
 mod step_ends;
+mod strands;
 mod touching;
 
 pub use self::backward::{Cotangent, Gradient};
@@ -55,10 +58,13 @@ pub use self::coordinates::CoordinateDerivatives;
 pub(crate) use self::coordinates::{CoordinateCable, SolvedCoordinates};
 pub(crate) use self::linear_system::{Equations, KnownPlaces, LinearSystem, ParameterChange};
 pub(crate) use self::node_change::NodeChange;
-pub(crate) use self::of_answer::Solved;
+pub(crate) use self::of_answer::{SlidingAnswer, Solved};
 pub(crate) use self::open::{Motion, StepGap};
 pub(crate) use self::plastic_change::plastic_left;
+pub(crate) use self::replay::Varying;
 pub use self::rod::Derivatives;
 pub(crate) use self::rod::NoDerivatives;
+pub(crate) use self::sliding_holes::AnswerHoles;
 pub(crate) use self::spans::StraightSpan;
+pub(crate) use self::strands::{PLACES, Share, Strands};
 pub use crate::statics::hold::Hold;

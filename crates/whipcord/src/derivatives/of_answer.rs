@@ -8,11 +8,13 @@ use super::column::{Raw, Source};
 use super::elimination::Elimination;
 use super::linear::Linear;
 use super::partials::Partial;
-use super::replay::Answer;
+use super::replay::{Answer, Varying};
 use super::rod::{CableEnd, Derivatives, NoDerivatives};
 use super::setting::{AtRest, Setting};
+use super::sliding_holes::{AnswerHoles, SlidingHoles};
 use super::spans::StraightSpan;
 use super::step_ends::StepEnds;
+use super::strands::Strands;
 use super::touching::{Touching, motion};
 use crate::case::{Case, Loads};
 use crate::parameter::Parameter;
@@ -20,6 +22,7 @@ use crate::robot::Robot;
 use crate::section::Strain;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
+use crate::statics::friction::{Carried, Holes, Standing};
 use crate::statics::grid::Grid;
 use crate::statics::hold::{Critical, HeldCables};
 use crate::statics::loads::AppliedLoads;
@@ -47,6 +50,19 @@ pub(crate) struct Solved<'a> {
     pub history: &'a [PlasticCurvature],
     /// Nodes of the grid that are asked for beside the disks, where cables run straight between these.
     pub nodes: &'a [usize],
+    /// Where cables rub.
+    pub sliding: Option<SlidingAnswer<'a>>,
+}
+
+/// The holes of an answer whose cables rub, and its strands, which are their passages.
+pub(crate) struct SlidingAnswer<'a> {
+    pub holes: &'a Holes,
+    pub standing: &'a Standing,
+    /// As [`AnswerHoles::carried`].
+    pub carried: Option<&'a [Carried]>,
+    pub strands: &'a Strands,
+    /// Where cables rub all along their curves.
+    pub varying: Option<Varying<'a>>,
 }
 
 impl Solved<'_> {
@@ -62,6 +78,7 @@ impl Solved<'_> {
             starts: self.starts,
             strains: self.strains,
             are_strains_met: self.are_strains_met,
+            varying: self.sliding.as_ref().and_then(|sliding| sliding.varying),
         }
     }
 }
@@ -75,12 +92,19 @@ impl Derivatives {
         let rest = of_robot.straight.and_then(|straight| straight.rest);
         let rest = rest.map(|(grid, spans)| at_rest(grid, spans, tensions)).transpose()?;
         let poses = solved.poses;
+        let strands = match &solved.sliding {
+            Some(sliding) => sliding.strands.clone(),
+            None => Strands::of_cables(of_robot.order.len()),
+        };
         let setting = Setting {
+            strands: &strands,
+            commands: solved.commands,
             robot,
             case,
             cables: of_robot,
             grid,
             tensions,
+            varying: answer.varying.map_or(&[], |varying| varying.tensions),
             poses,
             at_rest: rest.as_ref(),
         };
@@ -97,12 +121,12 @@ impl Derivatives {
             })
             .collect::<Result<Vec<_>, _>>()
             .map_err(NoDerivatives::Parameter)?;
-        let cables = tensions.len();
+        let cables = of_robot.order.len();
         let per_step = linear.per_step();
         let forcing = |k: usize, i: usize, p: usize| partials[p].forcing(per_step * k + i);
         let holes =
             |p: usize, cable: usize, span: usize| partials[p].moved_holes(robot, cable, span);
-        let mut maps = linear.maps(grid, cables, partials.len(), &forcing, &holes)?;
+        let mut maps = linear.maps(grid, (&strands, partials.len()), &forcing, &holes)?;
         let mut elimination = Elimination::default();
         elimination.eliminate(&mut maps, |step| {
             let node = linear.spans().map_or(step + 1, |spans| spans.far_disk(step));
@@ -127,22 +151,37 @@ impl Derivatives {
             partials,
             place_of,
             commands: solved.commands.to_vec(),
+            strands: strands.clone(),
             by_tension: Vec::new(),
             held: HeldCables::default(),
+            sliding: None,
             cables: Vec::new(),
             touching: Touching::default(),
             ends,
             length: robot.backbone().length,
         };
         derivatives.by_tension =
-            (0..cables).map(|place| derivatives.raw(Source::Tension(place))).collect();
+            (0..strands.count()).map(|strand| derivatives.raw(Source::Tension(strand))).collect();
         let end = |(place, &is_taut): (usize, &bool)| {
             let rest = of_robot.rest_lengths[place];
             let compliance = robot.cable_compliance(of_robot.order[place], rest);
             CableEnd { compliance, is_taut }
         };
         derivatives.cables = solved.taut.iter().enumerate().map(end).collect();
-        derivatives.hold()?;
+        match &solved.sliding {
+            None => derivatives.hold()?,
+            Some(sliding) => {
+                let source = |partial: &Partial| partial.hole_source(&setting, sliding.holes);
+                let answer = AnswerHoles {
+                    holes: sliding.holes,
+                    standing: sliding.standing,
+                    parameters: derivatives.partials.iter().map(source).collect(),
+                    carried: sliding.carried,
+                };
+                let by_tension = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
+                derivatives.sliding = Some(Box::new(SlidingHoles::new(&answer, by_tension)?));
+            }
+        }
         let tip = derivatives.raw(Source::Wrench { node: grid.len(), component: 0 });
         let finite = derivatives.by_tension.iter().chain([&tip]).all(Raw::is_finite);
         if finite { Ok(derivatives) } else { Err(NoDerivatives::Critical) }
@@ -184,6 +223,7 @@ fn at_rest<'a>(
         starts: &[],
         strains: &[],
         are_strains_met: false,
+        varying: None,
     };
     Ok(AtRest { grid, linear: Linear::of(&answer, Some((spans, &[])))? })
 }
@@ -229,6 +269,19 @@ impl Derivatives {
     pub(crate) fn at_stations(mut self, nodes: Vec<usize>) -> Self {
         self.places.stations = nodes;
         self
+    }
+
+    /// How the state that the holes remember changes, as [`AnswerHoles::carried`] has it.
+    pub(crate) fn carried(&self) -> Vec<Carried> {
+        let Some(sliding) = &self.sliding else { return Vec::new() };
+        sliding.carried(|p| self.raw(Source::Parameter(p)).lengths)
+    }
+
+    /// Whether a cable with friction is about to slide in a hole where it sticks, or has only begun to slide: the answer has a kink
+    /// there, and these are the derivatives of the case that the answer is in.
+    #[must_use]
+    pub fn is_hole_about_to_change(&self) -> bool {
+        self.sliding.as_ref().is_some_and(|sliding| sliding.held.is_about_to_change())
     }
 
     /// Whether a contact of the answer is about to open or to close, to stick or to slide: it has a kink there, and these are the

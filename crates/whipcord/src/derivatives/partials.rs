@@ -7,7 +7,7 @@ use super::effect::Forcing;
 use super::friction_change::FrictionChange;
 use super::linear::Linear;
 use super::mass_change::MassChange;
-use super::replay::AXES;
+use super::replay::{AXES, TurnOutput};
 use super::setting::{AtRest, Setting};
 use super::spread_change::SpreadChange;
 use super::step_ends::StepEnds;
@@ -17,6 +17,7 @@ use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::{Robot, RobotError, SectionProperties};
 use crate::section::{BENDING_AXES, BodyWrench, Crossing, Section, Stiffness, Strain};
 use crate::shape::Wrench;
+use crate::statics::friction::{HoleSource, Holes};
 use crate::statics::grid::{Node, SHOOTING_NODES, Step};
 use crate::statics::plastic_curvature::PlasticCurvature;
 
@@ -32,6 +33,9 @@ struct Place<'a> {
     crossings: &'a [Crossing],
     strain: Strain,
     pulls: &'a [(BodyWrench, f64)],
+    tensions: &'a [f64],
+    /// Outputs that hang on the section beside those that are integrated.
+    turns: &'a [TurnOutput],
     rotation: Mat3,
 }
 
@@ -43,7 +47,7 @@ pub(super) struct Partial {
     routes: Vec<Option<RouteChange>>,
     masses: MassChange,
     spread: SpreadChange,
-    /// Of the cables' lengths at rest.
+    /// Of the strands' lengths at rest.
     pub rest_lengths: Vec<f64>,
     /// What acts at each section within the steps; empty where nothing does.
     forcing: Vec<Forcing>,
@@ -53,7 +57,7 @@ pub(super) struct Partial {
     at_ends: Vec<Forcing>,
     /// How the plastic curvature that earlier steps of actuation left changes.
     history: Option<PlasticCurvature>,
-    /// Of the cables' lengths at constant strain.
+    /// Of the outputs at constant strain.
     pub lengths: Vec<f64>,
     /// The wrench that is added at a node, base frame.
     pub added: Option<(usize, Wrench)>,
@@ -76,8 +80,8 @@ impl Partial {
             cables.order.iter().map(|&c| RouteChange::new(robot, c, parameter)).collect();
         let mut partial = Self {
             parameter: *parameter,
-            rest_lengths: vec![0.0; routes.len()],
-            lengths: vec![0.0; routes.len()],
+            rest_lengths: vec![0.0; setting.strands.count()],
+            lengths: Vec::new(),
             routes,
             masses: MassChange::default(),
             spread: SpreadChange::new(&case.loads, parameter),
@@ -93,8 +97,10 @@ impl Partial {
         partial.history = history.cloned();
         partial.lengths = partial.act(setting, linear, ends);
         partial.added = partial.wrench(setting);
-        partial.targets =
-            (0..partial.routes.len()).map(|place| partial.target(setting, place)).collect();
+        if !setting.strands.rub() {
+            partial.targets =
+                (0..partial.routes.len()).map(|place| partial.target(setting, place)).collect();
+        }
         Ok(partial)
     }
 
@@ -174,18 +180,55 @@ impl Partial {
     }
 
     fn target(&self, setting: &Setting<'_>, place: usize) -> f64 {
-        let cable = setting.cables.order[place];
-        let rest = self.rest_lengths[place];
+        let (asked, compliance) = self.asked(setting, place, self.rest_lengths[place]);
+        asked + compliance * setting.tensions[place]
+    }
+
+    /// How the length that a cable is to keep inside the robot changes where nothing pulls it, and the compliance of cable and drive, with its
+    /// length at rest.
+    fn asked(&self, setting: &Setting<'_>, place: usize, rest: f64) -> (f64, f64) {
+        let (robot, cable) = (setting.robot, setting.cables.order[place]);
         let asked = match setting.case.commands[cable].shortening {
             Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
             _ => rest,
         };
-        let (robot, at_rest) = (setting.robot, setting.cables.rest_lengths[place]);
+        let at_rest = setting.cables.rest_lengths[place];
         let motor = MotorChange::new(&self.parameter, robot, setting.case, cable, at_rest);
         let inside = robot.cables()[cable].axial_stiffness.map_or(0.0, |k| rest / k);
-        let beyond = setting.tensions[place] - robot.pretension(cable);
+        let compliance = inside + motor.compliance;
         let by_pretension = robot.cable_compliance(cable, at_rest) * motor.pretension;
-        asked - motor.shortening + (inside + motor.compliance) * beyond - by_pretension
+        let wound_up = compliance * robot.pretension(cable) + by_pretension;
+        (asked - motor.shortening - wound_up, compliance)
+    }
+
+    /// What the parameter changes in the equations of the holes.
+    pub fn hole_source(&self, setting: &Setting<'_>, holes: &Holes) -> HoleSource {
+        let Setting { robot, cables, .. } = *setting;
+        let mut rest = Vec::new();
+        holes.cable_lengths(&self.rest_lengths, &mut rest);
+        let mut source = HoleSource { yielding: vec![0.0; holes.count()], ..HoleSource::default() };
+        for (place, &cable) in cables.order.iter().enumerate() {
+            let rubs = matches!(self.parameter, Parameter::Friction { cable: of }
+                if of.is_none_or(|only| only == cable) && robot.cables()[cable].friction.is_some());
+            source.friction.push(if rubs { 1.0 } else { 0.0 });
+            let (target, mut outside) = self.asked(setting, place, rest[place]);
+            source.targets.push(target);
+            let is_length = setting.commands[place].is_length();
+            source.commands.push(if is_length { target } else { 0.0 });
+            if let Some(stiffness) = robot.cables()[cable].axial_stiffness {
+                let softens = self.parameter == Parameter::AxialStiffness { cable };
+                let by_stiffness = if softens { -1.0 / stiffness } else { 0.0 };
+                let at_rest = cables.rest_lengths[place] / stiffness;
+                outside -= rest[place] / stiffness + by_stiffness * at_rest;
+                for &p in &holes.of_cable[place] {
+                    source.yielding[p] =
+                        by_stiffness * holes.yielding[p] + self.rest_lengths[p] / stiffness;
+                }
+            }
+            source.outside.push(outside);
+        }
+        source.rest.clone_from(&self.rest_lengths);
+        source
     }
 
     /// Whether the strain at rest or a course changes.
@@ -219,12 +262,14 @@ impl Partial {
             self.act(&Setting { grid, ..*setting }, linear, None);
             let forcing = |k: usize, i: usize, _: usize| self.forcing(linear.per_step() * k + i);
             let holes = |cable: usize, span: usize| self.moved_holes(setting.robot, cable, span);
-            let cables = self.rest_lengths.len();
-            self.rest_lengths = spans.lengths_at_rest(grid, cables, &forcing, &holes);
+            self.rest_lengths = spans.lengths_at_rest(grid, setting.strands, &forcing, &holes);
             return;
         }
-        for place in 0..self.rest_lengths.len() {
-            self.rest_lengths[place] = self.rest_length_change(setting, place);
+        // Those of strands follow with the sections.
+        if !setting.strands.rub() {
+            for place in 0..self.rest_lengths.len() {
+                self.rest_lengths[place] = self.rest_length_change(setting, place);
+            }
         }
     }
 
@@ -262,8 +307,8 @@ impl Partial {
 
     /// Gathers the forcing of all stages; the explicit change of the lengths of cables through the sections.
     fn act(&mut self, setting: &Setting<'_>, linear: &Linear, ends: Option<&StepEnds>) -> Vec<f64> {
-        let Setting { grid, tensions, .. } = *setting;
-        let cables = tensions.len();
+        let Setting { grid, .. } = *setting;
+        let cables = self.routes.len();
         let acts = self.changes_rest()
             || self.masses.any()
             || !self.spread.pieces.is_empty()
@@ -282,12 +327,13 @@ impl Partial {
             );
         self.forcing.clear();
         self.at_nodes.clear();
-        let mut lengths = vec![0.0; cables];
+        let mut lengths = vec![0.0; setting.strands.outputs()];
+        let mut rest = vec![0.0; setting.strands.count()];
         if !acts {
             return lengths;
         }
         // What straight cables do, their holes do at the disks.
-        if linear.spans().is_none() {
+        if linear.spans().is_none() && !setting.strands.rub() {
             lengths.clone_from(&self.rest_lengths);
         }
         for (k, step) in grid.steps.iter().enumerate() {
@@ -307,9 +353,12 @@ impl Partial {
                     crossings,
                     strain,
                     pulls,
+                    tensions: setting.tensions_at(k, linear.shooting_place(i)),
+                    turns: linear.turns_at(k, i),
                     rotation: linear.rotation(at),
                 };
-                let out = self.act_at(setting, &section, weight * step.length, &mut lengths);
+                let outputs = (&mut lengths[..], &mut rest[..]);
+                let out = self.act_at(setting, &section, weight * step.length, outputs);
                 self.forcing.push(out);
             }
         }
@@ -328,9 +377,12 @@ impl Partial {
                 crossings,
                 strain: stage.strain,
                 pulls: linear.pulls_at_node(n, cables, step.active),
+                tensions: setting.tensions_at(k, j),
+                turns: &[],
                 rotation: stage.rotation,
             };
-            let out = self.act_at(setting, &section, 0.0, &mut lengths);
+            let outputs = (&mut lengths[..], &mut rest[..]);
+            let out = self.act_at(setting, &section, 0.0, outputs);
             self.at_nodes.push(out);
         }
         self.at_ends.clear();
@@ -347,12 +399,38 @@ impl Partial {
                 crossings,
                 strain: stage.strain,
                 pulls: ends.pulls(k, step.active),
+                tensions: setting.tensions_at(k, LAST_NODE),
+                turns: &[],
                 rotation: stage.rotation,
             };
-            let out = self.act_at(setting, &section, 0.0, &mut lengths);
+            let outputs = (&mut lengths[..], &mut rest[..]);
+            let out = self.act_at(setting, &section, 0.0, outputs);
             self.at_ends.push(out);
         }
+        if linear.spans().is_none() && setting.strands.rub() && self.changes_rest() {
+            self.close_rest_lengths(setting, &mut rest, &mut lengths);
+            self.rest_lengths = rest;
+        }
         lengths
+    }
+
+    /// What the steps lack of the lengths at rest of the cables is in their first strands, in those at rest and in others.
+    fn close_rest_lengths(&self, setting: &Setting<'_>, rest: &mut [f64], lengths: &mut [f64]) {
+        let Setting { strands, grid, .. } = *setting;
+        for cable in 0..strands.cables() {
+            let mut of_steps = 0.0;
+            let mut last = None;
+            for link in 0..grid.len() {
+                // A cable that does not rub is one strand.
+                let strand = strands.at(link, cable).filter(|strand| Some(*strand) != last);
+                of_steps += strand.map_or(0.0, |strand| rest[strand]);
+                last = strand.or(last);
+            }
+            let Some(first) = strands.at(0, cable) else { continue };
+            let lacks = self.rest_length_change(setting, cable) - of_steps;
+            rest[first] += lacks;
+            lengths[first] += lacks;
+        }
     }
 
     /// What acts at one section; adds to the lengths.
@@ -361,10 +439,11 @@ impl Partial {
         setting: &Setting<'_>,
         section: &Place<'_>,
         weight: f64,
-        lengths: &mut [f64],
+        (lengths, rest): (&mut [f64], &mut [f64]),
     ) -> Forcing {
-        let Setting { robot, tensions, .. } = *setting;
-        let Place { k, s, inside, node, crossings, strain: at, pulls, .. } = *section;
+        let Setting { robot, strands, .. } = *setting;
+        let Place { k, s, inside, node, crossings, strain: at, pulls, tensions, turns, .. } =
+            *section;
         let (v, u) = (at.linear, at.angular);
         let mut out = Forcing::default();
         let strain = Twist { linear: v - Vec3::Z, angular: u - node.section.rest_curvature };
@@ -407,8 +486,14 @@ impl Partial {
         }
         let rest_changes = self.changes_rest();
         for (place, (crossing, (pull, stretch))) in crossings.iter().zip(pulls).enumerate() {
+            let strand = strands.at(k, place).unwrap_or(place);
             if rest_changes {
-                lengths[place] -= weight * self.rest_stretch(setting, place, s, inside);
+                let part = weight * self.rest_stretch(setting, place, s, inside);
+                if strands.rub() {
+                    rest[strand] += part;
+                } else {
+                    lengths[strand] -= part;
+                }
             }
             let Some(change) = &self.routes[place] else { continue };
             let route = &robot.routes()[setting.cables.order[place]];
@@ -417,7 +502,12 @@ impl Partial {
             let along = u.cross(dr) + d_slope;
             let rate = t.dot(along);
             let turned = (along - rate * t) / *stretch;
-            lengths[place] += weight * rate;
+            lengths[strand] += weight * rate;
+            for turn in turns.iter().filter(|turn| turn.row % strands.cables() == place) {
+                if let Some(output) = strands.output(k, turn.row) {
+                    lengths[output] += turn.tangent.dot(along);
+                }
+            }
             let tension = tensions[place];
             out.force_balance += tension * turned;
             out.moment_balance += tension * (dr.cross(t) + crossing.offset.cross(turned));

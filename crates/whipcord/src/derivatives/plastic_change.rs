@@ -7,6 +7,7 @@ use super::linear::Linear;
 use super::node_change::NodeChange;
 use super::of_answer::Solved;
 use super::rod::Derivatives;
+use super::sliding_holes::Cause;
 use super::step_ends::StepEnds;
 use crate::robot::Robot;
 use crate::section::{Fault, Strain};
@@ -34,8 +35,7 @@ impl Derivatives {
         let strains = ends.strains(&self.linear);
         let of_parameter = |p: usize| {
             let source = Source::Parameter(p);
-            let (raw, tensions) =
-                self.completing(source, Hold::Commands, &self.partials[p].targets);
+            let (raw, [tensions, _]) = self.completing(source, Hold::Commands, Cause::Parameter(p));
             let behind = self.strains(&raw, source, &tensions);
             let values = (0..grid.len()).map(|k| {
                 let changes = [behind[k], self.arriving_strain(ends, k, p, &raw, &tensions)];

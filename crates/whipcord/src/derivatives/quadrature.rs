@@ -149,7 +149,7 @@ impl Quadrature {
         more: usize,
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
     ) {
-        maps.prepare(steps.len(), cables, more);
+        maps.prepare(steps.len(), cables, more, cables);
         maps.steps = core::mem::take(&mut self.steps);
         let inputs = cables + more;
         for (k, step) in steps.iter().enumerate() {

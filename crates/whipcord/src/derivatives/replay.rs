@@ -10,8 +10,9 @@ use whipcord_numerics::{BUTCHER_5, Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::effect::Forcing;
 use super::node_change::NodeChange;
+use super::strands::{PLACES, Strands};
 use crate::section::Fault;
-use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
+use crate::section::{BodyWrench, Crossing, Strain, Tangent, equilibrium};
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
 use crate::statics::loads::{AppliedLoads, Line};
@@ -20,6 +21,8 @@ use whipcord_numerics::weighted_sum;
 
 /// The place of [`crate::statics::grid::SHOOTING_NODES`] at the end of a step.
 const LAST_NODE: usize = 4;
+/// The stage in the middle of a step at which the directions of cables are taken.
+const MIDDLE: usize = 3;
 
 /// The linear map of one stage at the answer.
 #[derive(Clone, Copy, Debug, Default)]
@@ -133,10 +136,43 @@ pub(super) struct Replay {
     /// By steps; `None` where no follower is spread.
     spread: Vec<Option<[Spread; STAGES]>>,
     pub ends: Vec<Ends>,
+    /// By stages the weights of the inputs that are tensions; empty where they are 1.
+    weights: Vec<f64>,
+    /// By stages where the angles by which cables turn hang on them, with the outputs of their steps; empty where no cable rubs.
+    turns: Vec<Vec<TurnOutput>>,
     /// Moment in the base frame at the base.
     pub base_moment: Vec3,
     /// Force in the base frame at the base.
     pub base_force: Vec3,
+}
+
+/// An output of a step that hangs on one of its stages.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TurnOutput {
+    pub row: usize,
+    pub by: TurnRates,
+    /// How it changes with `p′` of the cable at constant strain and frame.
+    pub tangent: Vec3,
+}
+
+/// How an angle changes with strain, curvature and the turn `(s, y)` of a stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TurnRates {
+    pub strain: Vec3,
+    pub curvature: Vec3,
+    pub y: Vec3,
+    pub s: f64,
+}
+
+/// The tensions of an answer whose cables rub along their curves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Varying<'a> {
+    /// At all shooting nodes in turn, by cables.
+    pub tensions: &'a [f64],
+    pub strands: &'a Strands,
+    /// How the turn on the way to a cable's middle in a step changes with the directions of the cable in the middle of the step before,
+    /// and at start and middle of its own; by steps, then cables. `None` where the cable does not rub.
+    pub slopes: &'a [Option<[Vec3; 3]>],
 }
 
 /// The answer that is gone over.
@@ -158,6 +194,19 @@ pub(super) struct Answer<'a> {
     pub strains: &'a [Strain],
     /// Whether these strains are in equilibrium with the starts.
     pub are_strains_met: bool,
+    pub varying: Option<Varying<'a>>,
+}
+
+impl Answer<'_> {
+    /// Tensions of the first `active` cables at a place of a step.
+    fn tensions_at(&self, k: usize, place: usize, active: usize) -> &[f64] {
+        match &self.varying {
+            Some(varying) => {
+                &varying.tensions[self.tensions.len() * (PLACES * k + place)..][..active]
+            }
+            None => &self.tensions[..active],
+        }
+    }
 }
 
 /// [`Replay::run`].
@@ -185,6 +234,8 @@ impl Replay {
     #[inline(always)]
     fn go_over(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
         let Answer { grid, loads, tensions, .. } = *answer;
+        self.weights.clear();
+        self.turns.clear();
         let cables = tensions.len();
         self.stages.clear();
         self.stages.reserve(STAGES * grid.len() + 1);
@@ -205,7 +256,7 @@ impl Replay {
                 (moment, follower_force) = (start.moment, start.force);
             }
             let step = grid.steps[k];
-            let (h, active) = (step.length, &tensions[..step.active]);
+            let h = step.length;
             let rotation = answer.poses[k].rotation;
             let start = pack(rotation, answer.poses[k].position, moment);
             let mut slopes = [[0.0; 10]; STAGES];
@@ -216,6 +267,7 @@ impl Replay {
             for i in 0..STAGES {
                 let stage = advance(&start, &slopes[..i], &BUTCHER_5.a[i], h);
                 let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
+                let active = answer.tensions_at(k, NODE_OF_STAGE[i], step.active);
                 let mut force = loads.force(k, NODE_OF_STAGE[i]) + follower_force;
                 if follows {
                     force -= h * weighted_sum(&pushes[..i], &BUTCHER_5.a[i]);
@@ -250,6 +302,12 @@ impl Replay {
                 slopes[i] = pack(turned * spin, velocity, torque);
                 let made = &mut self.stages[STAGES * k + i];
                 made.set(strain, Turned::new(&stage), r, (force, moment), &wrench, &tangent);
+                if let Some(varying) = &answer.varying {
+                    varying.strands.add_weights(k, NODE_OF_STAGE[i], &mut self.weights);
+                    let made = &self.stages[STAGES * k + i];
+                    self.turns.push(turn_outputs(made, crossings, varying, (k, i), cables));
+                }
+                let made = &mut self.stages[STAGES * k + i];
                 if let Some(line) = line.filter(|_| follows) {
                     let t = BUTCHER_5.c[i];
                     let swing = |x| made.turned.swing_to_base(r * x, x);
@@ -288,7 +346,7 @@ impl Replay {
         };
         let Ends { pose, force, moment, .. } = *ends;
         let (node, crossings) = grid.shooting.at(grid.len() - 1, LAST_NODE, step.active);
-        let active = &tensions[..step.active];
+        let active = answer.tensions_at(grid.len() - 1, LAST_NODE, step.active);
         let to_body = pose.rotation.conjugate();
         let wrench = BodyWrench { linear: to_body.rotate(force), angular: to_body.rotate(moment) };
         let fault = |kind| Fault { kind, arc_length: step.start + step.length };
@@ -307,6 +365,18 @@ impl Replay {
         Ok(())
     }
 
+    /// The weights of so many tensions at a stage; none where they are 1.
+    #[inline]
+    pub fn weights_at(&self, stage: usize, tensions: usize) -> Option<&[f64]> {
+        self.weights.get(stage * tensions..(stage + 1) * tensions).filter(|of| !of.is_empty())
+    }
+
+    /// The outputs of step `k` that hang on its stage `i`.
+    #[inline]
+    pub fn turns_at(&self, k: usize, i: usize) -> &[TurnOutput] {
+        self.turns.get(STAGES * k + i).map_or(&[], |of| of)
+    }
+
     /// What followers spread along a step do at its stages, where there are any.
     #[inline]
     pub fn spread(&self, k: usize) -> Option<&[Spread; STAGES]> {
@@ -318,6 +388,51 @@ impl Replay {
     pub fn pulls_at(&self, stage: usize, cables: usize, active: usize) -> &[(BodyWrench, f64)] {
         &self.pulls[stage * cables..stage * cables + active]
     }
+}
+
+/// The angles that hang on a stage, the start or the middle of a step.
+fn turn_outputs(
+    stage: &Stage,
+    crossings: &[Crossing],
+    varying: &Varying<'_>,
+    (k, i): (usize, usize),
+    cables: usize,
+) -> Vec<TurnOutput> {
+    // The direction that the slopes have the start and the middle of a step at.
+    let place = match i {
+        0 => 1,
+        MIDDLE => 2,
+        _ => return Vec::new(),
+    };
+    let mut out = Vec::new();
+    for (cable, crossing) in crossings.iter().enumerate() {
+        let slopes = |k: usize| varying.slopes.get(k * cables + cable).copied().flatten();
+        let mut add = |row: usize, slope: Vec3| {
+            let tangent = crossing.tangent(&stage.strain);
+            let stretch = tangent.norm();
+            let along = tangent * (1.0 / stretch);
+            let seen = stage.rotation.transpose_mul(slope);
+            let across = (seen - along * along.dot(seen)) * (1.0 / stretch);
+            let swing = stage.turned.swing_to_base(stage.rotation * along, along);
+            let by = TurnRates {
+                strain: across,
+                curvature: crossing.offset.cross(across),
+                y: swing.arm.cross(seen - stage.turned.short * slope),
+                s: swing.rest.dot(slope),
+            };
+            out.push(TurnOutput { row: row * cables + cable, by, tangent: across });
+        };
+        if let Some(slopes) = slopes(k) {
+            add(1, slopes[place]);
+        }
+        // The turn on the way to the middle of the next step.
+        if i == MIDDLE
+            && let Some(next) = slopes(k + 1)
+        {
+            add(2, next[0]);
+        }
+    }
+    out
 }
 
 impl Stage {

@@ -6,7 +6,9 @@ use super::elimination::Elimination;
 use super::forward::Maps;
 use super::linear::Linear;
 use super::partials::Partial;
+use super::sliding_holes::SlidingHoles;
 use super::step_ends::StepEnds;
+use super::strands::Strands;
 use super::touching::Touching;
 use crate::robot::RobotError;
 use crate::section::Fault;
@@ -65,9 +67,12 @@ pub struct Derivatives {
     /// Grid place of each cable of the robot.
     pub(super) place_of: Vec<usize>,
     pub(super) commands: Vec<Command>,
-    /// What a change of each tension does at constant other tensions; by grid places.
+    pub(super) strands: Strands,
+    /// What a change of the tension of each strand does at constant other tensions; by grid places where no cable rubs.
     pub(super) by_tension: Vec<Raw>,
     pub(super) held: HeldCables,
+    /// Where cables rub.
+    pub(super) sliding: Option<Box<SlidingHoles>>,
     /// What each tension of 1 N adds to the length of its cable in m, and whether it is taut; by grid places.
     pub(super) cables: Vec<CableEnd>,
     pub(super) touching: Touching,

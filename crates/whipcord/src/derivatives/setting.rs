@@ -4,8 +4,10 @@ use whipcord_numerics::{Pose, UnitQuaternion};
 
 use super::cables::Cables;
 use super::linear::Linear;
+use super::strands::{PLACES, Strands};
 use crate::case::Case;
 use crate::robot::Robot;
+use crate::statics::command::Command;
 use crate::statics::grid::Grid;
 
 /// The robot and case of an answer, as the partial derivatives need them.
@@ -16,6 +18,10 @@ pub(super) struct Setting<'a> {
     pub cables: Cables<'a>,
     pub grid: &'a Grid,
     pub tensions: &'a [f64],
+    /// Tensions at all shooting nodes in turn, by cables; empty where they do not vary.
+    pub varying: &'a [f64],
+    pub strands: &'a Strands,
+    pub commands: &'a [Command],
     /// Frames at the ends of all steps.
     pub poses: &'a [Pose],
     /// The rod at rest, where cables run straight between disks.
@@ -30,6 +36,15 @@ pub(super) struct AtRest<'a> {
 }
 
 impl Setting<'_> {
+    /// The tensions of all cables at a place of the shooting grid in step `k`.
+    pub fn tensions_at(&self, k: usize, place: usize) -> &[f64] {
+        let cables = self.tensions.len();
+        match self.varying.is_empty() {
+            true => self.tensions,
+            false => &self.varying[cables * (PLACES * k + place)..][..cables],
+        }
+    }
+
     /// From the frame of the dead loads to that of the base.
     pub fn turn(&self) -> UnitQuaternion {
         self.case.loads.to_base(self.case.base.rotation)

@@ -25,6 +25,7 @@ use super::elimination::invert;
 use super::forward::{Maps, StepMap, set_column};
 use super::node_change::NodeChange;
 use super::replay::{AXES, Answer, Replay};
+use super::strands::Strands;
 use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::grid::Grid;
@@ -39,6 +40,8 @@ pub(crate) struct StraightSpan<'a> {
     pub passages: &'a [Passage],
     /// Those that end before the far disk.
     pub anchors: &'a [Anchor],
+    /// Tensions of the passages, where cables rub in their holes; else they are those of the cables.
+    pub tensions: Option<&'a [f64]>,
 }
 
 /// A cable between two disks at the answer, base frame.
@@ -54,6 +57,27 @@ struct Chord {
     along: Vec3,
     near: Vec3,
     far: Vec3,
+    /// How the angles in the near and in the far hole change with the direction, where cables rub there.
+    turns: [Vec3; 2],
+}
+
+/// What a chord adds to the outputs of its span: to the length of its cable, and to the angles in its near and far hole.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stretched {
+    length: f64,
+    turns: [f64; 2],
+}
+
+impl Stretched {
+    /// Adds it to the outputs of a span with so many cables; to those that are asked for.
+    fn add_to(&self, cable: usize, cables: usize, outputs: &mut [f64]) {
+        let [near, far] = self.turns;
+        for (row, by) in [self.length, near, far].into_iter().enumerate() {
+            if let Some(output) = outputs.get_mut(row * cables + cable) {
+                *output += by;
+            }
+        }
+    }
 }
 
 /// Changes that what acts on a chord's ends and in it makes at constant direction.
@@ -82,14 +106,17 @@ struct Pulls {
 
 impl Chord {
     /// The change of what it exerts once its end has moved so against the near disk, (d6), and that of its length.
-    fn respond(&self, near_turn: Vec3, end: &Effect, change: ChordChange) -> (Pull, f64) {
+    fn respond(&self, near_turn: Vec3, end: &Effect, change: ChordChange) -> (Pull, Stretched) {
         let Self { along: t, near: a, far: b, tension, .. } = *self;
         let (da, db) = (near_turn.cross(a) + change.near, end.turn.cross(b) + change.far);
         let way = end.shift + db - da;
         let longer = t.dot(way);
-        let force = change.tension * t + (way - t * longer) * (tension / self.length);
+        let turned = way - t * longer;
+        let force = change.tension * t + turned * (tension / self.length);
         let near = a.cross(force) + tension * da.cross(t);
-        (Pull { force, near, far: b.cross(force) + tension * db.cross(t) }, longer)
+        let turns = self.turns.map(|slope| slope.dot(turned) / self.length);
+        let stretched = Stretched { length: longer, turns };
+        (Pull { force, near, far: b.cross(force) + tension * db.cross(t) }, stretched)
     }
 }
 
@@ -137,6 +164,7 @@ pub(super) struct Spans {
     /// Followers at the end of each step between two disks: what a turn adds to moment and force there.
     followers: Vec<Option<[Mat3; 2]>>,
     inputs: usize,
+    cables: usize,
 }
 
 /// What a dead wrench on a section does to its span, the near disk and what acts there held.
@@ -146,12 +174,15 @@ pub(super) struct Pushed {
     pub effect: Effect,
     /// At the kept nodes of the span.
     pub inside: Vec<Effect>,
-    /// Of the cables, by their numbers.
+    /// Of the outputs of the span.
     pub lengths: Vec<f64>,
 }
 
 /// Where a cable's hole is in the two disks of a span, and what of this changes.
 type HoleShifts<'a> = &'a dyn Fn(&Chord) -> ChordChange;
+
+/// An angle so small, in rad, has no direction.
+const STRAIGHT: f64 = 1e-9;
 
 const NOTHING: fn(usize) -> Effect = |_| Effect::default();
 const HELD: HoleShifts<'static> =
@@ -188,13 +219,14 @@ impl Spans {
                 let length = way.norm();
                 Chord {
                     cable: passage.cable,
-                    tension: tensions[passage.cable],
+                    tension: span.tensions.map_or_else(|| tensions[passage.cable], |own| own[i]),
                     length,
                     end: kept.partition_point(|&at| at < node - start),
                     is_anchored: anchor.is_some(),
                     along: way / length,
                     near: a,
                     far: b,
+                    turns: [Vec3::ZERO; 2],
                 }
             };
             let chords = span.passages.iter().enumerate().map(chord).collect();
@@ -205,6 +237,9 @@ impl Spans {
                 chords,
                 ..Span::default()
             });
+        }
+        if spans.iter().any(|span| span.tensions.is_some()) {
+            self.turn();
         }
         let follower = |node: usize| {
             let wrench = answer.loads.follower(node);
@@ -226,6 +261,26 @@ impl Spans {
         (&self.rod[step], self.rod_effects[step * inputs + input])
     }
 
+    /// Fills in how the angles in the holes change with the directions of the chords. At the base cables come along its z axis.
+    fn turn(&mut self) {
+        for k in 0..self.spans.len() {
+            for i in 0..self.spans[k].chords.len() {
+                let Chord { cable, along, .. } = self.spans[k].chords[i];
+                let before = k.checked_sub(1).and_then(|before| {
+                    let place = |chord: &Chord| chord.cable == cable;
+                    Some((before, self.spans[before].chords.iter().position(place)?))
+                });
+                let coming = before.map_or(Vec3::Z, |(k, i)| self.spans[k].chords[i].along);
+                let sine = coming.cross(along).norm();
+                let slope = if sine > STRAIGHT { -1.0 / sine } else { 0.0 };
+                self.spans[k].chords[i].turns[0] = coming * slope;
+                if let Some((before, j)) = before {
+                    self.spans[before].chords[j].turns[1] = along * slope;
+                }
+            }
+        }
+    }
+
     /// How many spans there are.
     pub fn len(&self) -> usize {
         self.spans.len()
@@ -243,7 +298,7 @@ impl Spans {
         (at == Some(node) || disk == self.spans.len()).then_some(disk)
     }
 
-    /// Maps of all spans by their starts, the tensions and `more` inputs, which act in the sections as `forcing` says by
+    /// Maps of all spans by their starts, the tensions of the cables in the span and `more` inputs, which act in the sections as `forcing` says by
     /// step, stage and input, and move the holes of a cable at both ends of a span as `holes` says by input, cable and
     /// span, in the frames of the disks.
     ///
@@ -252,17 +307,18 @@ impl Spans {
     pub fn compute(
         &mut self,
         grid: &Grid,
-        (cables, more): (usize, usize),
+        (cables, more, rows): (usize, usize, usize),
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
         holes: &dyn Fn(usize, usize, usize) -> [Vec3; 2],
     ) -> Result<Maps, Critical> {
+        self.cables = cables;
         let mut rod = Maps::default();
-        rod.compute(&grid.steps, &self.replay, 0, more, forcing);
+        rod.compute(&grid.steps, &self.replay, (0, 0), (0, more), forcing);
         self.rod = core::mem::take(&mut rod.steps);
         self.rod_effects.clone_from(&rod.effects);
         self.inputs = cables + more;
         let mut maps = Maps::default();
-        maps.prepare(self.spans.len(), cables, more);
+        maps.prepare(self.spans.len(), cables, more, rows);
         let nodes: usize = self.spans.iter().map(|span| span.kept.len()).sum();
         self.along.clear();
         self.along.reserve(nodes);
@@ -273,11 +329,11 @@ impl Spans {
         for k in 0..self.spans.len() {
             self.compose(k);
             self.spans[k].inverse = self.invert(k)?;
-            let map = self.by_start(k, &mut maps.length_by_state[k * cables..(k + 1) * cables]);
+            let map = self.by_start(k, &mut maps.length_by_state[k * rows..(k + 1) * rows]);
             maps.steps.push(map);
             for input in 0..self.inputs {
-                let of_input = (k * self.inputs + input) * cables;
-                let lengths = &mut maps.length_by_input[of_input..of_input + cables];
+                let of_input = (k * self.inputs + input) * rows;
+                let lengths = &mut maps.length_by_input[of_input..of_input + rows];
                 let (effect, inside) = match input.checked_sub(cables) {
                     None => {
                         let pulled = |chord: &Chord| ChordChange {
@@ -378,7 +434,7 @@ impl Spans {
         out
     }
 
-    /// What the chords exert once the kept nodes have moved so against the near disk, and their lengths by cables.
+    /// What the chords exert once the kept nodes have moved so against the near disk, and the outputs of the span.
     fn pulls(
         &self,
         k: usize,
@@ -389,10 +445,8 @@ impl Spans {
     ) -> Pulls {
         let mut sum = Pulls::default();
         for chord in &self.spans[k].chords {
-            let (pull, longer) = chord.respond(near_turn, &at(chord.end), changes(chord));
-            if let Some(length) = lengths.get_mut(chord.cable) {
-                *length += longer;
-            }
+            let (pull, stretched) = chord.respond(near_turn, &at(chord.end), changes(chord));
+            stretched.add_to(chord.cable, self.cables, lengths);
             let Pull { force, near, far } = pull;
             sum.near = [sum.near[0] + near, sum.near[1] + force];
             if !chord.is_anchored {
@@ -480,11 +534,11 @@ impl Spans {
     }
 
     /// What a dead wrench on a node of the grid does to its span, the one behind the node.
-    pub fn push(&self, node: usize, wrench: Wrench, cables: usize) -> Pushed {
+    pub fn push(&self, node: usize, wrench: Wrench, rows: usize) -> Pushed {
         let span = self.span_behind(node);
         let start = Effect { moment: -wrench.moment, force: -wrench.force, ..Effect::default() };
         let explicit = self.carry(span, node, start, NOTHING, HELD);
-        let mut lengths = vec![0.0; cables];
+        let mut lengths = vec![0.0; rows];
         let (effect, inside) = self.solve(span, [Vec3::ZERO; 3], &explicit, HELD, &mut lengths);
         Pushed { span, effect, inside, lengths }
     }
@@ -566,17 +620,17 @@ impl Spans {
         self.spans.iter().enumerate().map(of_span).sum()
     }
 
-    /// Changes of the chords' lengths by cables, on a rod at rest that bears nothing, by an input.
+    /// Changes of the lengths of the strands, on a rod at rest that bears nothing, by an input.
     pub fn lengths_at_rest(
         &self,
         grid: &Grid,
-        cables: usize,
+        strands: &Strands,
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
         holes: &dyn Fn(usize, usize) -> [Vec3; 2],
     ) -> Vec<f64> {
         let mut rod = Maps::default();
-        rod.compute(&grid.steps, &self.replay, 0, 1, forcing);
-        let mut lengths = vec![0.0; cables];
+        rod.compute(&grid.steps, &self.replay, (0, 0), (0, 1), forcing);
+        let mut lengths = vec![0.0; strands.count()];
         for (k, span) in self.spans.iter().enumerate() {
             let mut end = Effect::default();
             let mut at = vec![end];
@@ -587,7 +641,12 @@ impl Spans {
                 }
             }
             let moved = |chord: &Chord| self.moved(k, chord, holes(chord.cable, k));
-            self.pulls(k, Vec3::ZERO, |node| at[node], &moved, &mut lengths);
+            for chord in &span.chords {
+                let (_, stretched) = chord.respond(Vec3::ZERO, &at[chord.end], moved(chord));
+                if let Some(strand) = strands.at(k, chord.cable) {
+                    lengths[strand] += stretched.length;
+                }
+            }
         }
         lengths
     }

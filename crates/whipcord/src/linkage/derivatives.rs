@@ -39,8 +39,10 @@ impl Linkage {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
-        refusal::friction_with_derivatives(self.kind, &self.robot)?;
         refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
+        if let Some(rubbing) = &self.friction {
+            return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
+        }
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if case.obstacles.is_empty() {
             let solution = self.solve(case, warm_start, workspace)?;
@@ -63,11 +65,16 @@ impl Linkage {
         let coordinates = self.division.coordinates() * self.sections.len();
         let at = [&self.stations[..], &self.robot.disks().arc_lengths, &holding.places];
         let places = KnownPlaces::new(self.kind, coordinates, at)?;
-        let system = self.linear_system(&places.arc_lengths, workspace)?;
-        let Workspace { scratch, commands, tensions, .. } = &*workspace;
+        let Workspace { scratch, loads, commands, tensions, meter, .. } = workspace;
+        let task = self.task(loads, tensions, meter);
+        let system = self.linear_system(&places.arc_lengths, &task, &mut scratch.chain)?;
         let parameters = parameters
             .iter()
-            .map(|parameter| self.by_parameter(parameter, case, &scratch.chain.q, tensions))
+            .map(|parameter| {
+                self.by_parameter(parameter, case, |sections, robot, case| {
+                    self.equations(sections, robot, case, &scratch.chain.q, tensions)
+                })
+            })
             .collect::<Result<Vec<_>, _>>()?;
         let cable = |(i, command): (usize, &_)| CoordinateCable {
             command: *command,
@@ -86,24 +93,22 @@ impl Linkage {
     }
 
     /// The equations of the answer, linearised, with these arc lengths as places.
-    fn linear_system(
+    pub(super) fn linear_system(
         &self,
         arc_lengths: &[f64],
-        workspace: &mut Workspace,
+        task: &Task<'_>,
+        chain: &mut Chain,
     ) -> Result<LinearSystem, SolveError> {
         let count = self.division.coordinates();
         let n = count * self.sections.len();
-        let Workspace { scratch, loads, tensions, meter, .. } = workspace;
-        let chain = &mut scratch.chain;
-        let task = self.task(loads, tensions, meter);
-        chain.evaluate(&task);
-        chain.linearise(&task);
+        chain.evaluate(task);
+        chain.linearise(task);
         let unit = |side: usize| Right::Unit { section: side / count, coordinate: side % count };
-        chain.eliminate_with(&task, 0.0, n, unit).ok_or(SolveError::NoDerivatives)?;
+        chain.eliminate_with(task, 0.0, n, unit).ok_or(SolveError::NoDerivatives)?;
         let (mut inverse, mut base) = (vec![0.0; n * n], vec![0.0; 6 * n]);
         for side in 0..n {
             for k in 0..self.sections.len() {
-                for (a, x) in chain.response(&task, side, k).iter().enumerate() {
+                for (a, x) in chain.response(task, side, k).iter().enumerate() {
                     inverse[(k * count + a) * n + side] = *x;
                 }
             }
@@ -118,20 +123,20 @@ impl Linkage {
         Ok(LinearSystem {
             coordinates: n,
             inverse,
-            lengths: chain.length_rates(&task),
+            lengths: chain.length_rates(task),
             base,
             jacobian: places.jacobian(chain, count),
             positions: places.positions(),
         })
     }
 
-    /// How the equations change with a parameter at these coordinates and tensions.
-    fn by_parameter(
+    /// How the equations, which are those of sections, a robot and a case, change with a parameter at the coordinates and tensions of
+    /// an answer.
+    pub(super) fn by_parameter(
         &self,
         parameter: &Parameter,
         case: &Case,
-        q: &[Coordinates],
-        tensions: &[f64],
+        equations: impl Fn(&[Section], &Robot, &Case) -> Equations,
     ) -> Result<ParameterChange, SolveError> {
         parameter.check(&self.robot, case)?;
         let section = &self.sections[0];
@@ -139,12 +144,12 @@ impl Linkage {
         let scale = parameter.scale(&self.robot, case, moment);
         ParameterChange::by_differences(scale, |by| {
             let (sections, robot, case) = self.moved(parameter, case, by)?;
-            Ok(self.equations(&sections, &robot, &case, q, tensions))
+            Ok(equations(&sections, &robot, &case))
         })
     }
 
     /// Sections, robot and case with a parameter changed by this.
-    fn moved(
+    pub(super) fn moved(
         &self,
         parameter: &Parameter,
         case: &Case,
@@ -195,6 +200,28 @@ impl Linkage {
         q: &[Coordinates],
         tensions: &[f64],
     ) -> Equations {
+        let (residuals, chain) = self.residuals(sections, robot, case, q, tensions);
+        let rest = layout::rest_lengths(&self.division, sections, tensions.len());
+        let target = |(i, &rest): (usize, &f64)| {
+            let shortening = case.commands[i].shortening.map_or(0.0, |s| s.in_metres(rest));
+            let asked = rest - shortening;
+            asked + robot.cable_compliance(i, rest) * (tensions[i] - robot.pretension(i))
+        };
+        let targets = rest.iter().enumerate().map(target).collect();
+        Equations { residuals, lengths: chain.lengths, targets, base: chain.base }
+    }
+}
+
+impl Linkage {
+    /// What is left of the equilibrium of these sections, and the chain that was evaluated.
+    pub(super) fn residuals(
+        &self,
+        sections: &[Section],
+        robot: &Robot,
+        case: &Case,
+        q: &[Coordinates],
+        tensions: &[f64],
+    ) -> (Vec<f64>, Chain) {
         let mut loads = AppliedLoads::default();
         loads.gather(robot, &self.division, &case.loads, case.base.rotation);
         let mut chain = Chain::default();
@@ -205,13 +232,6 @@ impl Linkage {
         let count = self.division.coordinates();
         let residuals =
             chain.residuals().iter().flat_map(|residual| residual[..count].to_vec()).collect();
-        let rest = layout::rest_lengths(&self.division, sections, tensions.len());
-        let target = |(i, &rest): (usize, &f64)| {
-            let shortening = case.commands[i].shortening.map_or(0.0, |s| s.in_metres(rest));
-            let asked = rest - shortening;
-            asked + robot.cable_compliance(i, rest) * (tensions[i] - robot.pretension(i))
-        };
-        let targets = rest.iter().enumerate().map(target).collect();
-        Equations { residuals, lengths: chain.lengths, targets, base: chain.base }
+        (residuals, chain)
     }
 }

@@ -31,6 +31,8 @@ pub(super) struct Rubbing {
     pub sections: Vec<Section>,
     /// The same, but the passages of a cable without friction as one, under the number of the first.
     pub strands: Vec<Section>,
+    /// Lengths of all passages on the robot at rest in m.
+    pub rest: Vec<f64>,
 }
 
 /// Memory of a solve.
@@ -57,10 +59,13 @@ pub(super) struct Turned {
 impl Rubbing {
     /// Of these sections of a robot; `None` where no cable rubs.
     pub fn new(robot: &Robot, division: &Division, sections: &[Section]) -> Option<Self> {
+        let rubs = robot.cables().iter().any(Cable::has_friction);
+        rubs.then(|| Self::of(robot, division, sections))
+    }
+
+    /// Of these sections of a robot.
+    pub fn of(robot: &Robot, division: &Division, sections: &[Section]) -> Self {
         let cables = robot.cables();
-        if !cables.iter().any(Cable::has_friction) {
-            return None;
-        }
         let passages = || sections.iter().flat_map(|section| &section.passages);
         let of_cable: Vec<usize> = passages().map(|passage| passage.cable).collect();
         let numbered = |number: &dyn Fn(usize) -> usize| {
@@ -82,9 +87,9 @@ impl Rubbing {
         let bending = |a: usize| sections.iter().map(move |s| s.stiffness[a] * s.length);
         let softest = bending(1).chain(bending(2)).fold(f64::INFINITY, f64::min);
         let compliance = lever * lever * length / softest;
-        let pieces = of_cable.iter().copied().zip(lengths);
+        let pieces = of_cable.iter().copied().zip(lengths.iter().copied());
         let holes = Holes::new(robot, pieces, length, compliance);
-        Some(Self { holes, sections, strands })
+        Self { holes, sections, strands, rest: lengths }
     }
 }
 
@@ -223,8 +228,33 @@ impl PassageResponse for RubbingChain<'_> {
 }
 
 impl Turned {
+    /// The rows of the derivatives by all coordinates of the chain.
+    pub(super) fn rows(&self, task: &Task<'_>, rows: &mut Vec<f64>) {
+        let count = task.division.coordinates();
+        let n = count * task.sections.len();
+        let mut p = 0;
+        for (k, section) in task.sections.iter().enumerate() {
+            for _ in &section.passages {
+                let first = rows.len();
+                rows.resize(first + n, 0.0);
+                let row = &mut rows[first..];
+                row[k * count..(k + 1) * count].copy_from_slice(&self.own[p][..count]);
+                if let Some(before) = k.checked_sub(1) {
+                    row[before * count..k * count].copy_from_slice(&self.before[p][..count]);
+                }
+                p += 1;
+            }
+        }
+    }
+
     /// The angles where the chain was evaluated last, and their derivatives.
-    fn measure(&mut self, chain: &Chain, task: &Task<'_>, holes: &Holes, turns: &mut Vec<f64>) {
+    pub(super) fn measure(
+        &mut self,
+        chain: &Chain,
+        task: &Task<'_>,
+        holes: &Holes,
+        turns: &mut Vec<f64>,
+    ) {
         let n = holes.count();
         turns.resize(n, 0.0);
         for rows in [&mut self.own, &mut self.before] {

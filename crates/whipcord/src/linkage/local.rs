@@ -13,6 +13,7 @@ use whipcord_numerics::Pose;
 use super::places::Places;
 use super::{Linkage, Workspace};
 use crate::case::Case;
+use crate::derivatives::Place;
 use crate::error::SolveError;
 use crate::kinematics::Local;
 use crate::refusal;
@@ -33,8 +34,13 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Local), SolveError> {
         refusal::among_obstacles("derivatives", self.kind, case)?;
-        refusal::friction_with_derivatives(self.kind, &self.robot)?;
         refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
+        if let Some(rubbing) = &self.friction {
+            let at = [arc_length];
+            let (solution, derivatives) =
+                self.slide_with_derivatives(rubbing, (case, &[]), &at, workspace)?;
+            return Ok((solution, derivatives.at(Place::Station(0))?));
+        }
         let solution = self.solve(case, warm_start, workspace)?;
         let local = self.local(arc_length, workspace)?;
         Ok((solution, local))

@@ -17,6 +17,7 @@ mod derivatives;
 pub(crate) mod division;
 mod energy;
 mod friction;
+mod friction_derivatives;
 mod held;
 mod layout;
 mod loads;
@@ -237,7 +238,7 @@ impl Linkage {
     }
 
     /// The same, with the steps of actuation behind it that the workspace has taken with friction.
-    fn solve_from_here(
+    pub(super) fn solve_from_here(
         &self,
         case: &Case,
         from: WarmStart<'_>,

@@ -56,6 +56,8 @@ impl fmt::Display for Parameter {
             Self::Coefficient { cable, axis, power } => {
                 write!(f, "cables[{cable}].routing.{}[{power}]", plane(axis))
             }
+            Self::Friction { cable: None } => f.write_str("cables.friction"),
+            Self::Friction { cable: Some(cable) } => write!(f, "cables[{cable}].friction"),
             Self::AxialStiffness { cable } => write!(f, "cables[{cable}].axial_stiffness"),
             Self::MotorStiffness { motor } => write!(f, "motors[{motor}].stiffness"),
             Self::FreeLength { motor } => write!(f, "motors[{motor}].free_length"),
@@ -148,6 +150,8 @@ impl FromStr for Parameter {
             ("cables[].routing.y[]", &[cable, power]) => {
                 Self::Coefficient { cable, axis: 1, power }
             }
+            ("cables.friction", []) => Self::Friction { cable: None },
+            ("cables[].friction", &[cable]) => Self::Friction { cable: Some(cable) },
             ("cables[].axial_stiffness", &[cable]) => Self::AxialStiffness { cable },
             ("motors[].stiffness", &[motor]) => Self::MotorStiffness { motor },
             ("motors[].free_length", &[motor]) => Self::FreeLength { motor },
@@ -241,6 +245,8 @@ mod tests {
             Parameter::End { cable, axis },
             Parameter::Coefficient { cable, axis, power: 2 },
             Parameter::Coefficient { cable, axis: 0, power: 2 },
+            Parameter::Friction { cable: None },
+            Parameter::Friction { cable: Some(cable) },
             Parameter::AxialStiffness { cable },
             Parameter::MotorStiffness { motor: 1 },
             Parameter::FreeLength { motor: 1 },

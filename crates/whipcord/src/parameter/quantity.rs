@@ -125,6 +125,11 @@ pub enum Parameter {
         /// Power of the arc length.
         power: usize,
     },
+    /// Friction coefficient of one cable, or, by as much, of all, where it is given.
+    Friction {
+        /// Cable.
+        cable: Option<usize>,
+    },
     /// Axial stiffness of a cable in N, where it is given.
     AxialStiffness {
         /// Cable.

@@ -28,7 +28,7 @@ impl Parameter {
             | Self::MotorStiffness { .. }
             | Self::GearRatio { .. }
             | Self::AxialStiffness { .. } => 0.0,
-            Self::PoissonRatio => 0.1,
+            Self::PoissonRatio | Self::Friction { .. } => 0.1,
             Self::YieldMoment { .. } => 0.1 * moment,
             Self::Stiffness { .. } | Self::YieldStiffness { .. } => 0.1 * moment * length,
             Self::StiffnessScale(_) | Self::Angle { .. } | Self::HoleAngle { .. } => 1.0,

@@ -225,6 +225,12 @@ impl Parameter {
             Self::HoleRadiusAt { disk } => {
                 disks.hole_circle_radii.get_mut(disk).into_iter().collect()
             }
+            Self::Friction { cable } => cables
+                .iter_mut()
+                .enumerate()
+                .filter(|(i, _)| cable.is_none_or(|only| only == *i))
+                .filter_map(|(_, of)| of.friction.as_mut())
+                .collect(),
             Self::AxialStiffness { cable } => {
                 cables.get_mut(cable).and_then(|c| c.axial_stiffness.as_mut()).into_iter().collect()
             }

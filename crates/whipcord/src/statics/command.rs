@@ -24,6 +24,13 @@ impl Command {
         matches!(self, Self::Length { .. })
     }
 
+    /// The tension in N, or the unstretched length in m.
+    pub const fn number(&self) -> f64 {
+        match *self {
+            Self::Tension(number) | Self::Length { target: number, .. } => number,
+        }
+    }
+
     /// Slackness `g` of a cable whose path has this length.
     pub fn slackness(&self, tension: f64, length: f64) -> f64 {
         match *self {

@@ -42,16 +42,22 @@ pub(crate) struct HeldCables {
 #[derive(Clone, Debug, Default)]
 struct Set {
     members: Vec<usize>,
-    /// `D − diag c` of the members, by rows.
+    /// Of `D − diag c` of the members.
+    system: LeastSystem,
+}
+
+/// A linear system that may be singular, and its transpose: their least solutions.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LeastSystem {
+    /// By rows.
     matrix: Vec<f64>,
-    /// Its transpose.
     transposed: Vec<f64>,
     lu: DenseLu,
     transposed_lu: DenseLu,
 }
 
 /// Of the greatest entry of the diagonal.
-const REGULARISATION: f64 = 1e-8;
+pub(crate) const REGULARISATION: f64 = 1e-8;
 /// Each takes the error of what is not singular down by the regularisation over its eigenvalue.
 const CORRECTIONS: usize = 4;
 
@@ -88,27 +94,26 @@ impl HeldCables {
 
     /// The change of every tension that lengthens the held cables by `right`.
     pub fn tensions(&self, hold: Hold, right: &[f64]) -> Vec<f64> {
-        self.solve(hold, right, |set| (&set.matrix, &set.lu))
+        self.solve(hold, right, LeastSystem::solve)
     }
 
     /// The transpose of [`Self::tensions`].
     pub fn pull_back(&self, hold: Hold, worth: &[f64]) -> Vec<f64> {
-        self.solve(hold, worth, |set| (&set.transposed, &set.transposed_lu))
+        self.solve(hold, worth, LeastSystem::solve_transposed)
     }
 
     fn solve(
         &self,
         hold: Hold,
         right: &[f64],
-        of: impl Fn(&Set) -> (&Vec<f64>, &DenseLu),
+        solve: impl Fn(&LeastSystem, &[f64]) -> Vec<f64>,
     ) -> Vec<f64> {
         let mut out = vec![0.0; self.cables];
         if let Some(set) = self.set(hold)
             && !set.members.is_empty()
         {
-            let (matrix, lu) = of(set);
             let right: Vec<f64> = set.members.iter().map(|&i| right[i]).collect();
-            for (&i, x) in set.members.iter().zip(least(matrix, lu, &right)) {
+            for (&i, x) in set.members.iter().zip(solve(&set.system, &right)) {
                 out[i] = x;
             }
         }
@@ -119,24 +124,39 @@ impl HeldCables {
 impl Set {
     fn new(members: Vec<usize>, entry: impl Fn(usize, usize) -> f64) -> Result<Self, Critical> {
         let n = members.len();
-        let by_rows = |at: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
-            (0..n * n).map(|k| at(members[k / n], members[k % n])).collect()
-        };
-        let (matrix, transposed) = match n {
-            0 => (Vec::new(), Vec::new()),
-            _ => (by_rows(&entry), by_rows(&|i, j| entry(j, i))),
-        };
+        let matrix: Vec<f64> = (0..n * n).map(|k| entry(members[k / n], members[k % n])).collect();
         let greatest = (0..n).map(|i| matrix[i * n + i].abs()).fold(0.0, f64::max);
+        let system = LeastSystem::new(n, matrix, |_| -REGULARISATION * greatest)?;
+        Ok(Self { members, system })
+    }
+}
+
+impl LeastSystem {
+    /// Of a matrix by rows, to whose diagonal `regular` adds what makes it regular.
+    pub fn new(
+        n: usize,
+        matrix: Vec<f64>,
+        regular: impl Fn(usize) -> f64,
+    ) -> Result<Self, Critical> {
+        let transposed: Vec<f64> = (0..n * n).map(|k| matrix[(k % n) * n + k / n]).collect();
         let factored = |matrix: &[f64]| {
-            let mut regular = matrix.to_vec();
+            let mut with = matrix.to_vec();
             for i in 0..n {
-                regular[i * n + i] -= REGULARISATION * greatest;
+                with[i * n + i] += regular(i);
             }
             let mut lu = DenseLu::default();
-            lu.factor(n, &regular).map(|()| lu).map_err(|_| Critical)
+            lu.factor(n, &with).map(|()| lu).map_err(|_| Critical)
         };
         let (lu, transposed_lu) = (factored(&matrix)?, factored(&transposed)?);
-        Ok(Self { members, matrix, transposed, lu, transposed_lu })
+        Ok(Self { matrix, transposed, lu, transposed_lu })
+    }
+
+    pub fn solve(&self, right: &[f64]) -> Vec<f64> {
+        least(&self.matrix, &self.lu, right)
+    }
+
+    pub fn solve_transposed(&self, right: &[f64]) -> Vec<f64> {
+        least(&self.transposed, &self.transposed_lu, right)
     }
 }
 

@@ -134,7 +134,7 @@ fn of_markers_in_images() {
     }
 }
 
-/// The other models by differences, friction along steps that pull and release among them.
+/// Friction along steps that pull and release, exactly; lengths of a model without forces by differences.
 #[test]
 fn of_friction_and_of_length() {
     let plain = paper_robot(vec![straight(0.0)]);

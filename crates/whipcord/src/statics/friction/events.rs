@@ -12,6 +12,7 @@ use super::holes::Holes;
 use super::law::{Iterate, Law, Mode};
 use super::linear_problem::linear_system;
 use super::response::Response;
+use super::trail::Trigger;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
 
@@ -51,6 +52,15 @@ pub(super) struct Events {
     pub beyond: Vec<f64>,
     /// Number of events.
     pub count: usize,
+    /// Whether it is noted where holes come to rest, for derivatives.
+    pub keeps_stops: bool,
+    /// These places beyond the start, in order.
+    pub stops: Vec<Stop>,
+    /// The fraction of the substep that is behind, and what happens there.
+    now: f64,
+    trigger: Option<Trigger>,
+    /// The modes before that.
+    modes_before: Vec<Mode>,
     /// How near each hole comes to an event: the least distance of its tension from a bound where it sticks, and the least rate of
     /// its `Dᵢ` where it slides.
     margins: Vec<f64>,
@@ -65,6 +75,19 @@ pub(super) struct Events {
     matrix: Vec<f64>,
     lengths: Vec<f64>,
     system: ReplacedRows,
+}
+
+/// Where holes come to rest within a substep.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Stop {
+    /// The fraction of the substep.
+    pub at: f64,
+    /// Their passages, and `Dᵢ` there.
+    pub holes: Vec<(usize, f64)>,
+    /// The modes of all holes before.
+    pub modes: Vec<Mode>,
+    /// What changes the rates of all holes there.
+    pub trigger: Option<Trigger>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -115,6 +138,7 @@ impl Events {
         for slot in 0..slots {
             let at = |slot: f64| slot / slots as f64;
             let (mut now, to) = (at(slot as f64), at(slot as f64 + 1.0));
+            (self.now, self.trigger) = (now, None);
             self.respond(start, end, 0.5 * (now + to));
             if !self.linearise(law, 0.5 * (to - now), end.is_some()) {
                 return false;
@@ -127,13 +151,16 @@ impl Events {
                     self.count = 0;
                 }
                 self.note_margins(law);
-                let part = self.until_event(law).min(to - now);
+                let (until, trigger) = self.until_event(law);
+                let part = until.min(to - now);
                 self.advance(part);
                 (now, most) = (now + part, most - 1);
+                (self.now, self.trigger) = (now, trigger.filter(|_| until <= part));
             }
         }
         if end.is_some() {
             // What happens at the very end shows that the response changed too much.
+            (self.now, self.trigger) = (1.0, None);
             self.respond(start, end, 1.0);
             if !self.linearise(law, 0.0, false) || !self.choose(law) {
                 return false;
@@ -175,6 +202,8 @@ impl Events {
     fn start(&mut self, law: &Law<'_>, from: &[Command], start: &Station, end: Option<&Station>) {
         self.rest.clear();
         self.rest.extend_from_slice(law.before);
+        self.stops.clear();
+        self.now = 0.0;
         self.tensions.clone_from(&start.tensions);
         self.beyond.clone_from(&start.beyond);
         self.turns.clone_from(&start.turns);
@@ -261,6 +290,7 @@ impl Events {
 
     /// The modes that agree with their rates, and the rates.
     fn choose(&mut self, law: &Law<'_>) -> bool {
+        self.modes_before.clone_from(&self.modes);
         for change in 0..MOST_CHANGES[0] + MOST_CHANGES[1] * self.modes.len() {
             if !self.solve(law) {
                 return false;
@@ -393,8 +423,24 @@ impl Events {
     fn change(&mut self, p: usize, mode: Mode) {
         if mode == Mode::Sticks {
             self.rest[p] = self.beyond[p];
+            if self.keeps_stops && self.now > 0.0 {
+                self.note_stop(p);
+            }
         }
         self.modes[p] = mode;
+    }
+
+    fn note_stop(&mut self, p: usize) {
+        let Self { now, beyond, modes_before, trigger, stops, .. } = self;
+        match stops.last_mut().filter(|last| last.at == *now) {
+            Some(last) => last.holes.push((p, beyond[p])),
+            None => stops.push(Stop {
+                at: *now,
+                holes: vec![(p, beyond[p])],
+                modes: modes_before.clone(),
+                trigger: *trigger,
+            }),
+        }
     }
 
     /// How much too long the cable is between its holes for the given length, and its rate.
@@ -405,13 +451,16 @@ impl Events {
         (now.lack(cable, Iterate { tensions, beyond, turns }), rate - rates.commands[cable])
     }
 
-    /// The part of the substep to the next event at these rates.
-    fn until_event(&self, law: &Law<'_>) -> f64 {
+    /// The part of the substep to the next event at these rates, and the event.
+    fn until_event(&self, law: &Law<'_>) -> (f64, Option<Trigger>) {
         let rates = &self.rates;
-        let mut least = f64::INFINITY;
-        let mut meets = |(distance, rate): (f64, f64)| {
+        let (mut least, mut next) = (f64::INFINITY, None);
+        let mut meets = |(distance, rate): (f64, f64), event: Trigger| {
             if rate < 0.0 {
-                least = least.min(distance.max(0.0) / -rate);
+                let part = distance.max(0.0) / -rate;
+                if part < least {
+                    (least, next) = (part, Some(event));
+                }
             }
         };
         let tension = self.greatest_tension();
@@ -419,24 +468,25 @@ impl Events {
         for ((cable, place), p) in law.holes.all() {
             match self.modes[p] {
                 Mode::Sticks => {
-                    for bound in self.bounds(law, (cable, place)) {
+                    let bounds = self.bounds(law, (cable, place));
+                    for (bound, sign) in bounds.into_iter().zip([-1.0, 1.0]) {
                         if bound.1 < -still {
-                            meets(bound);
+                            meets(bound, Trigger::Slides { cable, place, sign });
                         }
                     }
                 }
                 Mode::Held if rates.tensions[p] < -still => {
-                    meets((self.tensions[p], rates.tensions[p]));
+                    meets((self.tensions[p], rates.tensions[p]), Trigger::Slack { cable });
                 }
                 Mode::Slack => {
                     let (lack, rate) = self.lack(law, cable);
                     if rate > STILL * law.holes.compliance * tension {
-                        meets((-lack, -rate));
+                        meets((-lack, -rate), Trigger::Taut { cable });
                     }
                 }
                 _ => {}
             }
         }
-        least
+        (least, next)
     }
 }

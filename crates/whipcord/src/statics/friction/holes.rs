@@ -1,5 +1,6 @@
 //! The holes of a robot, and what they remember.
 
+use super::trail::Trail;
 use crate::robot::Robot;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
@@ -162,6 +163,8 @@ pub(crate) struct History<S> {
     pub slip_states: Vec<SlipState>,
     /// `None` before the first step.
     pub shape: Option<S>,
+    /// The ends of all substeps, where derivatives are asked for.
+    pub trail: Option<Trail<S>>,
 }
 
 impl<S> Default for History<S> {
@@ -172,6 +175,7 @@ impl<S> Default for History<S> {
             base: Vec::new(),
             slip_states: Vec::new(),
             shape: None,
+            trail: None,
         }
     }
 }
@@ -185,7 +189,14 @@ impl<S> History<S> {
             base: vec![0.0; holes.of_cable.len()],
             slip_states: vec![SlipState::Sticks; holes.count()],
             shape: None,
+            trail: None,
         }
+    }
+
+    /// Before the first step, and to keep the ends of all substeps.
+    pub fn with_trail() -> Self {
+        let trail = Some(Trail::default());
+        Self { trail, ..Self::default() }
     }
 
     /// Whether no step was taken.

@@ -9,18 +9,33 @@
 //! | `newton` | shape and tensions in one semismooth Newton's method |
 //! | `events` | where the holes slide and stop in a substep, by the linear response of the shape |
 //! | `substeps` | a step of actuation, divided where the linear response misses too much |
+//! | `way` | the way of a step: its commands, its state, and where holes come to rest on it |
+//! | `trail` | the ends of the substeps, and where holes stop in between, for derivatives |
+//! | `standing` | how the cables stand in their holes there |
+//! | `carrying` | how what the holes remember changes from end to end |
+//! | `held` | the tensions of all passages while something else changes: the derivatives of the equations of the holes |
 //!
 //! `docs/theory/hole-friction.md` derives the equations.
 
+mod carried;
+mod carrying;
 mod events;
+mod held;
 mod holes;
 mod law;
 mod linear_problem;
 mod newton;
 mod response;
+mod standing;
 mod substeps;
+mod trail;
+mod way;
 
+pub(crate) use carried::Carried;
+pub(crate) use carrying::{Carrying, Place};
+pub(crate) use held::{HeldHoles, HoleChange, HoleSource};
 pub(crate) use holes::{History, Holes, Slides};
 pub(crate) use newton::FrictionScratch;
 pub(crate) use response::{PassageResponse, Passages, Response};
 pub(crate) use substeps::{Course, step};
+pub(crate) use trail::{Standing, SubstepEnd};

@@ -10,14 +10,12 @@ use super::holes::{History, Holes};
 use super::law::Law;
 use super::newton::FrictionScratch;
 use super::response::PassageResponse;
-use crate::section::Fault;
+use super::way::{Way, between};
 use crate::shape::SlipState;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::{Failure, Found, Open};
 
-/// Of the backbone's length: less is no sliding.
-const SLIDES: f64 = 1e-11;
 /// Of the backbone's length: places where a hole comes to rest that differ by less are one.
 const ROUNDED: f64 = 1e-9;
 /// By how much of the greatest tension of its cable a tension may differ between the two passes of a substep; what the second
@@ -70,11 +68,28 @@ pub(crate) fn step<M: PassageResponse>(
 ) -> Result<Found, Failure> {
     let is_first = history.is_empty();
     if is_first {
-        *history = History::at_rest(holes);
+        *history = History { trail: history.trail.take(), ..History::at_rest(holes) };
+    }
+    if let Some(trail) = &mut history.trail {
+        trail.steps.push(trail.ends.len());
+        // Places of rest that another mesh found have their derivatives there.
+        if course.rest.iter().any(|slid| *slid != 0.0) {
+            course.rest.clear();
+        }
     }
     let (commands, fault) = (to.to_vec(), None);
-    let mut way =
-        Way { holes, to, commands, iterations: 0, fault, is_first, stands: false, scratch };
+    let mut way = Way {
+        holes,
+        to,
+        commands,
+        fraction: 1.0,
+        stops: Vec::new(),
+        iterations: 0,
+        fault,
+        is_first,
+        stands: false,
+        scratch,
+    };
     if is_first {
         way.load(model, history);
     }
@@ -83,41 +98,6 @@ pub(crate) fn step<M: PassageResponse>(
         None => way.go(model, history, course)?,
     };
     Ok(Found::with(Effort { iterations: way.iterations, residual }))
-}
-
-/// The way from one state to the commands of a step.
-struct Way<'a> {
-    holes: &'a Holes,
-    to: &'a [Command],
-    /// The commands of the substep.
-    commands: Vec<Command>,
-    iterations: usize,
-    /// Whether nothing was found before.
-    is_first: bool,
-    /// Whether model and scratch have where the substep starts, and its response.
-    stands: bool,
-    /// A fold that was met since the last state.
-    fault: Option<Fault>,
-    scratch: &'a mut FrictionScratch,
-}
-
-/// The commands at a fraction of the way from a state.
-fn between<'a, S>(
-    from: &'a History<S>,
-    holes: &'a Holes,
-    to: &'a [Command],
-    fraction: f64,
-) -> impl Iterator<Item = Command> + 'a {
-    to.iter().enumerate().map(move |(cable, command)| match *command {
-        Command::Tension(tension) => {
-            let start = from.base[cable];
-            Command::Tension(start + fraction * (tension - start))
-        }
-        Command::Length { target, compliance } => {
-            let start = holes.at_drive(cable, &from.beyond, &from.tensions);
-            Command::Length { target: start + fraction * (target - start), compliance }
-        }
-    })
 }
 
 impl Way<'_> {
@@ -136,31 +116,6 @@ impl Way<'_> {
         }
     }
 
-    /// The commands at a fraction `at` of the way from a state that is `1 − left` of it.
-    fn set_commands<S>(&mut self, from: &History<S>, part: f64, left: f64) {
-        self.commands.clear();
-        let fraction = if part >= left { 1.0 } else { part / left };
-        self.commands.extend(between(from, self.holes, self.to, fraction));
-    }
-
-    /// Newton's method from where model and scratch are.
-    fn converge<M: PassageResponse>(
-        &mut self,
-        model: &mut M,
-        before: &[f64],
-    ) -> Result<Effort, Open> {
-        let law = Law { holes: self.holes, commands: &self.commands, before };
-        let found = self.scratch.converge(model, &law);
-        self.iterations += match &found {
-            Ok(effort) => effort.iterations,
-            Err(open) => {
-                self.fault = open.fault.or(self.fault);
-                open.iterations
-            }
-        };
-        found
-    }
-
     /// Takes the state of the scratch over, with where each hole last came to rest.
     fn advance<M: PassageResponse>(
         &mut self,
@@ -169,12 +124,12 @@ impl Way<'_> {
         rest: &[f64],
     ) {
         self.fault = None;
-        let FrictionScratch { tensions, beyond, at, .. } = &*self.scratch;
-        let state = (&tensions[..], &beyond[..], &at.turns[..]);
-        let least = SLIDES * self.holes.length;
-        history.beyond.clear();
-        history.beyond.extend_from_slice(rest);
-        history.advance(self.holes, &self.commands, state, least, model.shape());
+        self.take_over(model, history, rest);
+        if history.trail.is_some() {
+            let commands = (&self.commands[..], self.fraction);
+            let end = history.end(self.holes, commands, self.scratch, rest, None);
+            history.trail.iter_mut().for_each(|trail| trail.ends.extend(end.clone()));
+        }
         self.is_first = false;
         if self.stands {
             // The end of the substep is where the next one starts.
@@ -183,30 +138,6 @@ impl Way<'_> {
             start.beyond.clone_from(&history.beyond);
             start.slip_states.clone_from(&history.slip_states);
         }
-    }
-
-    /// Starts from the state that was reached.
-    fn start_from<M: PassageResponse>(&mut self, model: &mut M, history: &History<M::Shape>) {
-        if let Some(shape) = &history.shape {
-            model.set_shape(shape);
-        }
-        self.scratch.tensions.clone_from(&history.tensions);
-    }
-
-    /// Starts from cables that slide everywhere without friction.
-    fn start_uniformly<M: PassageResponse>(
-        &mut self,
-        model: &mut M,
-        history: &History<M::Shape>,
-    ) -> Result<(), Failure> {
-        let tensions = &mut self.scratch.tensions;
-        tensions.clone_from(&history.tensions);
-        for (passages, command) in self.holes.of_cable.iter().zip(&self.commands) {
-            if let Command::Tension(given) = *command {
-                passages.iter().for_each(|&p| tensions[p] = given);
-            }
-        }
-        model.settle(tensions)
     }
 
     /// The end of the step on a finer mesh, from that of its course.
@@ -291,6 +222,7 @@ impl Way<'_> {
     ) -> Result<(Effort, Option<f64>), Option<Open>> {
         let is_known = self.stands || self.stand(model, history);
         self.stands = false;
+        self.scratch.events.keeps_stops = history.trail.is_some();
         let is_followed = is_known && self.follow(history, false);
         let no_event = self.scratch.events.count == 0;
         rest.clear();
@@ -299,6 +231,10 @@ impl Way<'_> {
         } else {
             &history.beyond
         });
+        self.stops.clear();
+        if is_followed {
+            self.stops.clone_from(&self.scratch.events.stops);
+        }
         let mut effort = self.find(model, history, near, is_followed, rest)?;
         if !is_known || !self.end(model) || !self.follow(history, true) {
             return Ok((effort, None));
@@ -314,6 +250,7 @@ impl Way<'_> {
         if (0..rest.len()).any(moved) {
             let first = tensions.clone();
             rest.clone_from(&events.rest);
+            self.stops.clone_from(&events.stops);
             self.stands = false;
             let corrected = self.converge(model, rest).map_err(Some)?;
             let iterations = effort.iterations + corrected.iterations;
@@ -419,6 +356,7 @@ impl Way<'_> {
                         || error.is_some_and(|error| error <= 1.0)
                         || 0.75 * length <= shortest(error) =>
                 {
+                    self.note_stops(model, history);
                     self.advance(model, history, &rest);
                     at = if length >= left { 1.0 } else { at + length };
                     residual = effort.residual;

@@ -159,10 +159,8 @@ fn contact_with_friction(kind: ModelKind) -> Result<(), SolveError> {
     Ok(())
 }
 
-fn derivatives_of(kind: ModelKind, case: &Case) -> Result<(), SolveError> {
-    let robot = finger(9);
-    assert!(model(kind).has_derivatives(&robot) || kind == ModelKind::ConstantCurvature);
-    let mut prepared = model(kind).prepare(&robot, &case.loads)?;
+fn derivatives_of(kind: ModelKind, robot: &Robot, case: &Case) -> Result<(), SolveError> {
+    let mut prepared = model(kind).prepare(robot, &case.loads)?;
     let solution = prepared.solve(case, None)?;
     let parameters = [Parameter::YoungModulus, Parameter::Radius { cable: 0 }];
     let derivatives = prepared.linearize(case, &solution, &parameters)?;
@@ -176,11 +174,18 @@ fn derivatives_of(kind: ModelKind, case: &Case) -> Result<(), SolveError> {
 }
 
 fn derivatives(kind: ModelKind) -> Result<(), SolveError> {
-    derivatives_of(kind, &pulled())
+    let robot = finger(9);
+    assert!(model(kind).has_derivatives(&robot) || kind == ModelKind::ConstantCurvature);
+    derivatives_of(kind, &robot, &pulled())
+}
+
+fn derivatives_with_friction(kind: ModelKind) -> Result<(), SolveError> {
+    let rubbing = with_cable(|cable| cable.friction = Some(0.3));
+    derivatives_of(kind, &rubbing, &Case::with_tensions(&[2.0]))
 }
 
 fn derivatives_in_contact(kind: ModelKind) -> Result<(), SolveError> {
-    derivatives_of(kind, &touching())
+    derivatives_of(kind, &finger(9), &touching())
 }
 
 fn batches(kind: ModelKind) -> Result<(), SolveError> {
@@ -194,7 +199,7 @@ fn batches(kind: ModelKind) -> Result<(), SolveError> {
 
 type Question = fn(ModelKind) -> Result<(), SolveError>;
 
-const QUESTIONS: [(&str, Question); 15] = [
+const QUESTIONS: [(&str, Question); 16] = [
     ("dead loads", dead_loads),
     ("follower loads", follower_loads),
     ("distributed loads", distributed_loads),
@@ -208,6 +213,7 @@ const QUESTIONS: [(&str, Question); 15] = [
     ("branches and limit points", branches),
     ("contact with friction", contact_with_friction),
     ("derivatives by commands, loads and parameters", derivatives),
+    ("derivatives with friction at holes", derivatives_with_friction),
     ("derivatives in contact", derivatives_in_contact),
     ("batches", batches),
 ];

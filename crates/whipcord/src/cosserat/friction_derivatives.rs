@@ -1,0 +1,188 @@
+//! Exact derivatives of an answer whose cables rub along their curves: every node of [`super::tension_nodes`] is a strand, and the equations of
+//! the holes ([`crate::statics::friction`]) say how their tensions change.
+
+use super::friction::{Answer, Friction, FrictionRod, FrictionWorkspace, base_wrench};
+use super::prepared::{Cosserat, Workspace};
+use super::scratch::Scratch;
+use super::state::{Node, State};
+use crate::case::Case;
+use crate::derivatives::{
+    Cables, Derivatives, NoDerivatives, SlidingAnswer, Solved, Strands, Varying,
+};
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::parameter::Parameter;
+use crate::shape::{Solution, Wrench};
+use crate::statics::friction::{
+    Carried, Carrying, PassageResponse as _, Passages, Place, SubstepEnd,
+};
+use crate::statics::grid::Grid;
+
+impl Cosserat {
+    /// The answer to the last step of a case, from the robot at rest on, with its derivatives.
+    pub(super) fn solve_sliding_with_derivatives(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        let mut last = None;
+        let number = case.leading_steps().count() - 1;
+        let is_last = |step: usize| step == number;
+        self.slide_with_derivatives(case, parameters, is_last, workspace, |answer| {
+            last = Some(answer);
+        })
+        .map_err(|(_, error)| error)?;
+        match last {
+            Some((solution, Some(derivatives))) => Ok((solution, derivatives)),
+            _ => Err(SolveError::NoDerivatives),
+        }
+    }
+
+    /// The answers to all steps of a case of cables that rub, in order; those that are asked for, by their number from 0, with their
+    /// derivatives.
+    pub(crate) fn slide_with_derivatives(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        asks: impl Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        mut each: impl FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        let steps: Vec<Case> = case.leading_steps().collect();
+        // What is remembered depends on the grid, and so do its changes.
+        let mut carrying: Vec<Carrying> = Vec::new();
+        for n in 0..steps.len() {
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            workspace.friction.keeps_trail = true;
+            let mut solution = Solution::empty(ModelKind::Cosserat);
+            let solved = self
+                .solve_with_friction(&steps[..=n], n == 0, workspace, &mut solution)
+                .and_then(|()| {
+                    let level = workspace.progress.level;
+                    carrying.resize(carrying.len().max(level + 1), Carrying::default());
+                    let of_level = (level, &mut carrying[level]);
+                    match asks(n) {
+                        true => self
+                            .differentiate_trail(of_level, &steps, parameters, workspace)
+                            .map(Some),
+                        false => Ok(None),
+                    }
+                });
+            workspace.friction.keeps_trail = false;
+            let derivatives = workspace.meter.checked(solved).map_err(|error| (n, error))?;
+            each((solution, derivatives));
+        }
+        Ok(())
+    }
+
+    /// The derivatives of the answer that the workspace holds.
+    fn differentiate_trail(
+        &self,
+        (level, carrying): (usize, &mut Carrying),
+        steps: &[Case],
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<Derivatives, SolveError> {
+        let grid = match self.options.accuracy {
+            crate::statics::options::Accuracy::Steps(_) => std::borrow::Cow::Borrowed(&self.grid),
+            crate::statics::options::Accuracy::Tolerance(_) => self.grid(level)?,
+        };
+        let friction = self.friction_on(&grid);
+        let walked = workspace.friction.levels.get_mut(level);
+        let Some((trail, answers)) =
+            walked.and_then(|walked| Some((walked.history.trail.take()?, walked.answers.clone())))
+        else {
+            return Err(SolveError::NoDerivatives);
+        };
+        let kept = parameters.len() + friction.holes.of_cable.len();
+        let found = carrying.go(&trail, kept, |end, carried, place| {
+            let (Some(case), Some(answer)) = (steps.get(place.step), answers.get(place.step))
+            else {
+                return Err(SolveError::NoDerivatives);
+            };
+            let at = (&*grid, &friction, answer);
+            self.differentiate_end(at, (end, carried), (case, parameters), place, workspace)
+        });
+        if let Some(walked) = workspace.friction.levels.get_mut(level) {
+            walked.history.trail = Some(trail);
+        }
+        found
+    }
+
+    /// The derivatives at the end of a substep, and what goes on to the next.
+    fn differentiate_end(
+        &self,
+        (grid, friction, answer): (&Grid, &Friction, &Answer),
+        (end, carried): (&SubstepEnd<State>, Option<&[Carried]>),
+        (case, parameters): (&Case, &[Parameter]),
+        place: Place,
+        workspace: &mut Workspace,
+    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+        self.accept(case, workspace)?;
+        let Workspace { scratch, commands, meter, friction: memory, .. } = &mut *workspace;
+        let FrictionWorkspace { response, .. } = memory;
+        scratch.applied.gather(grid, &case.loads, case.base.rotation);
+        let problem = self.problem(grid, case, (commands, &*meter));
+        let standing = &end.standing;
+        let mut at = Passages::default();
+        let mut rod = FrictionRod::new(&problem, (friction, &answer.profile), scratch, response);
+        rod.set_shape(&end.shape);
+        let measured = rod.measure(&standing.tensions, &mut at);
+        let varying = core::mem::take(&mut scratch.chain.varying);
+        measured.map_err(|_| SolveError::NoDerivatives)?;
+        let Scratch { chain, poses, .. } = &mut *scratch;
+        chain.poses(poses);
+        scratch.base_wrench = base_wrench(scratch);
+        let nodes = &friction.nodes;
+        // Within a step the profile is that of its end.
+        let shares = match place.is_end_of_step {
+            true => nodes.shares(grid, &standing.tensions, &answer.slip_states),
+            false => nodes.shares_of_profile(grid, &answer.profile),
+        };
+        let cables = nodes.cables();
+        let strands =
+            Strands::of_links(cables, nodes.count(), grid.len(), |k, cable| nodes.strand(k, cable));
+        let strands = strands.with_shares(shares);
+        let slopes = nodes.slopes(grid, response.slopes());
+        let start =
+            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
+        let starts: Vec<Option<Wrench>> =
+            end.shape.nodes.iter().map(|node| Some(start(node))).collect();
+        let varying = Varying { tensions: &varying, strands: &strands, slopes: &slopes };
+        let solved = Solved {
+            robot: &self.robot,
+            case,
+            cables: Cables::of(&self.layout),
+            grid,
+            loads: &scratch.applied,
+            commands: &standing.commands,
+            tensions: &standing.base,
+            taut: &vec![true; cables],
+            poses: &scratch.poses,
+            base_wrench: scratch.base_wrench,
+            starts: &starts,
+            strains: scratch.trajectory.strains(),
+            are_strains_met: false,
+            history: &[],
+            nodes: &grid.stations,
+            sliding: Some(SlidingAnswer {
+                holes: &friction.holes,
+                standing,
+                carried,
+                strands: &strands,
+                varying: Some(varying),
+            }),
+        };
+        match Derivatives::of(&solved, parameters) {
+            Ok(derivatives) => {
+                let carried = derivatives.carried();
+                Ok((derivatives, carried))
+            }
+            Err(NoDerivatives::Parameter(error)) => Err(error.into()),
+            Err(NoDerivatives::Critical | NoDerivatives::Fault(_)) => {
+                Err(SolveError::NoDerivatives)
+            }
+        }
+    }
+}

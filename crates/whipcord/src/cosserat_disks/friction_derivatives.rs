@@ -1,0 +1,193 @@
+//! Exact derivatives of an answer whose cables rub in their holes: every passage is a strand with a tension of its own, and the equations of
+//! the holes ([`crate::statics::friction`]) say how these change.
+
+use super::friction::put;
+use super::layout::Mesh;
+use super::node::Node;
+use super::{CosseratDisks, Workspace};
+use crate::case::Case;
+use crate::derivatives::{
+    Cables, Derivatives, NoDerivatives, SlidingAnswer, Solved, StraightCables, Strands,
+};
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::parameter::Parameter;
+use crate::shape::Solution;
+use crate::statics::friction::{Carried, Carrying, Holes, SubstepEnd};
+use crate::warm_start::WarmStart;
+
+impl CosseratDisks {
+    /// Whether a cable rubs in its holes.
+    pub(crate) const fn has_friction(&self) -> bool {
+        self.holes.is_some()
+    }
+
+    /// The answers to all steps of a case of cables that rub, in order; those that are asked for, by their number from 0, with their
+    /// derivatives.
+    pub(crate) fn solve_steps_with_derivatives(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        asks: impl Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        each: impl FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        let Some(holes) = &self.holes else { return Ok(()) };
+        self.slide_with_derivatives(holes, case, parameters, asks, workspace, each)
+    }
+
+    /// The answer to the last step of a case, from the robot at rest on, with its derivatives.
+    pub(super) fn solve_sliding_with_derivatives(
+        &self,
+        holes: &Holes,
+        case: &Case,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        let mut last = None;
+        let number = case.leading_steps().count() - 1;
+        let is_last = |step: usize| step == number;
+        self.slide_with_derivatives(holes, case, parameters, is_last, workspace, |answer| {
+            last = Some(answer);
+        })
+        .map_err(|(_, error)| error)?;
+        match last {
+            Some((solution, Some(derivatives))) => Ok((solution, derivatives)),
+            _ => Err(SolveError::NoDerivatives),
+        }
+    }
+
+    /// The answers to all steps of a case in order, those that are asked for with their derivatives.
+    fn slide_with_derivatives(
+        &self,
+        holes: &Holes,
+        case: &Case,
+        parameters: &[Parameter],
+        asks: impl Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        mut each: impl FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        let steps: Vec<Case> = case.leading_steps().collect();
+        workspace.histories.clear();
+        workspace.courses.clear();
+        // What holes remember depends on the mesh, and so do its changes.
+        let mut carrying: Vec<Carrying> = Vec::new();
+        for n in 0..steps.len() {
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            workspace.keeps_trail = true;
+            let mut solution = Solution::empty(ModelKind::CosseratDisks);
+            let solved = self
+                .solve_from(&steps[..=n], WarmStart::None, workspace, &mut solution)
+                .and_then(|level| {
+                    carrying.resize(carrying.len().max(level + 1), Carrying::default());
+                    let mut differentiate = || {
+                        let of_level = (level, &mut carrying[level]);
+                        self.differentiate_sliding(holes, of_level, &steps, parameters, workspace)
+                    };
+                    asks(n).then(&mut differentiate).transpose()
+                });
+            workspace.keeps_trail = false;
+            let derivatives = workspace.meter.checked(solved).map_err(|error| (n, error))?;
+            each((solution, derivatives));
+        }
+        Ok(())
+    }
+
+    /// The derivatives of the answer that the workspace holds.
+    fn differentiate_sliding(
+        &self,
+        holes: &Holes,
+        (level, carrying): (usize, &mut Carrying),
+        steps: &[Case],
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<Derivatives, SolveError> {
+        let mesh = self.mesh(level)?;
+        let trail =
+            workspace.histories.get_mut(level).and_then(|walked| walked.history.trail.take());
+        let Some(trail) = trail else { return Err(SolveError::NoDerivatives) };
+        let found =
+            carrying.go(&trail, parameters.len() + holes.of_cable.len(), |end, carried, place| {
+                let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
+                let at = (&*mesh, end, carried);
+                self.differentiate_end(holes, at, (case, parameters), place.is_last, workspace)
+            });
+        workspace.histories[level].history.trail = Some(trail);
+        found
+    }
+
+    /// The derivatives at the end of a substep, and what goes on to the next.
+    fn differentiate_end(
+        &self,
+        holes: &Holes,
+        (mesh, end, carried): (&Mesh, &SubstepEnd<Vec<Node>>, Option<&[Carried]>),
+        (case, parameters): (&Case, &[Parameter]),
+        is_last: bool,
+        workspace: &mut Workspace,
+    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+        let Workspace { scratch, commands, meter, .. } = workspace;
+        let meter = &*meter;
+        self.commands(case, commands)?;
+        let problem = self.problem(mesh, (commands, meter), case)?;
+        put(&problem, end, scratch).map_err(|_| SolveError::NoDerivatives)?;
+        // Lengths before actuation hang on parameters alone.
+        let rest = (!parameters.is_empty()).then(|| self.frame().rest_mesh()).transpose()?;
+        let rest = rest.as_ref().map(|mesh| (&mesh.grid, self.frame().straight_spans(mesh)));
+        let mut spans = self.frame().straight_spans(mesh);
+        let standing = &end.standing;
+        for (straight, span) in spans.iter_mut().zip(&self.frame().spans) {
+            straight.tensions = Some(&standing.tensions[span.first..][..span.passages.len()]);
+        }
+        let straight = StraightCables {
+            spans: &spans,
+            rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
+        };
+        let cables = standing.base.len();
+        let order: Vec<usize> = (0..cables).collect();
+        let strand = |link: usize, cable: usize| {
+            let span = self.frame().spans.get(link)?;
+            let place = span.passages.iter().position(|passage| passage.cable == cable)?;
+            Some(span.first + place)
+        };
+        let strands = Strands::of_links(cables, holes.count(), spans.len(), strand);
+        let solved = Solved {
+            robot: &self.robot,
+            case,
+            cables: Cables {
+                order: &order,
+                rest_lengths: &self.frame().rest_lengths,
+                straight: Some(straight),
+            },
+            grid: &mesh.grid,
+            loads: &scratch.applied,
+            commands: &standing.commands,
+            tensions: &standing.base,
+            taut: &vec![true; cables],
+            poses: &scratch.poses,
+            base_wrench: scratch.base_wrench,
+            starts: &scratch.chain.starts(self.frame(), mesh, &scratch.applied),
+            strains: &[],
+            are_strains_met: false,
+            history: &[],
+            nodes: if is_last { &mesh.grid.stations } else { &[] },
+            sliding: Some(SlidingAnswer {
+                holes,
+                standing,
+                carried,
+                strands: &strands,
+                varying: None,
+            }),
+        };
+        match Derivatives::of(&solved, parameters) {
+            Ok(derivatives) => {
+                let carried = derivatives.carried();
+                Ok((derivatives, carried))
+            }
+            Err(NoDerivatives::Parameter(error)) => Err(error.into()),
+            Err(NoDerivatives::Critical | NoDerivatives::Fault(_)) => {
+                Err(SolveError::NoDerivatives)
+            }
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Exact derivatives of an answer whose cables rub in their holes: [`super::derivatives`] with a tension for every passage, and with the
+//! equations of the holes ([`crate::statics::friction`]).
+
+use super::friction::{Rubbing, Turned};
+use super::layout::Section;
+use super::motion::Coordinates;
+use super::task::Task;
+use super::{Linkage, Workspace};
+use crate::case::Case;
+use crate::derivatives::{
+    AnswerHoles, CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, ParameterChange,
+    SolvedCoordinates,
+};
+use crate::error::SolveError;
+use crate::parameter::Parameter;
+use crate::robot::Robot;
+use crate::shape::Solution;
+use crate::statics::friction::{Carried, Carrying, History, HoleSource, SubstepEnd};
+use crate::warm_start::WarmStart;
+
+impl Linkage {
+    /// The answer to the last step of a case, from the robot at rest on, with its derivatives.
+    pub(super) fn solve_sliding_with_derivatives(
+        &self,
+        rubbing: &Rubbing,
+        case: &Case,
+        parameters: &[Parameter],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        self.slide_with_derivatives(rubbing, (case, parameters), &self.stations, workspace)
+    }
+
+    /// The same, of cross-sections at these arc lengths in m as stations of the derivatives.
+    pub(super) fn slide_with_derivatives(
+        &self,
+        rubbing: &Rubbing,
+        (case, parameters): (&Case, &[Parameter]),
+        stations: &[f64],
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        case.check(&self.robot)?;
+        workspace.forget();
+        workspace.friction.history = History::with_trail();
+        let mut carrying = Carrying::default();
+        let solution = self.go_on(case, workspace)?;
+        let asked = (case, parameters, stations);
+        let derivatives = self.differentiate_trail(rubbing, asked, &mut carrying, workspace)?;
+        Ok((solution, derivatives))
+    }
+
+    /// The answers to all steps of a case of cables that rub, in order; those that are asked for, by their number from 0, with their
+    /// derivatives.
+    pub(crate) fn solve_steps_with_derivatives(
+        &self,
+        case: &Case,
+        parameters: &[Parameter],
+        asks: impl Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        mut each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        let Some(rubbing) = &self.friction else { return Ok(()) };
+        case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        workspace.forget();
+        workspace.friction.history = History::with_trail();
+        let mut carrying = Carrying::default();
+        for n in 0..=case.before.len() {
+            let Some(step) = case.step(n) else { break };
+            let solution = self.go_on(&step, workspace).map_err(|error| (n, error))?;
+            let asked = (case, parameters, &self.stations[..]);
+            let mut differentiate =
+                || self.differentiate_trail(rubbing, asked, &mut carrying, workspace);
+            let derivatives = asks(n).then(&mut differentiate).transpose();
+            each((solution, derivatives.map_err(|error| (n, error))?));
+        }
+        Ok(())
+    }
+
+    /// The answer to a case whose first steps the workspace has taken.
+    fn go_on(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
+        let mut solution = Solution::empty(self.kind);
+        let status = self.solve_from_here(case, WarmStart::None, workspace, &mut solution)?;
+        workspace.answered(status, solution)
+    }
+
+    /// The derivatives of the answer that the workspace is at, after some steps of a case, at these stations.
+    fn differentiate_trail(
+        &self,
+        rubbing: &Rubbing,
+        (case, parameters, stations): (&Case, &[Parameter], &[f64]),
+        carrying: &mut Carrying,
+        workspace: &mut Workspace,
+    ) -> Result<CoordinateDerivatives, SolveError> {
+        let Some(trail) = workspace.friction.history.trail.take() else {
+            return Err(SolveError::NoDerivatives);
+        };
+        let kept = parameters.len() + rubbing.holes.of_cable.len();
+        let steps: Vec<Case> = case.leading_steps().collect();
+        let found = carrying.go(&trail, kept, |end, carried, place| {
+            let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
+            let at = if place.is_last { stations } else { &[] };
+            self.differentiate_sliding((rubbing, end, carried), (case, parameters), at, workspace)
+        });
+        workspace.friction.history.trail = Some(trail);
+        found
+    }
+
+    /// The derivatives at the end of a substep, and what goes on to the next; at these stations.
+    fn differentiate_sliding(
+        &self,
+        (rubbing, end, carried): (&Rubbing, &SubstepEnd<Vec<Coordinates>>, Option<&[Carried]>),
+        (case, parameters): (&Case, &[Parameter]),
+        stations: &[f64],
+        workspace: &mut Workspace,
+    ) -> Result<(CoordinateDerivatives, Vec<Carried>), SolveError> {
+        let Rubbing { holes, sections, .. } = rubbing;
+        let SubstepEnd { shape, standing, .. } = end;
+        let coordinates = self.division.coordinates() * sections.len();
+        let at = [stations, &self.robot.disks().arc_lengths, &[]];
+        let places = KnownPlaces::new(self.kind, coordinates, at)?;
+        let Workspace { scratch, loads, meter, friction, .. } = workspace;
+        let tensions = &standing.tensions;
+        let task = Task { sections, ..self.task(loads, tensions, meter) };
+        let chain = &mut scratch.chain;
+        chain.q.clone_from(shape);
+        let mut system = self.linear_system(&places.arc_lengths, &task, chain)?;
+        friction.turned.measure(chain, &task, holes, &mut Vec::new());
+        friction.turned.rows(&task, &mut system.lengths);
+        let mut changes = Vec::with_capacity(parameters.len());
+        let mut sources = Vec::with_capacity(parameters.len());
+        for parameter in parameters {
+            let mut change = self.by_parameter(parameter, case, |sections, robot, case| {
+                self.sliding_equations((sections, robot, case), shape, tensions)
+            })?;
+            let is_length = |cable: usize| standing.commands[cable].is_length();
+            sources.push(source(&mut change, holes.count(), holes.of_cable.len(), is_length));
+            changes.push(change);
+        }
+        let cables = standing.commands.iter().map(|command| CoordinateCable {
+            command: *command,
+            is_taut: true,
+            compliance: 0.0,
+        });
+        let solved = SolvedCoordinates {
+            system,
+            places,
+            cables: cables.collect(),
+            parameters: changes,
+            length: self.robot.backbone().length,
+        };
+        let holes = AnswerHoles { holes, standing, parameters: sources, carried };
+        let found = CoordinateDerivatives::of_sliding(solved, &holes);
+        holes.holes.cable_lengths(&friction.scratch.at.lengths, &mut scratch.chain.lengths);
+        found
+    }
+
+    /// The equations of a robot with these sections. Their targets are `ℓ⁰/EA` and the lengths at rest of all passages, and of each
+    /// cable the friction coefficient, the length that it is commanded where nothing pulls it, and the compliance outside the robot.
+    fn sliding_equations(
+        &self,
+        (sections, robot, case): (&[Section], &Robot, &Case),
+        q: &[Coordinates],
+        tensions: &[f64],
+    ) -> Equations {
+        let rubbing = Rubbing::of(robot, &self.division, sections);
+        let Rubbing { holes, sections, rest, .. } = &rubbing;
+        let (residuals, chain) = self.residuals(sections, robot, case, q, tensions);
+        let meter = Default::default();
+        let loads = Default::default();
+        let task = Task { sections, ..self.task(&loads, tensions, &meter) };
+        let mut turns = Vec::new();
+        Turned::default().measure(&chain, &task, holes, &mut turns);
+        let mut whole = Vec::new();
+        holes.cable_lengths(rest, &mut whole);
+        let commanded = |(i, &rest): (usize, &f64)| {
+            let shortening = case.commands[i].shortening.map_or(0.0, |s| s.in_metres(rest));
+            rest - shortening - robot.cable_compliance(i, rest) * robot.pretension(i)
+        };
+        let commanded: Vec<f64> = whole.iter().enumerate().map(commanded).collect();
+        let targets = [&holes.yielding, rest, &holes.coefficients, &commanded, &holes.outside];
+        Equations {
+            residuals,
+            lengths: [&chain.lengths[..], &turns].concat(),
+            targets: targets.map(|v| &v[..]).concat(),
+            base: chain.base,
+        }
+    }
+}
+
+/// What a parameter changes in the equations of the holes, of the targets of [`Linkage::sliding_equations`].
+fn source(
+    change: &mut ParameterChange,
+    passages: usize,
+    cables: usize,
+    is_length: impl Fn(usize) -> bool,
+) -> HoleSource {
+    let mut yielding = core::mem::take(&mut change.targets);
+    let mut rest = yielding.split_off(passages);
+    let mut friction = rest.split_off(passages);
+    let mut commands = friction.split_off(cables);
+    let outside = commands.split_off(cables);
+    let targets = commands.clone();
+    for (cable, by) in commands.iter_mut().enumerate() {
+        if !is_length(cable) {
+            *by = 0.0;
+        }
+    }
+    HoleSource { commands, targets, friction, yielding, rest, outside }
+}
