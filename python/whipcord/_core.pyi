@@ -205,6 +205,11 @@ def fit(
     iterations: int,
     validate: bool,
     models: list[Model],
+    test: list[Setup],
+    part: tuple[float, int] | None,
+    ladder: bool,
+    profile: bool,
+    skip: bool,
 ) -> Fitted: ...
 
 @final

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Union
 
@@ -27,6 +27,9 @@ __all__ = [
     "Fit",
     "HeldOut",
     "ModelFit",
+    "Profile",
+    "Rung",
+    "Suspect",
     "Unknown",
     "Unresolved",
     "UnstableAnswer",
@@ -106,10 +109,14 @@ class Unresolved:
 class HeldOut:
     """A part of the measurements that was held out."""
 
-    case: str
-    """Name of its case."""
+    case: str | None
+    """Name of its case; None for a group of rows."""
     step: int | None
-    """Its step, from 1; None where the whole case was held out."""
+    """Its step, from 1; None where the whole case, or several rows, were held out."""
+    group: str | None
+    """The group of rows that was held out, where rows have groups."""
+    rows: int
+    """How many rows were held out."""
     values: tuple[float, ...]
     """The estimates without it."""
     rms_distance: float | None
@@ -146,6 +153,58 @@ class ModelFit:
     """By how much Akaike's criterion is above that of the best."""
     bic_above_best: float | None
     """By how much the Bayesian criterion is."""
+    held_out_rms_distance: float | None
+    """RMS distance in m of what was held out, where that was asked for."""
+
+
+@dataclass(frozen=True)
+class Rung:
+    """The first parameters of a list, fitted without those after them."""
+
+    parameters: tuple[str, ...]
+    """What was estimated; nothing on the first rung."""
+    rms_distance: float | None
+    """RMS distance in m of the fit."""
+    rms_pixels: float | None
+    """The same in pixels."""
+    held_out_rms_distance: float | None
+    """RMS distance in m of what was held out in turn."""
+    held_out_rms_pixels: float | None
+    """The same in pixels."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """The profile likelihood of a parameter."""
+
+    parameter: str
+    """Its path."""
+    values: tuple[float, ...]
+    """Values, in ascending order."""
+    rise: tuple[float, ...]
+    """By how much the sum of squares in units of the noise is above that of the estimate, all others fitted anew."""
+    limit: float
+    """Values below this rise agree with the measurements."""
+    interval: tuple[float | None, float | None]
+    """Ends of the interval; None where no value on that side contradicts the measurements."""
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """The zero or the angle of a single cable that is not estimated."""
+
+    parameter: str
+    """Its path."""
+    unit: str
+    """Its unit."""
+    change: float
+    """By how much it is off, to first order."""
+    deviation: float
+    """Standard deviation of that."""
+    share: float
+    """Part of the sum of squares that its estimate would take away, to first order."""
+    confirmed: Mapping[str, Any] | None
+    """Where it stands out from the other cables: change, deviation and RMS distance without and with it, by a fit."""
 
 
 @dataclass(frozen=True)
@@ -215,6 +274,25 @@ class Fit:
     """How many answers, one for each step in which something was measured, the measurements are compared with."""
     unstable: tuple[UnstableAnswer, ...]
     """Which of these answers are unstable equilibria at the estimates."""
+    loss: str
+    """How much measurements counted that are far off."""
+    skipped: tuple[Mapping[str, Any], ...]
+    """Rows that were left out because the model has no answer to them: case, step (from 1) and reason."""
+    ladder: tuple[Rung, ...]
+    """The first parameters alone, more and more of them, where that was asked for."""
+    profiles: tuple[Profile, ...]
+    """Profile likelihoods, where they were asked for."""
+    suspects: tuple[Suspect, ...]
+    """The zeros and angles of single cables that are not estimated, the one that would take most away first."""
+    repeatability: Mapping[str, Any] | None
+    """How far the robot is from itself at equal or nearly equal commands: pairs of rows, RMS distance in m about their mean, and
+    the RMS distance between those approached from the same side and from opposite sides. None where no commands come back."""
+    drift: Mapping[str, Any] | None
+    """Slope in m/s of what is left against time, with its standard deviation. None where rows have no times."""
+    test: Mapping[str, Any] | None
+    """RMS distance of the measurements that were not fitted, all and by rows, where there are such."""
+    sensitivity: Mapping[str, Any] | None
+    """What one more measurement of each disk would be worth: the best ones, and the mean over all rows."""
     warnings: tuple[WhipcordWarning, ...]
     """What to look at, such as markers that fit far better in opposite order, or unstable equilibria."""
     _fitted: _core.Fitted = field(repr=False)
@@ -313,6 +391,12 @@ def fit(
     iterations: int = 100,
     cross_validate: bool = False,
     compare_models: bool = False,
+    test: Case | Sequence[Case] = (),
+    split: float | None = None,
+    seed: int = 1,
+    ladder: bool = False,
+    profile: bool = False,
+    skip_rows: bool = True,
     timeout: float | None = None,
 ) -> Fit:
     """Estimates parameters of a robot from what was measured, with their uncertainty.
@@ -323,7 +407,8 @@ def fit(
         Cases of one robot, each with what was measured.
     parameters
         What is estimated, once for all cases: paths, or :class:`Unknown` with bounds and priors. By default what
-        ``[fit]`` of the cases says.
+        ``[fit]`` of the cases says. ``"cables[*].friction"`` is one number for all cables, ``"cables[segment 1].friction"`` one
+        for a group of them.
     each
         What is estimated for each case by itself, such as ``"base.position[0]"``.
     model, actuation
@@ -339,6 +424,18 @@ def fit(
         Whether to fit again without each case, or each step, in turn.
     compare_models
         Whether to fit by the other models too.
+    test
+        Cases of the same robot with measurements that are not fitted, on which the fit is scored.
+    split
+        Part of the rows, such as 0.2, that is not fitted and on which the fit is scored; groups of rows stay together.
+    seed
+        Of the random choice of `split`.
+    ladder
+        Whether to fit the first parameter alone, then the first two, and so on, with the prediction error of each.
+    profile
+        Whether to compute the profile likelihood of each parameter, for what the measurements hardly determine.
+    skip_rows
+        Whether rows that the model has no answer to are left out, with a warning; else there is no fit then.
     timeout
         Seconds after which all of it is ended, with :class:`whipcord.errors.WhipcordTimeout`.
 
@@ -369,6 +466,14 @@ def fit(
     for i, case in enumerate(listed):
         if not isinstance(case, Case):
             raise InputError(f"cases[{i}] must be a Case, but is {case!r}", path=f"cases[{i}]")
+    tested = [test] if isinstance(test, Case) else list(test)
+    for i, case in enumerate(tested):
+        if not isinstance(case, Case):
+            raise InputError(f"test[{i}] must be a Case, but is {case!r}", path=f"test[{i}]")
+    if split is not None and tested:
+        raise InputError("give test or split, not both", path="split")
+    if split is not None and not 0 < float(split) < 1:
+        raise InputError(f"split must be a part between 0 and 1, such as 0.2, but is {split!r}", path="split")
     chosen = models.core(model, None, actuation, timeout)
     others = [models.core(name, None, actuation) for name in models.NAMES] if compare_models else []
     fitted = _core.fit(
@@ -381,6 +486,11 @@ def fit(
         max(whole(iterations, "iterations"), 0),
         bool(cross_validate),
         others,
+        [case._setup for case in tested],
+        None if split is None else (float(split), max(whole(seed, "seed"), 0)),
+        bool(ladder),
+        bool(profile),
+        bool(skip_rows),
     )
     return _told(fitted, json.loads(fitted.json()))
 
@@ -408,6 +518,10 @@ def _number(value: Any, name: str) -> float | None:
         return float(value)
     except (TypeError, ValueError):
         raise InputError(f"{name} must be a number in SI, but is {value!r}", path=name) from None
+
+
+def _with_tuples(said: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in said.items()}
 
 
 def _told(fitted: _core.Fitted, said: dict[str, Any]) -> Fit:
@@ -457,6 +571,15 @@ def _told(fitted: _core.Fitted, said: dict[str, Any]) -> Fit:
         models=tuple(ModelFit(**one) for one in said["models"]),
         answers=said["answers"],
         unstable=tuple(UnstableAnswer(**one) for one in said["unstable"]),
+        loss=said["loss"],
+        skipped=tuple(said["skipped"]),
+        ladder=tuple(Rung(**_with_tuples(one)) for one in said["ladder"]),
+        profiles=tuple(Profile(**_with_tuples(one)) for one in said["profiles"]),
+        suspects=tuple(Suspect(**one) for one in said["suspects"]),
+        repeatability=said["repeatability"],
+        drift=said["drift"],
+        test=said["test"],
+        sensitivity=said["sensitivity"],
         warnings=tuple(found),
         _fitted=fitted,
     )

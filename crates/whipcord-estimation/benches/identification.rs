@@ -50,7 +50,7 @@ fn experiments(model: &Model, robot: &Robot, loads: &Loads) -> Vec<Experiment> {
                     deviation: None,
                 }
             });
-            Experiment { observations: observations.collect(), case, cameras: Vec::new() }
+            Experiment { observations: observations.collect(), case, ..Experiment::default() }
         })
         .collect()
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits;
 use whipcord::{CableCommand, Case, Pose, Problem, Robot, SolveError};
+use whipcord_estimation::identification::RowLabel;
 
 use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
@@ -127,6 +128,15 @@ pub fn load_stream(
     match files::read_stream(stream, name, &mut sources, &mut problems) {
         Some(text) => parse_with(&text, name, settings),
         None => Err(problems.into_error(sources)),
+    }
+}
+
+impl CaseFile {
+    /// Of each step, the group and the time that the table of commands gives; empty without such a table.
+    #[must_use]
+    pub fn row_labels(&self) -> Vec<RowLabel> {
+        let rows = self.commands.iter().flat_map(|table| &table.rows);
+        rows.map(|row| RowLabel { group: row.group.clone(), time: row.time }).collect()
     }
 }
 

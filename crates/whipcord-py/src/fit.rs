@@ -6,8 +6,8 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use whipcord::{Model as Method, Robot};
 use whipcord_estimation::identification::{
-    Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, compare_models,
-    cross_validate, identify,
+    Asked, Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, analyse, identify,
+    split,
 };
 use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit};
@@ -28,47 +28,53 @@ pub struct Fitted {
 
 /// An unknown: its path, where to start, least and greatest value, and what it is known to be within which
 /// deviation; a path alone where the files say the rest.
-type Asked = (String, bool, Option<f64>, Option<f64>, Option<f64>, Option<[f64; 2]>);
+type AskedUnknown = (String, bool, Option<f64>, Option<f64>, Option<f64>, Option<[f64; 2]>);
 
 /// Fits the cases, which are of one robot.
 #[pyfunction]
 #[pyo3(signature = (
-    setups, model, parameters, each, loss, confidence, iterations, validate, models
+    setups, model, parameters, each, loss, confidence, iterations, validate, models, test, part, ladder, profile, skip
 ))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn fit(
     py: Python<'_>,
     setups: Vec<PyRef<'_, Setup>>,
     model: &Model,
-    parameters: Vec<Asked>,
-    each: Vec<Asked>,
+    parameters: Vec<AskedUnknown>,
+    each: Vec<AskedUnknown>,
     loss: &str,
     confidence: f64,
     iterations: usize,
     validate: bool,
     models: Vec<PyRef<'_, Model>>,
+    test: Vec<PyRef<'_, Setup>>,
+    part: Option<(f64, u64)>,
+    ladder: bool,
+    profile: bool,
+    skip: bool,
 ) -> PyResult<Fitted> {
     let Some((first, others)) = setups.split_first() else {
         return Err(errors::input(py, "cases", "there is no case to fit".to_owned()));
     };
-    for (i, other) in others.iter().enumerate() {
+    let paths = (1..setups.len()).map(|i| format!("cases[{i}]"));
+    let paths = paths.chain((0..test.len()).map(|i| format!("test[{i}]")));
+    for (path, other) in paths.zip(others.iter().chain(&test)) {
         if let Some(what) = first.robot.differs_in(&other.robot) {
-            let path = format!("cases[{}]", i + 1);
             let message = format!("{path} is of another robot than cases[0]: the {what} differ");
             return Err(errors::input(py, &path, message));
         }
     }
-    let experiments: Vec<Experiment> = setups
-        .iter()
-        .enumerate()
-        .map(|(i, setup)| experiment(py, i, setup))
-        .collect::<PyResult<_>>()?;
+    let measurements = |setups: &[PyRef<'_, Setup>], of: &str| -> PyResult<Vec<Experiment>> {
+        let all = setups.iter().enumerate();
+        all.map(|(i, setup)| experiment(py, &format!("{of}[{i}]"), setup)).collect()
+    };
+    let mut experiments = measurements(&setups, "cases")?;
     let files: Vec<Option<&Fit>> =
         setups.iter().map(|setup| setup.file_data.fit.as_ref()).collect();
     let unknowns = if parameters.is_empty() && each.is_empty() {
         Fit::together(&files)
     } else {
-        let all = |asked: Vec<Asked>| {
+        let all = |asked: Vec<AskedUnknown>| {
             asked
                 .into_iter()
                 .map(|one| unknown(py, &first.robot, &files, one))
@@ -105,22 +111,32 @@ pub fn fit(
         }
     };
     let (method, limit) = model.begin();
-    let settings = Settings { robustness, confidence, iterations, ..Settings::new(method) };
+    let settings =
+        Settings { robustness, confidence, iterations, skips: skip, ..Settings::new(method) };
     let cases: Vec<CaseFile> =
         setups.iter().enumerate().map(|(i, setup)| file(py, i, setup)).collect::<PyResult<_>>()?;
     let file_data = setups.iter().map(|setup| setup.file_data.clone()).collect();
     let models: Vec<Method> =
         models.iter().map(|model| model.inner.cancelled_by(&limit.cancel)).collect();
     let robot = first.robot.clone();
+    let mut held = None;
+    if let Some((fraction, seed)) = part {
+        let parts = split(&experiments, fraction, seed);
+        let [kept, rest] = parts.map_err(|error| errors::identify(py, &error))?;
+        experiments = kept;
+        held = Some((rest, true));
+    } else if !test.is_empty() {
+        held = Some((measurements(&test, "test")?, false));
+    }
+    let test_paths: Vec<PathBuf> = (1..=test.len()).map(|i| format!("test-{i}").into()).collect();
+    let asked =
+        Asked { cross_validates: validate, models, climbs: ladder, profiles: profile, test: held };
     let inner = within(py, &limit, move || -> Result<fitting::Fit, IdentifyError> {
         let found = identify(&robot, &experiments, &unknowns, &settings)?;
-        let goes_on = found.status.is_converged();
-        let validated = (validate && goes_on)
-            .then(|| cross_validate(&robot, &experiments, &unknowns, &settings))
-            .transpose()?;
-        let models = if goes_on { models.as_slice() } else { &[] };
-        let compared = compare_models(&robot, &experiments, &unknowns, models, &settings);
-        Ok(fitting::Fit::new(&settings.model, cases, experiments, found, validated, compared))
+        // What has not converged is refused below.
+        let asked = if found.status.is_converged() { asked } else { Asked::default() };
+        let analyses = analyse(&robot, &experiments, &unknowns, &settings, &found, &asked)?;
+        Ok(fitting::Fit::new(&settings.model, cases, experiments, found, analyses, &test_paths))
     })?;
     let inner = inner.map_err(|error| errors::identify(py, &error))?;
     if !inner.found.status.is_converged() {
@@ -187,19 +203,19 @@ impl Fitted {
 }
 
 /// What was measured in a case.
-fn experiment(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<Experiment> {
+fn experiment(py: Python<'_>, path: &str, setup: &Setup) -> PyResult<Experiment> {
     let measured = setup.file_data.measured.as_ref().filter(|m| !m.observations.is_empty());
     let Some(measured) = measured else {
-        let path = format!("cases[{i}]");
         let message = format!(
             "{path} has no measurements: give them by `with_measured`, or [measured] in its file"
         );
-        return Err(errors::input(py, &path, message));
+        return Err(errors::input(py, path, message));
     };
     Ok(Experiment {
         case: (*setup.case).clone(),
         cameras: measured.cameras.iter().map(|of| of.camera).collect(),
         observations: measured.observations.clone(),
+        labels: setup.file_data.file.as_ref().map(|file| file.row_labels()).unwrap_or_default(),
     })
 }
 
@@ -207,7 +223,7 @@ fn unknown(
     py: Python<'_>,
     robot: &Robot,
     files: &[Option<&Fit>],
-    (path, alone, start, least, greatest, prior): Asked,
+    (path, alone, start, least, greatest, prior): AskedUnknown,
 ) -> PyResult<Unknown> {
     let named = whipcord_io::parameter_path(&path).map_err(|near| {
         let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use whipcord::{Model, ModelKind, Stations};
 use whipcord_estimation::identification::{
-    Experiment, Identified, IdentifyError, ParameterPath, Robustness, Settings, Unknown,
-    compare_models, cross_validate, identify,
+    Asked, Experiment, Identified, IdentifyError, ParameterPath, Prior, Progress, Robustness,
+    Settings, Unknown, analyse, identify, rows, split,
 };
 use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, parameter_path};
@@ -14,6 +14,7 @@ use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, paramete
 use crate::deadline;
 use crate::inputs::{self, Inputs};
 use crate::model_arguments::{ActuationArgument, actuation, model_parser};
+use crate::progress;
 use crate::warnings::Warnings;
 use whipcord_study::failure::{Failure, refuses};
 use whipcord_study::files::{self, Folder};
@@ -48,9 +49,33 @@ pub struct FitArgs {
     /// Loss function, which sets the influence of outliers
     #[arg(long, value_name = "LOSS", default_value = "squares")]
     loss: Loss,
-    /// Leave out each file, or each step, in turn, and report the prediction error for it
+    /// Least and greatest value of a parameter in SI: PATH=LEAST,GREATEST, either of which may be left empty
+    #[arg(long, value_name = "PATH=LEAST,GREATEST", value_parser = with_numbers)]
+    bounds: Vec<(ParameterPath, [Option<f64>; 2])>,
+    /// What is known of a parameter beside the measurements, in SI: PATH=MEAN,DEVIATION
+    #[arg(long, value_name = "PATH=MEAN,DEVIATION", value_parser = with_numbers)]
+    prior: Vec<(ParameterPath, [Option<f64>; 2])>,
+    /// Value of a parameter where the search starts, in SI; by default what the file says
+    #[arg(long, value_name = "PATH=VALUE", value_parser = with_numbers)]
+    start: Vec<(ParameterPath, [Option<f64>; 2])>,
+    /// Robot files with measurements that are not fitted, on which the fit is scored
+    #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "split")]
+    test: Vec<PathBuf>,
+    /// Part of the rows that is not fitted, on which the fit is scored: chosen at random, groups of rows together
+    #[arg(long, value_name = "FRACTION", value_parser = fraction)]
+    split: Option<f64>,
+    /// Seed of the random choice of --split
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "split")]
+    seed: u64,
+    /// Leave out each group of rows, each file, or each step, in turn, and report the prediction error for it
     #[arg(long)]
     cross_validate: bool,
+    /// Fit the first parameter alone, then the first two, and so on, with the prediction error of each
+    #[arg(long)]
+    ladder: bool,
+    /// Intervals by profile likelihood, for parameters that the measurements hardly determine
+    #[arg(long)]
+    profile: bool,
     /// Also fit the other models
     #[arg(long)]
     compare_models: bool,
@@ -88,6 +113,27 @@ fn path(text: &str) -> Result<ParameterPath, String> {
     })
 }
 
+/// A path with one or two numbers.
+fn with_numbers(text: &str) -> Result<(ParameterPath, [Option<f64>; 2]), String> {
+    let (parameter, numbers) = text.rsplit_once('=').ok_or("give it as PATH=NUMBERS")?;
+    let number = |text: &str| match text.trim() {
+        "" => Ok(None),
+        text => match text.parse::<f64>() {
+            Ok(number) if number.is_finite() => Ok(Some(number)),
+            _ => Err(format!("`{text}` is not a number in SI")),
+        },
+    };
+    let (first, second) = numbers.split_once(',').unwrap_or((numbers, ""));
+    Ok((path(parameter.trim())?, [number(first)?, number(second)?]))
+}
+
+fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(fraction) if fraction > 0.0 && fraction < 1.0 => Ok(fraction),
+        _ => Err("give a part between 0 and 1, such as 0.2".to_owned()),
+    }
+}
+
 /// Fits, writes the files, and returns what standard output shows.
 pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
     let Inputs { cases, .. } = Inputs::read(&args.files, &inputs::Settings::default())?;
@@ -100,7 +146,7 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         files::keep(path, read(&cases))?;
     }
     same_robot(&cases)?;
-    let experiments = cases.iter().map(experiment).collect::<Result<Vec<_>, _>>()?;
+    let mut experiments = cases.iter().map(experiment).collect::<Result<Vec<_>, _>>()?;
     let unknowns = unknowns(args, &cases)?;
     for (e, case) in cases.iter().enumerate() {
         refuse_registration(case, e, &unknowns)?;
@@ -116,31 +162,54 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
             Loss::SoftL1 => Robustness::SoftL1,
             Loss::Cauchy => Robustness::Cauchy,
         },
+        skips: true,
         ..Settings::new(model(args.model))
     };
     let robot = &cases[0].robot;
     let fail = |error: IdentifyError| failure(&cases, &error);
+    let mut test = None;
+    if let Some(fraction) = args.split {
+        let [kept, held] = split(&experiments, fraction, args.seed).map_err(fail)?;
+        experiments = kept;
+        test = Some((held, true));
+    } else if !args.test.is_empty() {
+        test = Some((measurements_of(&args.test, &cases, &unknowns)?, false));
+    }
+    let bar = progress::bar(0);
+    let shown = bar.clone();
+    let count = rows(&experiments).len();
+    let told = Progress::new(move |evaluation| {
+        shown.set_message(format!(
+            "evaluation {} of {count} rows, RMS {:.3e}",
+            evaluation.number, evaluation.rms
+        ));
+        shown.tick();
+    });
+    let settings = Settings { progress: told, ..settings };
     let found = identify(robot, &experiments, &unknowns, &settings).map_err(fail)?;
     if !found.status.is_converged() {
         let paths: Vec<_> = cases.iter().map(|case| case.path.display().to_string()).collect();
         return Err(Failure::Solve(format!("error: {}", not_converged(&paths, &found))));
     }
-    let validated = match args.cross_validate {
-        true => Some(cross_validate(robot, &experiments, &unknowns, &settings).map_err(fail)?),
-        false => None,
-    };
-    let compared = match args.compare_models {
-        true => {
-            let models: Vec<Model> = ModelKind::ALL.into_iter().map(model).collect();
-            compare_models(robot, &experiments, &unknowns, &models, &settings)
-        }
+    let models = match args.compare_models {
+        true => ModelKind::ALL.into_iter().map(model).collect(),
         false => Vec::new(),
     };
-    let fit = Fit::new(&settings.model, cases, experiments, found, validated, compared);
+    let asked = Asked {
+        cross_validates: args.cross_validate,
+        models,
+        climbs: args.ladder,
+        profiles: args.profile,
+        test,
+    };
+    let analyses =
+        analyse(robot, &experiments, &unknowns, &settings, &found, &asked).map_err(fail)?;
+    bar.finish_and_clear();
+    let fit = Fit::new(&settings.model, cases, experiments, found, analyses, &args.test);
     let warned: Vec<_> = fit.cases.iter().zip(fit.notices.clone()).collect();
     args.warnings.tell_all(&warned)?;
-    if let Some(unstable) = fit.instability() {
-        args.warnings.tell_of_all(&unstable.message, unstable.help)?;
+    for remark in fit.remarks_of_all() {
+        args.warnings.tell_of_all(&remark.message, remark.help)?;
     }
     write(args, &fit, &unknowns, style)
 }
@@ -223,7 +292,26 @@ fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
         case: file.case.clone(),
         cameras: measured.cameras.iter().map(|of| of.camera).collect(),
         observations: measured.observations.clone(),
+        labels: file.row_labels(),
     })
+}
+
+/// What was measured in files that are not fitted.
+fn measurements_of(
+    paths: &[PathBuf],
+    fitted: &[CaseFile],
+    unknowns: &[Unknown],
+) -> Result<Vec<Experiment>, Failure> {
+    let Inputs { cases, .. } = Inputs::read(paths, &inputs::Settings::default())?;
+    let all: Vec<CaseFile> = fitted.iter().take(1).chain(&cases).cloned().collect();
+    same_robot(&all)?;
+    // What belongs to one of the fitted files says nothing of these.
+    let shared: Vec<Unknown> =
+        unknowns.iter().filter(|unknown| unknown.experiment.is_none()).cloned().collect();
+    for (e, case) in cases.iter().enumerate() {
+        refuse_registration(case, e, &shared)?;
+    }
+    cases.iter().map(experiment).collect()
 }
 
 /// What is estimated: as the arguments say, else as the files do.
@@ -245,12 +333,56 @@ fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure>
         let fit = Unknowns { shared: known(&args.parameters)?, each: known(&args.each)? };
         fit.of_all(cases.len())
     };
+    let mut unknowns = unknowns;
+    for (path, set) in (args.bounds.iter().map(|(path, of)| (path, Known::Bounds(*of))))
+        .chain(args.prior.iter().map(|(path, of)| (path, Known::Prior(*of))))
+        .chain(args.start.iter().map(|(path, of)| (path, Known::Start(of[0]))))
+    {
+        let of: Vec<&mut Unknown> =
+            unknowns.iter_mut().filter(|of| of.path() == path.to_string()).collect();
+        if of.is_empty() {
+            return Err(Failure::Input(format!(
+                "error: {path} is not estimated: name it with --parameter or in [fit], or leave out what is known of it"
+            )));
+        }
+        for unknown in of {
+            set.of(unknown, path)?;
+        }
+    }
     if unknowns.is_empty() {
         return Err(Failure::Input(String::from(
             "error: nothing is to be estimated: give --parameter, such as --parameter backbone.diameter, or [fit] in the file",
         )));
     }
     Ok(unknowns)
+}
+
+/// What the arguments say of a parameter.
+enum Known {
+    Bounds([Option<f64>; 2]),
+    Prior([Option<f64>; 2]),
+    Start(Option<f64>),
+}
+
+impl Known {
+    fn of(&self, unknown: &mut Unknown, path: &ParameterPath) -> Result<(), Failure> {
+        match *self {
+            Self::Bounds([least, greatest]) => {
+                let infinite = [f64::NEG_INFINITY, f64::INFINITY];
+                unknown.bounds = [least.unwrap_or(infinite[0]), greatest.unwrap_or(infinite[1])];
+            }
+            Self::Prior([Some(mean), Some(deviation)]) => {
+                unknown.prior = Some(Prior { mean, deviation });
+            }
+            Self::Prior(_) => {
+                return Err(Failure::Input(format!(
+                    "error: a prior needs a mean and a deviation: --prior {path}=MEAN,DEVIATION"
+                )));
+            }
+            Self::Start(value) => unknown.start = value,
+        }
+        Ok(())
+    }
 }
 
 /// Refuses a measurement that is in a frame of its own.

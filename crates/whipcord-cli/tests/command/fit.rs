@@ -276,21 +276,7 @@ fn numbers_that_motors_and_cables_share_are_found_and_written() {
     let scratch = Scratch::new();
     let real =
         MOTORS.replace("DRIVE", "4 N/mm").replace("\"0 deg", "\"2 deg").replace("90 deg", "92 deg");
-    let real = scratch.write("real.toml", &real);
-    let json: Value = serde_json::from_str(&succeed(&["solve", &real, "--json"])).unwrap();
-    let mut csv = String::from("step,disk,x,y,z\n");
-    let steps = json["steps"].as_array().unwrap();
-    assert_eq!(steps.len(), 2, "{json}");
-    for (k, step) in steps.iter().enumerate() {
-        for (i, disk) in step["disks"].as_array().unwrap().iter().enumerate() {
-            let at = |axis: usize| {
-                let wave = ((11 * k + 7 * i + 3 * axis) as f64 * 1.9).sin();
-                disk["position"][axis].as_f64().unwrap() + 1e-4 * wave
-            };
-            csv += &format!("{},{},{},{},{}\n", k + 1, i + 1, at(0), at(1), at(2));
-        }
-    }
-    scratch.write("seen.csv", &csv);
+    watch(&scratch, &real);
     let fit = "[measured]\ndisks = \"seen.csv\"\n[fit]\nparameters = [\"motors[*].stiffness\", \"cables[side].routing.angle\"]\n\
                [[fit.known]]\nparameter = \"motors[*].stiffness\"\nleast = 100.0\n";
     let text = MOTORS.replace("DRIVE", "6 N/mm");
@@ -318,4 +304,70 @@ fn numbers_that_motors_and_cables_share_are_found_and_written() {
     let file = scratch.write("wrong.toml", &format!("{MOTORS}{wrong}").replace("DRIVE", "6 N/mm"));
     let message = fail(2, &["fit", &file]);
     settings(Some(scratch.path())).bind(|| insta::assert_snapshot!("no_such_group", message));
+}
+
+/// Writes what the real robot does in its steps, with noise, to `seen.csv`.
+fn watch(scratch: &Scratch, real: &str) {
+    let real = scratch.write("real.toml", real);
+    let json: Value = serde_json::from_str(&succeed(&["solve", &real, "--json"])).unwrap();
+    let mut csv = String::from("step,disk,x,y,z\n");
+    for (k, step) in json["steps"].as_array().unwrap().iter().enumerate() {
+        for (i, disk) in step["disks"].as_array().unwrap().iter().enumerate() {
+            let at = |axis: usize| {
+                let wave = ((11 * k + 7 * i + 3 * axis) as f64 * 1.9).sin();
+                disk["position"][axis].as_f64().unwrap() + 1e-4 * wave
+            };
+            csv += &format!("{},{},{},{},{}\n", k + 1, i + 1, at(0), at(1), at(2));
+        }
+    }
+    scratch.write("seen.csv", &csv);
+}
+
+/// A clamp that slipped by 1.5 mm is named; rows are held out, other files scored, and what is said is in the report and in JSON.
+#[test]
+fn what_is_said_of_a_fit_besides_its_estimates() {
+    let scratch = Scratch::new();
+    let step = |k: i32| {
+        let k = f64::from(k);
+        let (a, b) = (1.0 + 1.5 * (k * 0.7).sin().abs(), 2.0 + 2.0 * (k * 1.1).cos().abs());
+        format!("[[steps]]\nmotors = [\"{a:.2} mm\", \"{b:.2} mm\"]\n")
+    };
+    let steps: String = (0..24).map(step).collect();
+    let text = MOTORS.replace("DRIVE", "4 N/mm");
+    let robot = text.split("[[steps]]").next().unwrap();
+    let slipped = "cables = [\"north\"]\ntravel_offset = \"1.5 mm\"";
+    let real = robot.replace("cables = [\"north\"]", slipped);
+    watch(&scratch, &format!("{real}{steps}"));
+    let measured = "[measured]\ndisks = \"seen.csv\"\n";
+    let file = scratch.write("file.toml", &format!("{robot}{steps}{measured}"));
+    let out = scratch.path().join("out");
+    let stiffness = ["--parameter", "motors[*].stiffness"];
+    let known =
+        ["--prior", "motors[*].stiffness=5000,3000", "--bounds", "motors[*].stiffness=100,"];
+    let args = [&["fit", &file][..], &stiffness, &known, &["--loss", "huber"]].concat();
+    let asked = ["--cross-validate", "--ladder", "--profile", "--split", "0.25", "--seed", "2"];
+    let (text, warnings) = warned(&[&args[..], &asked, &["--out", out.to_str().unwrap()]].concat());
+    settings(Some(scratch.path())).bind(|| insta::assert_snapshot!("analyses", text));
+    assert!(warnings.contains("cables[1].shortening_offset stands out"), "{warnings}");
+    let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+    for title in ["Profile likelihood", "Not fitted", "Which measurement would", "stands out"] {
+        assert!(report.contains(title), "{title}");
+    }
+    assert!(out.join("sensitivity.png").is_file() && out.join("profiles.svg").is_file());
+    let (json, _) = warned(&[&args[..], &["--test", &file, "--json"]].concat());
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["loss"], "huber");
+    assert_eq!(json["test"]["rows"].as_array().unwrap().len(), 24);
+    assert_eq!(json["suspects"][0]["parameter"], "cables[1].shortening_offset");
+    let change = json["suspects"][0]["confirmed"]["change"].as_f64().unwrap();
+    assert!((change + 1.5e-3).abs() < 5e-5, "{change}");
+    for (wrong, part) in [
+        (&["--prior", "motors[*].stiffness=5000"][..], "needs a mean and a deviation"),
+        (&["--bounds", "motors[0].stiffness=1,2"], "is not estimated"),
+        (&["--split", "1.5"], "between 0 and 1"),
+        (&["--start", "motors[*].stiffness=soft"], "is not a number"),
+    ] {
+        let message = fail(2, &[&["fit", &file][..], &stiffness, wrong].concat());
+        assert!(message.contains(part), "{message}");
+    }
 }

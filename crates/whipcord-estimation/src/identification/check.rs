@@ -51,7 +51,10 @@ pub(super) fn check(
     Ok(())
 }
 
-fn check_observations(robot: &Robot, experiments: &[Experiment]) -> Result<(), IdentifyError> {
+pub(super) fn check_observations(
+    robot: &Robot,
+    experiments: &[Experiment],
+) -> Result<(), IdentifyError> {
     let (mut deviations, mut positions, mut count) = (0, 0, 0);
     for (experiment, of) in experiments.iter().enumerate() {
         for (observation, seen) in of.observations.iter().enumerate() {

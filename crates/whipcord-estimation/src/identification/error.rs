@@ -123,6 +123,12 @@ pub enum IdentifyError {
     },
 }
 
+impl IdentifyError {
+    pub(super) const fn no_answer(experiment: usize, reason: NoAnswerReason) -> Self {
+        Self::NoAnswerAtStart(NoAnswer { experiment, reason })
+    }
+}
+
 /// What does not fit about an observation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Misfit {

@@ -7,7 +7,7 @@ use crate::observation::Observation;
 use whipcord::case::Case;
 
 /// A case, and what was seen of the robot in it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Experiment {
     /// What was asked of the robot, in one or several steps ([`Case::steps`]).
     pub case: Case,
@@ -15,6 +15,17 @@ pub struct Experiment {
     pub cameras: Vec<Camera>,
     /// What was seen.
     pub observations: Vec<Observation>,
+    /// Of each step, what is known of the measurement; empty where nothing is.
+    pub labels: Vec<RowLabel>,
+}
+
+/// What is known of the measurement of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RowLabel {
+    /// The group of rows that it belongs to, such as one motion: rows of a group are held out together.
+    pub group: Option<String>,
+    /// When it was, in s.
+    pub time: Option<f64>,
 }
 
 /// A number that is estimated.

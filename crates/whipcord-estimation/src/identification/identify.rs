@@ -1,5 +1,7 @@
 //! The search for the unknowns.
 
+use std::collections::BTreeSet;
+
 use whipcord_numerics::least_squares::{Options, Workspace};
 
 use super::check::check;
@@ -10,6 +12,7 @@ use super::logarithm::Logarithms;
 use super::noise;
 use super::outcome::Identified;
 use super::problem::Problem;
+use super::rows::{Row, rows, without};
 use super::settings::Settings;
 use super::summary;
 use whipcord::robot::Robot;
@@ -45,7 +48,7 @@ use whipcord::robot::Robot;
 ///     seen: Seen::Position(seen.disks.poses[disk].position + Vec3::new(1e-4, 0.0, 0.0) * (-1f64).powi(disk as i32)),
 ///     deviation: None,
 /// });
-/// let experiment = Experiment { case, cameras: Vec::new(), observations: observations.collect() };
+/// let experiment = Experiment { case, observations: observations.collect(), ..Default::default() };
 /// let unknown = Unknown::new(Quantity::Parameter(Parameter::YoungModulus));
 /// let found = identify(&file, &[experiment], &[unknown], &Settings::new(model))?;
 /// let young = &found.estimates[0];
@@ -75,6 +78,49 @@ fn search(
     settings: &Settings,
 ) -> Result<Identified, IdentifyError> {
     check(robot, experiments, unknowns, settings)?;
+    let refused = match fit(robot, experiments, unknowns, settings) {
+        Err(IdentifyError::NoAnswerAtStart(_)) if settings.skips => {
+            let mut forward = Forward::new(robot, experiments, unknowns, settings)?;
+            let start = forward.start()?;
+            forward.refused(&start)
+        }
+        found => return found,
+    };
+    let left_out: BTreeSet<Row> = refused.iter().map(|of| of.row).collect();
+    let kept = without(experiments, &left_out);
+    if left_out.is_empty() || rows(&kept).is_empty() {
+        return fit(robot, experiments, unknowns, settings);
+    }
+    check(robot, &kept, unknowns, settings)?;
+    let mut found = fit(robot, &kept, unknowns, settings)?;
+    // The residuals name the observations that were given, and the cases are those that were given.
+    let numbers: Vec<Vec<usize>> = (experiments.iter().enumerate())
+        .map(|(experiment, of)| {
+            let is_kept = |step: usize| !left_out.contains(&Row { experiment, step });
+            let all = of.observations.iter().enumerate();
+            all.filter(|(_, seen)| is_kept(seen.step)).map(|(i, _)| i).collect()
+        })
+        .collect();
+    for residual in &mut found.residuals {
+        residual.observation = numbers[residual.experiment][residual.observation];
+    }
+    let x: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
+    let forward = Forward::new(robot, experiments, unknowns, settings)?;
+    for (experiment, case) in found.cases.iter_mut().enumerate() {
+        let built = forward.built(experiment, &x);
+        *case = built.map_err(|reason| IdentifyError::no_answer(experiment, reason))?.1;
+    }
+    let seen: BTreeSet<Row> = rows(experiments).into_iter().collect();
+    found.skipped = refused.into_iter().filter(|of| seen.contains(&of.row)).collect();
+    Ok(found)
+}
+
+fn fit(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Result<Identified, IdentifyError> {
     let mut forward = Forward::new(robot, experiments, unknowns, settings)?;
     let mut x = forward.start()?;
     let scales = forward.scales(&x);
@@ -93,7 +139,7 @@ fn search(
         iterations: settings.iterations,
         ..Options::default()
     };
-    let mut problem = Problem::new(&mut forward, &logarithms, &scales);
+    let mut problem = Problem::new(&mut forward, &logarithms, &scales, &settings.progress);
     let fitted = noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace)?;
     summary::tell(&mut forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
 }

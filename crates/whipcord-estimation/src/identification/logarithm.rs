@@ -34,6 +34,14 @@ impl Logarithms {
         }
     }
 
+    /// One unknown, of what is searched.
+    pub(super) fn value(&self, j: usize, y: f64) -> f64 {
+        match self.0[j] {
+            Some(start) => start * (y - 1.0).exp(),
+            None => y,
+        }
+    }
+
     /// How unknown `j` changes with what is searched, where it is `x`.
     pub(super) fn slope(&self, j: usize, x: f64) -> f64 {
         if self.0[j].is_some() { x } else { 1.0 }

@@ -11,34 +11,49 @@
 //! `outcome`; `crate::uncertainty` and `unresolved` say what the
 //! estimates are worth; `validation` and `selection` compare what was fitted with what was not.
 
+mod analyses;
 mod build;
 mod check;
 mod columns;
+mod drift;
 mod error;
 mod experiment;
 mod forward;
 mod identify;
+mod linear;
 mod logarithm;
 mod method;
 mod noise;
 mod outcome;
 mod problem;
+mod profile;
 mod quantity;
+mod repeatability;
+mod rows;
 mod selection;
+mod sensitivity;
 mod settings;
 mod shared;
 mod summary;
+mod suspects;
 mod unresolved;
 mod validation;
 
+pub use self::analyses::{Analyses, Asked, analyse};
+pub use self::drift::{Drift, drift};
 pub use self::error::{IdentifyError, Misfit, NoAnswer, NoAnswerReason};
-pub use self::experiment::{Experiment, Prior, Unknown};
+pub use self::experiment::{Experiment, Prior, RowLabel, Unknown};
 pub use self::identify::identify;
 pub use self::outcome::{Estimate, Identified, Noise, Residual, Unstable};
+pub use self::profile::{Profile, profile};
 pub use self::quantity::{Quantity, UnknownQuantity};
-pub use self::selection::{Compared, compare_models};
-pub use self::settings::{Robustness, Settings};
+pub use self::repeatability::{Repeatability, repeatability};
+pub use self::rows::{Row, Skipped, rows};
+pub use self::selection::{Compared, Rung, compare_models, ladder};
+pub use self::sensitivity::{Worth, best_measurements, sensitivity, worth_by_disk};
+pub use self::settings::{Evaluation, Progress, Robustness, Settings};
 pub use self::shared::{List, ParameterPath, Shared, UnknownGroup};
+pub use self::suspects::{Confirmed, Suspect, suspects};
 pub use self::unresolved::{Share, Unresolved};
-pub use self::validation::{Fold, Validated, cross_validate};
+pub use self::validation::{Fold, HeldOut, Validated, cross_validate, hold_out, split};
 pub use whipcord_numerics::least_squares::Status;

@@ -4,6 +4,8 @@ use whipcord_numerics::least_squares::Status;
 
 use super::error::NoAnswer;
 use super::experiment::Unknown;
+use super::rows::Skipped;
+use super::settings::Robustness;
 use super::unresolved::Unresolved;
 use whipcord::case::Case;
 use whipcord::kind::ModelKind;
@@ -39,6 +41,10 @@ pub struct Identified {
     pub rms_distance: Option<f64>,
     /// The same in pixels of those that were seen in images.
     pub rms_pixels: Option<f64>,
+    /// The rows that were left out because the model has no answer to them ([`super::Settings::skips`]).
+    pub skipped: Vec<Skipped>,
+    /// How much observations counted that are far off.
+    pub robustness: Robustness,
     /// What the measurements cannot tell apart.
     pub unresolved: Vec<Unresolved>,
     /// Akaike's criterion, up to a constant of the measurements; none where nothing is left of the noise.

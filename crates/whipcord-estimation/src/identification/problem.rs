@@ -5,6 +5,7 @@ use whipcord_numerics::least_squares::Residuals;
 use super::error::{NoAnswer, NoAnswerReason};
 use super::forward::{Forward, measured};
 use super::logarithm::Logarithms;
+use super::settings::Progress;
 
 /// Eq. (i4). The rows are those of the observations in their order, and after them the priors.
 pub(super) struct Problem<'f, 'a> {
@@ -21,6 +22,9 @@ pub(super) struct Problem<'f, 'a> {
     deviations: Vec<f64>,
     /// What was seen, in each row.
     seen: Vec<f64>,
+    /// Who is told, and the evaluations so far.
+    progress: &'f Progress,
+    evaluations: usize,
     /// The exact columns at the numbers that were tried last.
     columns: Vec<f64>,
 }
@@ -30,6 +34,7 @@ impl<'f, 'a> Problem<'f, 'a> {
         forward: &'f mut Forward<'a>,
         logarithms: &'f Logarithms,
         scales: &'f [f64],
+        progress: &'f Progress,
     ) -> Self {
         let (mut blocks, mut deviations, mut seen) = (Vec::new(), Vec::new(), Vec::new());
         for observation in forward.experiments.iter().flat_map(|of| &of.observations) {
@@ -42,7 +47,19 @@ impl<'f, 'a> Problem<'f, 'a> {
         }
         let columns = vec![0.0; seen.len() * forward.unknowns.len()];
         let x = vec![0.0; forward.unknowns.len()];
-        Self { forward, noise: 1.0, scales, logarithms, x, blocks, deviations, seen, columns }
+        Self {
+            forward,
+            noise: 1.0,
+            scales,
+            logarithms,
+            x,
+            blocks,
+            deviations,
+            seen,
+            columns,
+            progress,
+            evaluations: 0,
+        }
     }
 
     /// What is searched, of these unknowns.
@@ -117,6 +134,10 @@ impl Residuals for Problem<'_, '_> {
         let (n, x) = (y.len(), &self.x);
         for experiment in 0..self.forward.experiments.len() {
             let rows = self.forward.first_rows[experiment]..self.forward.first_rows[experiment + 1];
+            // Nothing was seen of it, or nothing is left of what was.
+            if rows.is_empty() {
+                continue;
+            }
             let columns = &mut self.columns[rows.start * n..rows.end * n];
             self.forward
                 .predict_with_columns(experiment, x, &mut into[rows], columns)
@@ -125,6 +146,10 @@ impl Residuals for Problem<'_, '_> {
         for ((value, seen), deviation) in into.iter_mut().zip(&self.seen).zip(&self.deviations) {
             *value = (*value - seen) / (deviation * self.noise);
         }
+        self.evaluations += 1;
+        let count = self.seen.len();
+        let sum: f64 = into[..count].iter().map(|r| r * r).sum();
+        self.progress.tell(self.evaluations, self.noise * (sum / count as f64).sqrt());
         let priors = self.forward.unknowns.iter().zip(x);
         let priors = priors.filter_map(|(unknown, value)| Some((unknown.prior?, value)));
         for (row, (prior, value)) in into[self.seen.len()..].iter_mut().zip(priors) {
@@ -138,6 +163,9 @@ impl Residuals for Problem<'_, '_> {
         for experiment in 0..self.forward.experiments.len() {
             let rows = self.forward.first_rows[experiment] * n
                 ..self.forward.first_rows[experiment + 1] * n;
+            if rows.is_empty() {
+                continue;
+            }
             self.forward
                 .add_differences(experiment, x, self.scales, &mut self.columns[rows])
                 .map_err(|reason| NoAnswer { experiment, reason })?;

@@ -5,6 +5,7 @@ use super::experiment::{Experiment, Unknown};
 use super::identify::identify;
 use super::outcome::Identified;
 use super::settings::Settings;
+use super::validation::{Validated, cross_validate, hold_out};
 use whipcord::kind::ModelKind;
 use whipcord::model::Model;
 use whipcord::robot::Robot;
@@ -20,20 +21,71 @@ pub struct Compared {
     pub aic_above_best: Option<f64>,
     /// By how much the Bayesian criterion is above that of the best.
     pub bic_above_best: Option<f64>,
+    /// How far off it is where it was held out, where that was asked for and possible.
+    pub validated: Option<Validated>,
 }
 
-/// Fits the same measurements by each model.
+/// The first unknowns of a list, fitted without those after them.
+#[derive(Clone, Debug)]
+pub struct Rung {
+    /// How many unknowns there are: none on the first rung, where robot and case are as they were given.
+    pub unknowns: usize,
+    /// Root mean square distance in m of the fit.
+    pub rms_distance: Option<f64>,
+    /// The same in pixels.
+    pub rms_pixels: Option<f64>,
+    /// Cross-validation; none on the first rung, whose distance is that of what it has not seen.
+    pub validated: Option<Validated>,
+}
+
+/// The ladder of models with more and more unknowns, in their order, each with its error of what it has not seen.
+///
+/// # Errors
+/// As [`cross_validate`].
+pub fn ladder(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Result<Vec<Rung>, IdentifyError> {
+    let plain = hold_out(robot, experiments, &[], settings, &[])?;
+    let mut rungs = vec![Rung {
+        unknowns: 0,
+        rms_distance: plain.rms_distance,
+        rms_pixels: plain.rms_pixels,
+        validated: None,
+    }];
+    for count in 1..=unknowns.len() {
+        let own = &unknowns[..count];
+        let found = identify(robot, experiments, own, settings)?;
+        rungs.push(Rung {
+            unknowns: count,
+            rms_distance: found.rms_distance,
+            rms_pixels: found.rms_pixels,
+            validated: Some(cross_validate(robot, experiments, own, settings)?),
+        });
+    }
+    Ok(rungs)
+}
+
+/// Fits the same measurements by each model, and holds out parts of them where that is asked for.
 pub fn compare_models(
     robot: &Robot,
     experiments: &[Experiment],
     unknowns: &[Unknown],
     models: &[Model],
     settings: &Settings,
+    validates: bool,
 ) -> Vec<Compared> {
     let fit = |model: &Model| {
         let settings = Settings { model: model.clone(), ..settings.clone() };
         let fit = identify(robot, experiments, unknowns, &settings);
-        Compared { model: model.kind(), fit, aic_above_best: None, bic_above_best: None }
+        let is_fitted = fit.as_ref().is_ok_and(|fit| fit.status.is_converged());
+        let validated = (validates && is_fitted)
+            .then(|| cross_validate(robot, experiments, unknowns, &settings).ok())
+            .flatten();
+        let (aic_above_best, bic_above_best) = (None, None);
+        Compared { model: model.kind(), fit, aic_above_best, bic_above_best, validated }
     };
     let mut all: Vec<Compared> = models.iter().map(fit).collect();
     let least = |of: fn(&Identified) -> Option<f64>| {

@@ -1,5 +1,7 @@
 //! How to estimate.
 
+use std::sync::Arc;
+
 use whipcord_numerics::least_squares::Loss;
 
 use whipcord::model::Model;
@@ -42,12 +44,63 @@ pub struct Settings {
     pub confidence: f64,
     /// Steps that the iteration may take.
     pub iterations: usize,
+    /// Whether rows that the model has no answer to are left out, and said in the result; else there is no fit then.
+    pub skips: bool,
+    /// What is told of each evaluation.
+    pub progress: Progress,
+}
+
+/// What is told of each evaluation of a fit.
+#[derive(Clone, Default)]
+pub struct Progress(Option<Arc<dyn Fn(Evaluation) + Send + Sync>>);
+
+/// An evaluation: the shapes of all rows were computed for some values of the unknowns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Its number, from 1.
+    pub number: usize,
+    /// Root mean square of what is left of the numbers that were seen, in units of their deviations, or in m or pixels.
+    pub rms: f64,
+}
+
+impl Progress {
+    /// Calls this for each evaluation.
+    #[must_use]
+    pub fn new(each: impl Fn(Evaluation) + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(each)))
+    }
+
+    pub(super) fn tell(&self, number: usize, rms: f64) {
+        if let Some(each) = &self.0 {
+            each(Evaluation { number, rms });
+        }
+    }
+}
+
+impl core::fmt::Debug for Progress {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(if self.0.is_some() { "Progress(..)" } else { "Progress" })
+    }
+}
+
+/// Who is told changes nothing of a fit.
+impl PartialEq for Progress {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Settings {
     /// Least squares with a model, 95 % confidence.
     #[must_use]
     pub const fn new(model: Model) -> Self {
-        Self { model, robustness: Robustness::Squares, confidence: 0.95, iterations: 100 }
+        Self {
+            model,
+            robustness: Robustness::Squares,
+            confidence: 0.95,
+            iterations: 100,
+            skips: false,
+            progress: Progress(None),
+        }
     }
 }

@@ -115,6 +115,8 @@ pub(super) fn tell(
         robot: robot.unwrap_or_else(|| forward.robot.clone()),
         cases,
         residuals,
+        skipped: Vec::new(),
+        robustness: settings.robustness,
         answers,
         unstable,
     })

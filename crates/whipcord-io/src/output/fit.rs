@@ -1,19 +1,20 @@
 use serde_json::{Value, json};
-use whipcord_estimation::identification::{Compared, Identified, Status, Validated};
+use whipcord_estimation::identification::{Analyses, Identified, Robustness, Status, Validated};
 
 use super::NonFinite;
+use super::fit_analyses::{rows_json, said};
 use super::json::{number, numbers, optional};
 
 /// What was identified, as the JSON object that `whipcord fit --json` prints; SI, and pixels. `names` are
-/// those of the experiments, `warnings` what a reader should know besides.
+/// those of the experiments, `test_names` those of the ones that were not fitted, `warnings` what a reader should know besides.
 ///
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
 pub fn fit_json(
     found: &Identified,
     names: &[String],
-    validated: Option<&Validated>,
-    compared: &[Compared],
+    analyses: &Analyses,
+    test_names: &[String],
     warnings: Vec<Value>,
 ) -> Result<Value, NonFinite> {
     let estimates = found.estimates.iter().enumerate().map(|(i, estimate)| {
@@ -65,8 +66,10 @@ pub fn fit_json(
         let all = validated.folds.iter().enumerate().map(|(i, fold)| {
             let path = |name: &str| format!("cross_validation.held_out[{i}].{name}");
             Ok(json!({
-                "case": names.get(fold.experiment),
+                "case": names.get(fold.experiment).filter(|_| fold.group.is_none()),
                 "step": fold.step.map(|step| step + 1),
+                "group": fold.group,
+                "rows": fold.rows.len(),
                 "values": numbers(&path("values"), &fold.values)?,
                 "rms_distance": optional(|| path("rms_distance"), fold.rms_distance)?,
                 "rms_pixels": optional(|| path("rms_pixels"), fold.rms_pixels)?,
@@ -79,7 +82,7 @@ pub fn fit_json(
             "rms_pixels": optional(|| path("rms_pixels"), validated.rms_pixels)?,
         }))
     };
-    let models = compared.iter().enumerate().map(|(i, each)| {
+    let models = analyses.compared.iter().enumerate().map(|(i, each)| {
         let path = |name: &str| format!("models[{i}].{name}");
         let fit = each.fit.as_ref();
         Ok(json!({
@@ -89,10 +92,15 @@ pub fn fit_json(
             "rms_pixels": optional(|| path("rms_pixels"), fit.ok().and_then(|fit| fit.rms_pixels))?,
             "aic_above_best": optional(|| path("aic_above_best"), each.aic_above_best)?,
             "bic_above_best": optional(|| path("bic_above_best"), each.bic_above_best)?,
+            "held_out_rms_distance": optional(
+                || path("held_out_rms_distance"),
+                each.validated.as_ref().and_then(|of| of.rms_distance),
+            )?,
         }))
     });
-    Ok(json!({
+    let mut all = json!({
         "model": found.model.name(),
+        "loss": loss_name(found.robustness),
         "status": status_words(found.status),
         "iterations": found.iterations,
         "evaluations": found.evaluations,
@@ -111,11 +119,29 @@ pub fn fit_json(
         "residuals": residuals.collect::<Result<Vec<_>, NonFinite>>()?,
         "answers": found.answers,
         "unstable": unstable.collect::<Result<Vec<_>, NonFinite>>()?,
-        "cross_validation": validated.map(folds).transpose()?,
+        "skipped": rows_json(&found.skipped, names),
+        "cross_validation": analyses.validated.as_ref().map(folds).transpose()?,
         "models": models.collect::<Result<Vec<_>, NonFinite>>()?,
         "warnings": warnings,
         "version": env!("CARGO_PKG_VERSION"),
-    }))
+    });
+    if let (Some(all), Value::Object(more)) =
+        (all.as_object_mut(), said(found, analyses, names, test_names)?)
+    {
+        all.extend(more);
+    }
+    Ok(all)
+}
+
+/// The name of a loss, as the command line has it.
+#[must_use]
+pub const fn loss_name(robustness: Robustness) -> &'static str {
+    match robustness {
+        Robustness::Squares => "squares",
+        Robustness::Huber => "huber",
+        Robustness::SoftL1 => "soft-l1",
+        Robustness::Cauchy => "cauchy",
+    }
 }
 
 /// How a search ended, as JSON and messages say it.

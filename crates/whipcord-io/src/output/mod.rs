@@ -3,6 +3,7 @@
 mod atomic;
 mod csv;
 mod fit;
+mod fit_analyses;
 mod json;
 mod notices;
 mod path;
@@ -12,7 +13,7 @@ use thiserror::Error;
 
 pub use atomic::{remove_unfinished, write_atomically};
 pub use csv::{Cell, CsvTable, contacts_csv, marks_csv, shape_csv, steps_csv};
-pub use fit::{fit_json, status_words};
+pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
 pub use notices::{problems_json, warnings_json};
 pub use path::{Beside, answer_json};

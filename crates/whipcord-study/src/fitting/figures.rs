@@ -2,14 +2,16 @@
 
 use whipcord::{Solution, Stations};
 use whipcord_estimation::Seen;
+use whipcord_estimation::identification::{best_measurements, worth_by_disk};
 use whipcord_plot::{
     Acting, AxisSpec, Chart, FINE_STATIONS, FigureOptions, Layer, PlotError, RobotView, Series,
     label, robot_figure,
 };
 
-use super::Fit;
 use super::tables::arc_length;
+use super::{Fit, row_name};
 use crate::html::Figure;
+use crate::quantity::number;
 
 /// Most files whose robot is drawn, and most steps of each.
 const MOST_FILES: usize = 8;
@@ -175,7 +177,86 @@ pub fn figures(fit: &Fit) -> Result<Vec<Figure>, PlotError> {
             .svg()?,
         });
     }
+    figures.extend(worth(fit)?);
+    figures.extend(profiles(fit)?);
     Ok(figures)
+}
+
+/// What one more measurement of each disk would be worth on average.
+fn worth(fit: &Fit) -> Result<Option<Figure>, PlotError> {
+    let by_disk = worth_by_disk(&fit.analyses.worths);
+    if by_disk.is_empty() {
+        return Ok(None);
+    }
+    let estimates = fit.found.estimates.iter().enumerate();
+    let determined = estimates.filter(|(_, estimate)| estimate.deviation.is_some());
+    let series = determined.take(MOST_SERIES).enumerate().map(|(k, (j, estimate))| {
+        let points: Vec<[f64; 2]> =
+            by_disk.iter().map(|of| [of.arc_length * 1e3, 100.0 * of.variances[j]]).collect();
+        let layers = vec![Layer::Line(points.clone()), Layer::Markers(points)];
+        Series::new(estimate.unknown.to_string(), k, layers)
+    });
+    let best: Vec<String> = best_measurements(&fit.analyses.worths)
+        .iter()
+        .map(|of| format!("disk {} in {}", of.disk + 1, row_name(&fit.names, &fit.cases, of.row)))
+        .collect();
+    Ok(Some(Figure {
+        name: "sensitivity".into(),
+        caption: format!(
+            "By how much the variance of each estimate would fall if one disk were measured once more, as exactly as the others, on \
+             average over the rows. All estimates together would gain most from {}.",
+            best.join(", ")
+        ),
+        svg: Chart {
+            title: String::from("Which measurement would help most"),
+            x: AxisSpec::linear("arc length of the disk (mm)"),
+            y: AxisSpec::linear("variance less by (%)").from_zero(),
+            series: series.collect(),
+            ..Chart::default()
+        }
+        .svg()?,
+    }))
+}
+
+/// Most lines of one chart.
+const MOST_SERIES: usize = 8;
+
+/// The profile likelihoods, each over the interval of its standard deviation.
+fn profiles(fit: &Fit) -> Result<Option<Figure>, PlotError> {
+    let all = &fit.analyses.profiles;
+    let Some(limit) = all.first().map(|profile| profile.limit) else { return Ok(None) };
+    let series = all.iter().take(MOST_SERIES).enumerate().map(|(k, profile)| {
+        let estimate = &fit.found.estimates[profile.unknown];
+        let inside = profile.points.iter().filter(|[_, rise]| *rise <= 2.0 * limit);
+        let inside: Vec<[f64; 2]> = inside.copied().collect();
+        let size = match (inside.first(), inside.last()) {
+            (Some(first), Some(last)) if last[0] > first[0] => 0.5 * (last[0] - first[0]),
+            _ => 1.0,
+        };
+        let points: Vec<[f64; 2]> = inside
+            .iter()
+            .map(|[value, rise]| [(value - estimate.value) / size, rise.sqrt()])
+            .collect();
+        let layers = vec![Layer::Line(points.clone()), Layer::Markers(points)];
+        Series::new(estimate.unknown.to_string(), k, layers)
+    });
+    Ok(Some(Figure {
+        name: "profiles".into(),
+        caption: format!(
+            "Profile likelihoods: the root of the rise of the sum of squares, in units of the noise, when one parameter is held at \
+             another value and all others are fitted anew, against its distance from the estimate as a part of what is drawn. Below \
+             {} are the values that agree with the measurements; a parabola gives straight lines.",
+            number(limit.sqrt(), 3)
+        ),
+        svg: Chart {
+            title: String::from("Profile likelihood"),
+            x: AxisSpec::linear("distance from the estimate (relative)"),
+            y: AxisSpec::linear("root of the rise of the sum of squares").from_zero(),
+            series: series.collect(),
+            ..Chart::default()
+        }
+        .svg()?,
+    }))
 }
 
 /// A sign for each point, hollow for an outlier.

@@ -2,6 +2,7 @@
 
 mod figures;
 mod order;
+mod remarks;
 mod report;
 pub mod tables;
 
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use whipcord::{Case, Model, Robot, Warning};
 use whipcord_estimation::identification::{
-    Compared, Experiment, Identified, Quantity, Unknown, Unstable, Validated,
+    Analyses, Experiment, Identified, Quantity, Row, Unknown, Unstable,
 };
 use whipcord_estimation::registration::Alignment;
 use whipcord_io::{
@@ -46,26 +47,27 @@ pub struct Fit {
     pub experiments: Vec<Experiment>,
     /// What was found.
     pub found: Identified,
-    /// How far off it is where it was held out, where that was asked for.
-    pub validated: Option<Validated>,
+    /// What is said of it besides.
+    pub analyses: Analyses,
+    /// Names of the files whose measurements were not fitted.
+    pub test_names: Vec<String>,
     /// Of each case whose markers fit far better in opposite order, a warning.
     pub reversed: Vec<Remark>,
-    /// The fits of all models, where that was asked for.
-    pub compared: Vec<Compared>,
     /// Of each file, the warnings about it and about the answers with the estimates.
     pub notices: Vec<Vec<FileWarning>>,
 }
 
 impl Fit {
-    /// A fit of these files, which give it their names.
+    /// A fit of these files, which give it their names, with what is said of it. `test` are the files of the measurements that
+    /// were not fitted, where these are not other steps of the same files.
     #[must_use]
     pub fn new(
         model: &Model,
         cases: Vec<CaseFile>,
         experiments: Vec<Experiment>,
         found: Identified,
-        validated: Option<Validated>,
-        compared: Vec<Compared>,
+        analyses: Analyses,
+        test: &[PathBuf],
     ) -> Self {
         let names = unique_names(cases.iter().map(|case| case.path.as_path()));
         let unknowns: Vec<Unknown> = found.estimates.iter().map(|of| of.unknown.clone()).collect();
@@ -83,7 +85,11 @@ impl Fit {
             of.retain(|notice| !matches!(notice.warning, Warning::Unstable { .. }));
         }
         let model = model.clone();
-        Self { model, cases, names, experiments, found, validated, reversed, compared, notices }
+        let test_names = match test {
+            [] => names.clone(),
+            paths => unique_names(paths.iter().map(PathBuf::as_path)),
+        };
+        Self { model, cases, names, experiments, found, analyses, test_names, reversed, notices }
     }
 
     /// All of it as the JSON object that `whipcord fit --json` prints.
@@ -91,7 +97,7 @@ impl Fit {
     /// # Errors
     /// [`NonFinite`] with the place of a number that is not finite.
     pub fn json(&self) -> Result<Value, NonFinite> {
-        let Self { found, names, validated, compared, .. } = self;
+        let Self { found, names, analyses, test_names, .. } = self;
         let mut warnings: Vec<Value> = (self.cases.iter().zip(&self.notices))
             .flat_map(|(file, list)| match warnings_json(file, list) {
                 Value::Array(objects) => objects,
@@ -101,13 +107,58 @@ impl Fit {
         warnings.extend(self.remarks().iter().map(|Remark { code, message, help }| {
             json!({ "code": code, "message": message, "help": help, "place": null })
         }));
-        fit_json(found, names, validated.as_ref(), compared, warnings)
+        fit_json(found, names, analyses, test_names, warnings)
     }
 
     /// What a reader should know besides the estimates.
     #[must_use]
     pub fn remarks(&self) -> Vec<Remark> {
-        self.reversed.iter().cloned().chain(self.instability()).collect()
+        self.reversed.iter().cloned().chain(self.remarks_of_all()).collect()
+    }
+
+    /// Those that are about the fit as a whole.
+    #[must_use]
+    pub fn remarks_of_all(&self) -> Vec<Remark> {
+        let all = [
+            self.instability(),
+            self.left_out(),
+            remarks::stands_out(&self.analyses),
+            remarks::drifts(&self.analyses),
+        ];
+        all.into_iter().flatten().collect()
+    }
+
+    /// The warning where rows were left out: which, and why.
+    fn left_out(&self) -> Option<Remark> {
+        const NAMED: usize = 3;
+        let skipped = &self.found.skipped;
+        let (first, message) = (skipped.first()?, |of: &Row| self.row(*of));
+        let named: Vec<String> = skipped
+            .iter()
+            .take(NAMED)
+            .map(|of| format!("{}: {}", message(&of.row), of.reason))
+            .collect();
+        let more = match skipped.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!("; and {more} more"),
+        };
+        let rows = match skipped.len() {
+            1 => format!(
+                "{} is left out: the model has no answer to it: {}",
+                self.row(first.row),
+                first.reason
+            ),
+            count => format!(
+                "{count} rows are left out, because the model has no answer to them: {}",
+                named.join("; ")
+            ),
+        };
+        Some(Remark { code: "skipped-rows", message: rows + &more, help: SKIPPED_HELP })
+    }
+
+    /// What a row is called.
+    fn row(&self, row: Row) -> String {
+        row_name(&self.names, &self.cases, row)
     }
 
     /// The warning where measurements are compared with unstable equilibria: how many, and in which cases and steps.
@@ -182,6 +233,16 @@ impl Fit {
     }
 }
 
+/// What a row of these files is called.
+pub(super) fn row_name(names: &[String], cases: &[CaseFile], row: Row) -> String {
+    let name = names.get(row.experiment).map_or("", String::as_str);
+    match cases.get(row.experiment).map_or(1, |of| of.case.before.len() + 1) {
+        1 => name.to_owned(),
+        _ => format!("{name} step {}", row.step + 1),
+    }
+}
+
+const SKIPPED_HELP: &str = "check their commands; cables that cannot all have the lengths of their commands need an `axial_stiffness`, or motors a `stiffness`";
 const UNSTABLE_HELP: &str = "check the loads, the commands and the start values";
 
 /// Warnings about a file, and about the answers of the robot with the estimates to its case.

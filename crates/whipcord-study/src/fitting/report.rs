@@ -22,9 +22,7 @@ pub fn html(fit: &Fit, robots: &[Figure], figures: &[Figure]) -> String {
     }
     body += "<h2>Correlations</h2>\n";
     body += &tables::correlations(fit).html();
-    for (title, table) in
-        [("Models", tables::models(fit)), ("Held out in turn", tables::held_out(fit))]
-    {
+    for (title, table) in tables::more(fit) {
         if !table.is_empty() {
             body += &format!("<h2>{title}</h2>\n{}", table.html());
         }

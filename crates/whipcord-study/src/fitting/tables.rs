@@ -1,11 +1,12 @@
 //! A fit in tables, for people and as CSV.
 
-use whipcord_estimation::identification::{Estimate, Unknown};
+use whipcord_estimation::identification::{Estimate, Fold, Robustness, Row, Unknown, rows};
 use whipcord_estimation::{Observation, Seen};
-use whipcord_io::{CaseFile, Cell, CsvTable};
+use whipcord_io::{CaseFile, Cell, CsvTable, loss_name};
 
 use super::Fit;
 use super::figures::is_outlier;
+use super::remarks::repeats;
 use crate::describe::markers;
 use crate::quantity::{fixed, number, percent};
 use crate::style::Style;
@@ -20,7 +21,7 @@ pub fn summary(fit: &Fit, unknowns: &[Unknown], style: Style) -> String {
         text += "\nCorrelations\n";
         text += &correlations.text(style);
     }
-    for (title, table) in [("Models", models(fit)), ("Held out in turn", held_out(fit))] {
+    for (title, table) in more(fit) {
         if !table.is_empty() {
             text += &format!("\n{title}\n{}", table.text(style));
         }
@@ -30,6 +31,17 @@ pub fn summary(fit: &Fit, unknowns: &[Unknown], style: Style) -> String {
         text += &format!("{note}\n");
     }
     text
+}
+
+/// The tables that are shown where they were asked for, with their titles.
+pub fn more(fit: &Fit) -> [(&'static str, Table); 5] {
+    [
+        ("Models", models(fit)),
+        ("Held out in turn", held_out(fit)),
+        ("One parameter after the other", ladder(fit)),
+        ("Profile likelihood", profiles(fit)),
+        ("Not fitted", not_fitted(fit)),
+    ]
 }
 
 /// One line on the whole.
@@ -42,13 +54,17 @@ pub fn heading(fit: &Fit) -> String {
     let mut parts = vec![format!("{files}: {}", markers(found.residuals.len()))];
     parts.extend(found.rms_distance.map(|rms| format!("RMS distance {} mm", number(rms * 1e3, 3))));
     parts.extend(found.rms_pixels.map(|rms| format!("RMS distance {} pixels", number(rms, 3))));
+    let weighed = match found.robustness {
+        Robustness::Squares => String::new(),
+        of => format!(" with the loss {}", loss_name(of)),
+    };
     let level = found.noise.level;
     parts.push(match (found.noise.is_estimated, found.rms_distance.is_some()) {
         (true, true) => format!("noise {} mm in each coordinate", number(level * 1e3, 3)),
         (true, false) => format!("noise {} pixels in each coordinate", number(level, 3)),
         (false, _) => format!("noise {} × what the measurements say", number(level, 3)),
     });
-    format!("{} fitted by {}", parts.join(", "), found.model)
+    format!("{} fitted by {}{weighed}", parts.join(", "), found.model)
 }
 
 /// The estimates.
@@ -96,7 +112,7 @@ fn words(estimate: &Estimate) -> String {
 }
 
 /// The factor from SI to the unit that people are shown, and that unit.
-fn shown(unit: &'static str) -> (f64, &'static str) {
+pub(super) fn shown(unit: &'static str) -> (f64, &'static str) {
     match unit {
         "m" => (1e3, "mm"),
         "Pa" => (1e-9, "GPa"),
@@ -137,10 +153,11 @@ pub fn models(fit: &Fit) -> Table {
         ("model", Align::Left),
         ("RMS, mm", Align::Right),
         ("RMS, pixels", Align::Right),
+        ("held out, mm", Align::Right),
         ("AIC above the best", Align::Right),
         ("BIC above the best", Align::Right),
     ]);
-    for each in &fit.compared {
+    for each in &fit.analyses.compared {
         let dash = || String::from("–");
         let value = |value: Option<f64>| value.map_or_else(dash, |value| fixed(value, 1));
         let found = each.fit.as_ref().ok();
@@ -150,6 +167,10 @@ pub fn models(fit: &Fit) -> Table {
             each.model.to_string(),
             mm.map_or_else(dash, |rms| number(rms * 1e3, 4)),
             pixels.map_or_else(dash, |rms| number(rms, 4)),
+            each.validated
+                .as_ref()
+                .and_then(|of| of.rms_distance)
+                .map_or_else(dash, |rms| number(rms * 1e3, 4)),
             value(each.aic_above_best),
             value(each.bic_above_best),
         ]);
@@ -164,7 +185,7 @@ pub fn held_out(fit: &Fit) -> Table {
         ("RMS of it, mm", Align::Right),
         ("RMS of it, pixels", Align::Right),
     ]);
-    let Some(validated) = &fit.validated else { return table };
+    let Some(validated) = &fit.analyses.validated else { return table };
     let row = |what: String, mm: Option<f64>, pixels: Option<f64>| {
         let dash = || String::from("–");
         let mm = mm.map_or_else(dash, |rms| number(rms * 1e3, 4));
@@ -173,9 +194,14 @@ pub fn held_out(fit: &Fit) -> Table {
     table.group();
     for fold in &validated.folds {
         let file = &fit.names[fold.experiment];
-        let what = match fold.step {
-            Some(step) => format!("{file}, step {}", step + 1),
-            None => file.clone(),
+        let what = match (&fold.group, fold.step, fold.rows.as_slice()) {
+            (Some(group), ..) if group.is_empty() => String::from("rows without a group"),
+            (Some(group), ..) => format!("group {group}"),
+            (None, Some(step), _) => format!("{file}, step {}", step + 1),
+            (None, None, [first, .., last]) if !is_whole(fit, fold) => {
+                format!("{file}, steps {} to {}", first.step + 1, last.step + 1)
+            }
+            _ => file.clone(),
         };
         table.row(row(what, fold.rms_distance, fold.rms_pixels));
     }
@@ -184,12 +210,108 @@ pub fn held_out(fit: &Fit) -> Table {
     table
 }
 
+/// Whether all rows of a file were held out.
+fn is_whole(fit: &Fit, fold: &Fold) -> bool {
+    let all = rows(&fit.experiments);
+    let of_file = all.iter().filter(|row| row.experiment == fold.experiment);
+    of_file.count() == fold.rows.len()
+}
+
+/// The first parameters alone, more and more of them; empty where that was not asked for.
+pub fn ladder(fit: &Fit) -> Table {
+    let mut table = Table::new([
+        ("estimated", Align::Left),
+        ("RMS, mm", Align::Right),
+        ("held out, mm", Align::Right),
+        ("RMS, pixels", Align::Right),
+        ("held out, pixels", Align::Right),
+    ]);
+    for rung in &fit.analyses.ladder {
+        let dash = || String::from("–");
+        let mm = |rms: Option<f64>| rms.map_or_else(dash, |rms| number(rms * 1e3, 4));
+        let pixels = |rms: Option<f64>| rms.map_or_else(dash, |rms| number(rms, 4));
+        let held = rung.validated.as_ref();
+        let last = rung.unknowns.checked_sub(1).and_then(|last| fit.found.estimates.get(last));
+        table.row(vec![
+            match last {
+                None => String::from("nothing"),
+                Some(estimate) if rung.unknowns == 1 => name(fit, &estimate.unknown),
+                Some(estimate) => format!("and {}", name(fit, &estimate.unknown)),
+            },
+            mm(rung.rms_distance),
+            mm(held.and_then(|of| of.rms_distance)),
+            pixels(rung.rms_pixels),
+            pixels(held.and_then(|of| of.rms_pixels)),
+        ]);
+    }
+    table
+}
+
+/// Intervals by profile likelihood; empty where that was not asked for.
+pub fn profiles(fit: &Fit) -> Table {
+    let mut table = Table::new([
+        ("parameter", Align::Left),
+        ("95 % from", Align::Right),
+        ("to", Align::Right),
+        ("unit", Align::Left),
+    ]);
+    for profile in &fit.analyses.profiles {
+        let unknown = &fit.found.estimates[profile.unknown].unknown;
+        let (scale, unit) = shown(unknown.quantity.unit());
+        let end = |end: Option<f64>| {
+            end.map_or_else(|| String::from("open"), |end| number(end * scale, 6))
+        };
+        let [from, to] = profile.interval;
+        table.row(vec![name(fit, unknown), end(from), end(to), unit.to_owned()]);
+    }
+    table
+}
+
+/// How far off the fit is from what was not fitted; empty where that was not asked for.
+pub fn not_fitted(fit: &Fit) -> Table {
+    let mut table = Table::new([
+        ("measurements", Align::Left),
+        ("rows", Align::Right),
+        ("RMS, mm", Align::Right),
+        ("RMS, pixels", Align::Right),
+        ("worst row", Align::Left),
+        ("mm", Align::Right),
+    ]);
+    let Some(test) = &fit.analyses.test else { return table };
+    let dash = || String::from("–");
+    let mm = |rms: Option<f64>| rms.map_or_else(dash, |rms| number(rms * 1e3, 4));
+    let worst = test.rows.iter().filter_map(|(row, rms)| Some((row, (*rms)?)));
+    let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
+    let name = |row: &Row| match fit.test_names.get(row.experiment) {
+        Some(name) => format!("{name} step {}", row.step + 1),
+        None => String::new(),
+    };
+    table.row(vec![
+        fit.test_names.join(", "),
+        test.rows.len().to_string(),
+        mm(test.rms_distance),
+        test.rms_pixels.map_or_else(dash, |rms| number(rms, 4)),
+        worst.map_or_else(dash, |(row, _)| name(row)),
+        mm(worst.map(|(_, rms)| rms)),
+    ]);
+    table
+}
+
 /// What a reader must know to read the numbers rightly.
 pub fn notes(fit: &Fit) -> Vec<String> {
     let warnings = fit.remarks().into_iter().map(|of| format!("! {}; {}", of.message, of.help));
     let unresolved = fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}"));
     let mut notes: Vec<String> = warnings.chain(unresolved).collect();
-    for each in &fit.compared {
+    notes.extend(repeats(&fit.analyses));
+    if let Some(test) = fit.analyses.test.as_ref().filter(|test| !test.skipped.is_empty()) {
+        let first = &test.skipped[0];
+        notes.push(format!(
+            "! {} of the rows that were not fitted are left out, because the model has no answer to them; the first one: {}",
+            test.skipped.len(),
+            first.reason
+        ));
+    }
+    for each in &fit.analyses.compared {
         match &each.fit {
             Err(error) => notes.push(format!("{}: {error}", each.model)),
             Ok(found) if !found.status.is_converged() => {

@@ -140,7 +140,7 @@ fn models_compared_and_cases_held_out() {
     disturb(&mut seen, &mut Normal::new(5), [2e-5, 0.0]);
     let one = unknowns(&["backbone.young_modulus"]);
     let models = [settings.model.clone(), disks.clone(), model(ModelKind::FourBar)];
-    let compared = compare_models(&robot, &seen, &one, &models, &settings);
+    let compared = compare_models(&robot, &seen, &one, &models, &settings, false);
     let fit = |i: usize| compared[i].fit.as_ref().unwrap();
     assert_eq!(compared[1].aic_above_best, Some(0.0));
     assert!(

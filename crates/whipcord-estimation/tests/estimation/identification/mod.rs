@@ -1,8 +1,11 @@
 //! Estimates of what a robot is from what was seen of it.
 
+mod analyses;
 mod columns;
 mod coverage;
+mod coverage_of_motors;
 mod estimates;
+mod laboratory;
 mod refusals;
 mod shared;
 mod synthetic;

@@ -75,8 +75,8 @@ pub fn experiments(model: &Model, robot: &Robot, cases: &[Case]) -> Vec<Experime
         .iter()
         .map(|case| Experiment {
             case: case.clone(),
-            cameras: Vec::new(),
             observations: positions(model, robot, case),
+            ..Experiment::default()
         })
         .collect()
 }
@@ -89,7 +89,7 @@ impl Normal {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
     }
 
-    fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
@@ -161,7 +161,8 @@ pub fn as_pixels(model: &Model, robot: &Robot, cases: &[Case], offset: Vec3) -> 
                     step += 1;
                 })
                 .unwrap();
-            Experiment { case: case.clone(), cameras: cameras.clone(), observations }
+            let cameras = cameras.clone();
+            Experiment { case: case.clone(), cameras, observations, ..Experiment::default() }
         })
         .collect()
 }

@@ -1,0 +1,196 @@
+//! Single cables whose zero or angle stands out from the others: the commonest defect of real robots and of their files.
+
+use super::build::present;
+use super::check::driven_by_tension;
+use super::error::IdentifyError;
+use super::experiment::{Experiment, Unknown};
+use super::identify::identify;
+use super::linear::{Linear, beside, dot, fitted, values};
+use super::method::DerivativeMethod;
+use super::outcome::Identified;
+use super::quantity::Quantity;
+use super::rows::remembers;
+use super::settings::Settings;
+use whipcord::parameter::Parameter;
+use whipcord::robot::Robot;
+
+/// A number of one cable that is not estimated, and what its estimate would change, eq. (i8).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suspect {
+    /// What it is: the offset of a command or the angle of a cable.
+    pub quantity: Quantity,
+    /// By how much it is off, to first order, in its unit.
+    pub change: f64,
+    /// Standard deviation of that, with the other estimates.
+    pub deviation: f64,
+    /// Part of the sum of squares that its estimate takes away, to first order.
+    pub share: f64,
+    /// Where it stands out: root mean square distances in m before and after a fit with it, and the estimate of that fit.
+    pub confirmed: Option<Confirmed>,
+}
+
+/// A suspect that stands out, fitted with the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Confirmed {
+    /// By how much it is off, in its unit.
+    pub change: f64,
+    /// Standard deviation of that.
+    pub deviation: Option<f64>,
+    /// Root mean square distance in m without it and with it; none of markers in images alone.
+    pub rms_distance: Option<[f64; 2]>,
+}
+
+/// A suspect takes away at least this part of the sum of squares, …
+const SHARE: f64 = 0.1;
+/// … is this many times its deviation, …
+const TIMES: f64 = 5.0;
+/// … and takes away this many times as much as the same number of any other cable does, or leaves as many times less.
+const AHEAD: f64 = 1.5;
+
+/// The zeros and angles of single cables, the one that takes most away first. The first one is fitted where it stands out.
+///
+/// # Errors
+/// [`IdentifyError`] where the model has no answer at the estimate.
+pub fn suspects(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+    found: &Identified,
+) -> Result<Vec<Suspect>, IdentifyError> {
+    let kept = fitted(experiments, found, true);
+    let candidates = candidates(robot, &kept, unknowns, settings);
+    if candidates.is_empty() {
+        return Ok(Vec::new());
+    }
+    let all: Vec<Unknown> = unknowns.iter().chain(&candidates).cloned().collect();
+    let mut x = values(found);
+    for candidate in &candidates {
+        let case = &experiments[0].case;
+        x.push(present(&candidate.quantity, robot, case).map_err(IdentifyError::Absent)?);
+    }
+    let linear = Linear::at(robot, &kept, &all, settings, &x)?;
+    let squares = dot(&linear.residuals, &linear.residuals);
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for (j, estimate) in found.estimates.iter().enumerate() {
+        if !estimate.is_at_bound {
+            add(&mut basis, linear.column(j));
+        }
+    }
+    let mut all = Vec::new();
+    for (j, candidate) in candidates.iter().enumerate() {
+        let column = linear.column(unknowns.len() + j);
+        let size = dot(&column, &column);
+        let own = beside(&basis, column);
+        let left = dot(&own, &own);
+        // What the other estimates do as well stands out of nothing.
+        if left <= 1e-6 * size || squares <= 0.0 {
+            continue;
+        }
+        let along = dot(&own, &linear.residuals);
+        all.push(Suspect {
+            quantity: candidate.quantity,
+            change: -along / left,
+            deviation: left.sqrt().recip(),
+            share: along * along / left / squares,
+            confirmed: None,
+        });
+    }
+    all.sort_by(|a, b| b.share.total_cmp(&a.share));
+    if let Some(first) = stands_out(&all) {
+        let start = present(&first.quantity, robot, &experiments[0].case);
+        let start = start.map_err(IdentifyError::Absent)?;
+        let change = confirm(robot, experiments, unknowns, settings, (found, &first, start))?;
+        all[0].confirmed = change;
+    }
+    Ok(all)
+}
+
+/// The first one, where it stands out.
+fn stands_out(all: &[Suspect]) -> Option<Suspect> {
+    let first = all.first()?;
+    let same_kind = |other: &&Suspect| {
+        core::mem::discriminant(&other.quantity) == core::mem::discriminant(&first.quantity)
+            && other.quantity != first.quantity
+    };
+    let next = all.iter().filter(same_kind).map(|of| of.share).fold(0.0, f64::max);
+    let clear = first.share >= SHARE && first.change.abs() >= TIMES * first.deviation;
+    let leaves_less = (1.0 - next) >= AHEAD * (1.0 - first.share);
+    (clear && (first.share >= AHEAD * next || leaves_less)).then(|| first.clone())
+}
+
+fn confirm(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+    (found, suspect, from): (&Identified, &Suspect, f64),
+) -> Result<Option<Confirmed>, IdentifyError> {
+    let mut all: Vec<Unknown> = unknowns.to_vec();
+    for (unknown, value) in all.iter_mut().zip(values(found)) {
+        unknown.start = Some(value);
+    }
+    let start = Some(from + suspect.change);
+    all.push(Unknown { start, ..Unknown::new(suspect.quantity) });
+    let with = match identify(robot, experiments, &all, settings) {
+        Ok(with) if with.status.is_converged() => with,
+        Err(IdentifyError::Cancelled) => return Err(IdentifyError::Cancelled),
+        _ => return Ok(None),
+    };
+    let Some(estimate) = with.estimates.last() else { return Ok(None) };
+    Ok(Some(Confirmed {
+        change: estimate.value - from,
+        deviation: estimate.deviation,
+        rms_distance: found.rms_distance.zip(with.rms_distance).map(|(a, b)| [a, b]),
+    }))
+}
+
+/// The zeros and angles of all cables that are not estimated.
+fn candidates(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Vec<Unknown> {
+    let mut all = Vec::new();
+    if robot.cables().len() < 2 {
+        return all;
+    }
+    for cable in 0..robot.cables().len() {
+        let mut driven = experiments
+            .iter()
+            .filter(|of| !of.observations.is_empty())
+            .map(|of| driven_by_tension(of, cable, &settings.model));
+        let first = driven.next().flatten();
+        let offset = match first.filter(|first| driven.all(|of| of == Some(*first))) {
+            Some(true) => Some(Quantity::TensionOffset { cable }),
+            Some(false) => Some(Quantity::ShorteningOffset { cable }),
+            None => None,
+        };
+        let angle = Parameter::Angle { cable };
+        let angle =
+            experiments.first().and_then(|of| angle.value(robot, &of.case).ok().map(|_| angle));
+        all.extend(offset.into_iter().chain(angle.map(Quantity::Parameter)).map(Unknown::new));
+    }
+    // History makes what an offset changes take as many steps as the fit has: by differences it would take longer than that.
+    let slow = remembers(robot);
+    let robot = (&settings.model, robot);
+    all.retain(|candidate| {
+        let of = |of| DerivativeMethod::of(candidate, unknowns, of, robot);
+        !slow || !experiments.iter().any(|each| of(each).contains(&DerivativeMethod::Differences))
+    });
+    let is_estimated = |candidate: &Unknown| {
+        unknowns.iter().flat_map(Unknown::quantities).any(|of| of.overlaps(&candidate.quantity))
+    };
+    all.retain(|candidate| !is_estimated(candidate));
+    all
+}
+
+fn add(basis: &mut Vec<Vec<f64>>, column: Vec<f64>) {
+    let size = dot(&column, &column);
+    let own = beside(basis, column);
+    let left = dot(&own, &own);
+    if left > 1e-14 * size {
+        basis.push(own.iter().map(|entry| entry / left.sqrt()).collect());
+    }
+}
