@@ -27,8 +27,8 @@ use clap::{Parser, Subcommand};
 
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
-    bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure, new,
-    overlay, schema, score, solve, stiffness, view,
+    bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure,
+    measure_stereo, new, overlay, schema, score, solve, stiffness, view,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -52,7 +52,7 @@ enum Verb {
     Compare(compare::CompareArgs),
     Score(score::ScoreArgs),
     Fit(fit::FitArgs),
-    Measure(measure::MeasureArgs),
+    Measure(Box<measure::MeasureArgs>),
     Camera(camera::CameraArgs),
     Overlay(overlay::OverlayArgs),
     Bench(bench::BenchArgs),
@@ -130,7 +130,10 @@ where
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Score(args) => score::run(&args, style),
         Verb::Fit(args) => fit::run(&args, style),
-        Verb::Measure(args) => measure::run(&args, style),
+        Verb::Measure(args) => match args.stereo.clone() {
+            Some(second) => measure_stereo::run(&args, &second, style),
+            None => measure::run(&args, style),
+        },
         Verb::Camera(args) => camera::run(&args, style),
         Verb::Overlay(args) => overlay::run(&args, style),
         Verb::Bench(args) => bench::run(&args, style),

@@ -10,6 +10,7 @@ pub mod examples;
 pub mod fit;
 pub mod man;
 pub mod measure;
+pub mod measure_stereo;
 pub mod new;
 pub mod overlay;
 pub mod schema;

@@ -21,6 +21,7 @@ mod overlay;
 mod reference;
 mod solve;
 mod start;
+mod stereo;
 mod stiffness;
 mod support;
 mod tables;

@@ -1,6 +1,6 @@
 use core::fmt::Write as _;
 
-use whipcord::{Obstacle, Shape, Solution};
+use whipcord::{Obstacle, Shape, Solution, Vec3};
 
 use super::NonFinite;
 
@@ -86,6 +86,48 @@ pub fn marks_csv(
         row.push(Cell::from(disk));
         row.extend(camera.map(Cell::from));
         row.extend([u, v, confidence].map(Cell::from));
+        table.push(row);
+    }
+    table
+}
+
+/// A disk or marker in space, from two photographs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpacePoint {
+    /// Number of its disk, from 1.
+    pub disk: usize,
+    /// Where it is, in m.
+    pub position: Vec3,
+    /// Standard deviations of its coordinates in m.
+    pub deviations: Vec3,
+    /// Distance of its pixels from the epipolar constraint, in pixels.
+    pub epipolar: f64,
+}
+
+/// Disks or markers that two cameras have seen, as a table that `[measured]` takes: for each the number of its disk, from 1,
+/// its position in m, one standard deviation for all three coordinates (the root of the mean of their variances), that of each
+/// coordinate, and its epipolar distance in pixels; before them the step of actuation, from 1, where it is given.
+pub fn points_csv(step: Option<usize>, points: impl IntoIterator<Item = SpacePoint>) -> CsvTable {
+    const COLUMNS: [&str; 9] = [
+        "disk",
+        "x",
+        "y",
+        "z",
+        "deviation",
+        "deviation_x",
+        "deviation_y",
+        "deviation_z",
+        "epipolar",
+    ];
+    let columns = ["step"].into_iter().filter(|_| step.is_some()).chain(COLUMNS);
+    let mut table = CsvTable::new(columns);
+    for SpacePoint { disk, position, deviations, epipolar } in points {
+        let mut row: Vec<Cell> = step.map(Cell::from).into_iter().collect();
+        row.push(Cell::from(disk));
+        row.extend(position.to_array().map(Cell::from));
+        row.push(Cell::from(deviations.norm() / 3.0_f64.sqrt()));
+        row.extend(deviations.to_array().map(Cell::from));
+        row.push(Cell::from(epipolar));
         table.push(row);
     }
     table

@@ -12,7 +12,9 @@ mod stiffness;
 use thiserror::Error;
 
 pub use atomic::{remove_unfinished, write_atomically};
-pub use csv::{Cell, CsvTable, contacts_csv, marks_csv, shape_csv, steps_csv};
+pub use csv::{
+    Cell, CsvTable, SpacePoint, contacts_csv, marks_csv, points_csv, shape_csv, steps_csv,
+};
 pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
 pub use notices::{problems_json, warnings_json};

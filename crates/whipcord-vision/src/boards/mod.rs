@@ -14,6 +14,7 @@ mod markers;
 #[cfg(not(feature = "boards"))]
 #[path = "without_finder.rs"]
 mod markers;
+mod stereo;
 
 use std::fmt;
 
@@ -27,6 +28,7 @@ pub use find::find;
 #[cfg(not(feature = "boards"))]
 pub use markers::find;
 use markers::{Finder, Markers};
+pub use stereo::{NoStereo, Stereo, UnusedPair, stereo};
 
 /// A flat board of black and white squares.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! `whipcord camera calibrate`: a lens, from photographs of a board.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -26,37 +26,55 @@ use whipcord_study::table::{Align, Table};
 /// different directions and reaching all edges of the picture. Prints the reprojection error of
 /// each photograph, the parameters with their uncertainty, and the photographs that cannot be used
 /// with the reason. Writes the lens in the format of OpenCV, for `camera locate`.
+///
+/// With --stereo, two cameras photograph the board at the same times: calibrates both lenses, and the
+/// pose of the second camera relative to the first. Prints its uncertainty, and for each pair the
+/// reprojection error and the distance of the corners from the epipolar constraint. Writes both
+/// cameras, for `measure --stereo` and [[measured.cameras]]; the first is at the origin of the world.
 #[derive(Debug, Args)]
 pub struct CalibrateArgs {
     /// Photographs of the board, PNG or JPEG
     #[arg(required = true)]
-    photos: Vec<PathBuf>,
+    pub(super) photos: Vec<PathBuf>,
+    /// Photographs of the second camera, in the same order and number as those of the first
+    #[arg(long, value_name = "PHOTO", num_args = 1..)]
+    pub(super) stereo: Vec<PathBuf>,
+    /// Camera file with the lens of the first camera, which is then not calibrated; if it has a pose,
+    /// the first camera keeps it
+    #[arg(long, value_name = "CAMERA", requires = "stereo")]
+    pub(super) camera: Option<PathBuf>,
+    /// Camera file with the lens of the second camera, which is then not calibrated
+    #[arg(long, value_name = "CAMERA", requires = "stereo")]
+    pub(super) stereo_camera: Option<PathBuf>,
+    /// Camera file to write for the second camera, .yml or .json
+    #[arg(long, value_name = "CAMERA", requires = "stereo")]
+    pub(super) stereo_output: Option<PathBuf>,
     /// Board: chessboard:9x6 with the number of inner corners along and across, or charuco:8x6 with
     /// the number of squares
     #[arg(long, value_name = "BOARD")]
-    board: String,
+    pub(super) board: String,
     /// Side of a square, as "25 mm"
     #[arg(long, value_name = "LENGTH", value_parser = length)]
-    square: f64,
+    pub(super) square: f64,
     /// Side of the markers of a ChArUco board, as "18 mm"
     #[arg(long, value_name = "LENGTH", value_parser = length)]
-    marker: Option<f64>,
+    pub(super) marker: Option<f64>,
     /// Name in OpenCV of the marker dictionary of a ChArUco board, as DICT_4X4_50
     #[arg(long, value_name = "NAME")]
-    dictionary: Option<String>,
+    pub(super) dictionary: Option<String>,
     /// Distortion coefficients to estimate, in the order of OpenCV; the others are zero
     #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
-    distortion: Distortion,
+    pub(super) distortion: Distortion,
     /// Camera file to write, .yml or .json
     #[arg(short, long, value_name = "CAMERA")]
-    output: Option<PathBuf>,
+    pub(super) output: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum Distortion {
+pub(super) enum Distortion {
     /// No distortion
     None,
     /// k1 and k2
@@ -103,30 +121,15 @@ fn length(text: &str) -> Result<f64, String> {
 /// Finds the board in each, calibrates, writes the camera, and returns what standard output shows.
 pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
     let format = args.output.as_deref().map(format_of).transpose()?;
-    let board = Board::described(&args.board, args.square, args.marker, args.dictionary.as_deref());
-    let board = board.map_err(|error| Failure::Input(format!("error: --board: {error}")))?;
-    // One at a time: photographs are large.
-    let seen = args.photos.iter().map(|path| Ok(find(&Photograph::read(path)?.photo, &board)));
-    let seen: Vec<Result<SeenBoard, Unseen>> = seen.collect::<Result<_, Failure>>()?;
-    let found =
-        calibration(&seen, args.distortion.into()).map_err(|error| failure(args, &error))?;
-    let lens = Lens::Pinhole(found.calibrated.lens);
-    let camera = Camera::new(lens, Pose::IDENTITY, Some(found.size)).map_err(|error| {
-        failure(
-            args,
-            &NoCalibration {
-                error: CalibrateError::Camera(error),
-                used: found.used.clone(),
-                refused: found.refused.clone(),
-            },
-        )
-    })?;
-    let corners: Vec<usize> =
-        seen.iter().map(|seen| seen.as_ref().map_or(0, |seen| seen.corners.len())).collect();
+    let board = board(args)?;
+    let seen = seen(&args.photos, &board)?;
+    let shown = Shown { photos: &args.photos, output: args.output.as_deref(), board: &board };
+    let (camera, found) = shown.camera(&seen, args.distortion)?;
+    let corners = corners(&seen);
     let text = if args.json {
-        format!("{:#}\n", object(args, &board, &found, &corners))
+        format!("{:#}\n", shown.object(&found, &corners))
     } else {
-        summary(args, &board, &found, &corners, style)
+        shown.summary(&found, &corners, style)
     };
     if let Some((path, format)) = args.output.as_deref().zip(format) {
         files::write(path, camera_text(&camera, format).as_bytes())?;
@@ -134,125 +137,166 @@ pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
     Ok(text)
 }
 
-fn failure(args: &CalibrateArgs, error: &NoCalibration) -> Failure {
-    let mut text = format!("error: {error}");
-    for (number, why) in &error.refused {
-        text += &format!("\n  {}: {why}", args.photos[*number].display());
-    }
-    Failure::Solve(text)
+pub(super) fn board(args: &CalibrateArgs) -> Result<Board, Failure> {
+    let board = Board::described(&args.board, args.square, args.marker, args.dictionary.as_deref());
+    board.map_err(|error| Failure::Input(format!("error: --board: {error}")))
 }
 
-fn object(args: &CalibrateArgs, board: &Board, found: &Calibration, corners: &[usize]) -> Value {
-    let (lens, sure) = (&found.calibrated.lens, &found.calibrated.deviations);
-    let name = |number: usize| args.photos[number].display().to_string();
-    let photographs: Vec<Value> = found
-        .used
-        .iter()
-        .zip(&found.calibrated.view_rms)
-        .map(
-            |(&number, rms)| json!({"photo": name(number), "corners": corners[number], "rms": rms}),
-        )
-        .collect();
-    let refused: Vec<Value> = found
-        .refused
-        .iter()
-        .map(|(number, why)| json!({"photo": name(*number), "reason": why.to_string()}))
-        .collect();
-    let warnings: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
-    json!({
-        "camera": args.output.as_ref().map(|path| path.display().to_string()),
-        "board": board.to_string(),
-        "width": found.size[0],
-        "height": found.size[1],
-        "focal": lens.focal(),
-        "focal_deviation": sure.focal,
-        "centre": lens.centre(),
-        "centre_deviation": sure.centre,
-        "distortion": lens.distortion().coefficients(),
-        "distortion_deviation": sure.distortion,
-        "rms": found.calibrated.rms,
-        "pixel_deviation": sure.pixel,
-        "tilt": found.calibrated.tilt,
-        "photographs": photographs,
-        "refused": refused,
-        "warnings": warnings,
-    })
-}
-
-fn summary(
-    args: &CalibrateArgs,
+/// What each photograph shows of the board.
+pub(super) fn seen(
+    photos: &[PathBuf],
     board: &Board,
-    found: &Calibration,
-    corners: &[usize],
-    style: Style,
-) -> String {
-    let (lens, sure) = (&found.calibrated.lens, &found.calibrated.deviations);
-    let pair = |values: [f64; 2], deviations: [f64; 2]| {
-        let [x, y] = [0, 1].map(|i| within(values[i], deviations[i]));
-        format!("{x}, {y} pixels")
-    };
-    let [width, height] = found.size;
-    let mut lines = vec![
-        ("size", format!("{width}×{height} pixels")),
-        ("focal", pair(lens.focal(), sure.focal)),
-        ("centre", pair(lens.centre(), sure.centre)),
-    ];
-    let coefficients = lens.distortion().coefficients().iter().zip(&sure.distortion);
-    for (name, (&value, deviation)) in COEFFICIENTS.into_iter().zip(coefficients) {
-        lines.push((
-            name,
-            match *deviation {
-                Some(0.0) => number(value, 6),
-                Some(deviation) => within(value, deviation),
-                None => format!("{}, which the photographs do not tell", number(value, 6)),
-            },
-        ));
+) -> Result<Vec<Result<SeenBoard, Unseen>>, Failure> {
+    // One at a time: photographs are large.
+    photos.iter().map(|path| Ok(find(&Photograph::read(path)?.photo, board))).collect()
+}
+
+/// How many corners each shows.
+pub(super) fn corners(seen: &[Result<SeenBoard, Unseen>]) -> Vec<usize> {
+    seen.iter().map(|seen| seen.as_ref().map_or(0, |seen| seen.corners.len())).collect()
+}
+
+/// The photographs of one camera, and where it is written.
+pub(super) struct Shown<'a> {
+    pub(super) photos: &'a [PathBuf],
+    pub(super) output: Option<&'a Path>,
+    pub(super) board: &'a Board,
+}
+
+impl Shown<'_> {
+    /// The camera at the origin of the world, and how sure its lens is.
+    pub(super) fn camera(
+        &self,
+        seen: &[Result<SeenBoard, Unseen>],
+        distortion: Distortion,
+    ) -> Result<(Camera, Calibration), Failure> {
+        let found = calibration(seen, distortion.into()).map_err(|error| self.failure(&error))?;
+        let lens = Lens::Pinhole(found.calibrated.lens);
+        let camera = Camera::new(lens, Pose::IDENTITY, Some(found.size)).map_err(|error| {
+            self.failure(&NoCalibration {
+                error: CalibrateError::Camera(error),
+                used: found.used.clone(),
+                refused: found.refused.clone(),
+            })
+        })?;
+        Ok((camera, found))
     }
-    lines.push(("error", format!("{} pixels RMS", number(found.calibrated.rms, 3))));
-    lines.push(("tilt", format!("up to {} between the boards", degrees(found.calibrated.tilt))));
-    if let Some(path) = &args.output {
-        lines.push(("written", path.display().to_string()));
+
+    fn failure(&self, error: &NoCalibration) -> Failure {
+        let mut text = format!("error: {error}");
+        for (number, why) in &error.refused {
+            text += &format!("\n  {}: {why}", self.photos[*number].display());
+        }
+        Failure::Solve(text)
     }
-    let (used, all) = (found.used.len(), args.photos.len());
-    let title = format!("lens, from {used} of {all} photographs of a {board}");
-    let mut text = format!("{}\n", style.heading(title));
-    for (name, value) in lines {
-        let padding = " ".repeat("written".len() - name.len());
-        text += &format!("  {}{padding}  {value}\n", style.faint(name.to_owned()));
+
+    pub(super) fn object(&self, found: &Calibration, corners: &[usize]) -> Value {
+        let (lens, sure) = (&found.calibrated.lens, &found.calibrated.deviations);
+        let name = |number: usize| self.photos[number].display().to_string();
+        let photographs: Vec<Value> = found
+            .used
+            .iter()
+            .zip(&found.calibrated.view_rms)
+            .map(
+                |(&number, rms)| json!({"photo": name(number), "corners": corners[number], "rms": rms}),
+            )
+            .collect();
+        let refused: Vec<Value> = found
+            .refused
+            .iter()
+            .map(|(number, why)| json!({"photo": name(*number), "reason": why.to_string()}))
+            .collect();
+        let warnings: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
+        json!({
+            "camera": self.output.map(|path| path.display().to_string()),
+            "board": self.board.to_string(),
+            "width": found.size[0],
+            "height": found.size[1],
+            "focal": lens.focal(),
+            "focal_deviation": sure.focal,
+            "centre": lens.centre(),
+            "centre_deviation": sure.centre,
+            "distortion": lens.distortion().coefficients(),
+            "distortion_deviation": sure.distortion,
+            "rms": found.calibrated.rms,
+            "pixel_deviation": sure.pixel,
+            "tilt": found.calibrated.tilt,
+            "photographs": photographs,
+            "refused": refused,
+            "warnings": warnings,
+        })
     }
-    let columns = [
-        ("", Align::Right),
-        ("photograph", Align::Left),
-        ("corners", Align::Right),
-        ("RMS", Align::Right),
-    ];
-    let mut table = Table::new(columns);
-    for (&photo, &rms) in found.used.iter().zip(&found.calibrated.view_rms) {
-        table.row(vec![
-            (photo + 1).to_string(),
-            args.photos[photo].display().to_string(),
-            corners[photo].to_string(),
-            fixed(rms, 3),
-        ]);
+
+    pub(super) fn summary(&self, found: &Calibration, corners: &[usize], style: Style) -> String {
+        let (lens, sure) = (&found.calibrated.lens, &found.calibrated.deviations);
+        let pair = |values: [f64; 2], deviations: [f64; 2]| {
+            let [x, y] = [0, 1].map(|i| within(values[i], deviations[i]));
+            format!("{x}, {y} pixels")
+        };
+        let [width, height] = found.size;
+        let mut lines = vec![
+            ("size", format!("{width}×{height} pixels")),
+            ("focal", pair(lens.focal(), sure.focal)),
+            ("centre", pair(lens.centre(), sure.centre)),
+        ];
+        let coefficients = lens.distortion().coefficients().iter().zip(&sure.distortion);
+        for (name, (&value, deviation)) in COEFFICIENTS.into_iter().zip(coefficients) {
+            lines.push((
+                name,
+                match *deviation {
+                    Some(0.0) => number(value, 6),
+                    Some(deviation) => within(value, deviation),
+                    None => format!("{}, which the photographs do not tell", number(value, 6)),
+                },
+            ));
+        }
+        lines.push(("error", format!("{} pixels RMS", number(found.calibrated.rms, 3))));
+        lines
+            .push(("tilt", format!("up to {} between the boards", degrees(found.calibrated.tilt))));
+        if let Some(path) = self.output {
+            lines.push(("written", path.display().to_string()));
+        }
+        let (used, all) = (found.used.len(), self.photos.len());
+        let title = format!("lens, from {used} of {all} photographs of a {}", self.board);
+        let mut text = format!("{}\n", style.heading(title));
+        for (name, value) in lines {
+            let padding = " ".repeat("written".len() - name.len());
+            text += &format!("  {}{padding}  {value}\n", style.faint(name.to_owned()));
+        }
+        let columns = [
+            ("", Align::Right),
+            ("photograph", Align::Left),
+            ("corners", Align::Right),
+            ("RMS", Align::Right),
+        ];
+        let mut table = Table::new(columns);
+        for (&photo, &rms) in found.used.iter().zip(&found.calibrated.view_rms) {
+            table.row(vec![
+                (photo + 1).to_string(),
+                self.photos[photo].display().to_string(),
+                corners[photo].to_string(),
+                fixed(rms, 3),
+            ]);
+        }
+        text += &format!("\n{}", table.text(style));
+        if !found.refused.is_empty() {
+            text += "\nnot used\n";
+        }
+        for (photo, why) in &found.refused {
+            text += &format!("  {}  {}: {why}\n", photo + 1, self.photos[*photo].display());
+        }
+        if !found.warnings.is_empty() {
+            text += "\n";
+        }
+        for warning in &found.warnings {
+            text += &format!("note: {warning}\n");
+        }
+        text
     }
-    text += &format!("\n{}", table.text(style));
-    if !found.refused.is_empty() {
-        text += "\nnot used\n";
-    }
-    for (photo, why) in &found.refused {
-        text += &format!("  {}  {}: {why}\n", photo + 1, args.photos[*photo].display());
-    }
-    if !found.warnings.is_empty() {
-        text += "\n";
-    }
-    for warning in &found.warnings {
-        text += &format!("note: {warning}\n");
-    }
-    text
 }
 
 /// `812.51 ± 0.23`: two digits of the deviation, and the value as far as these go.
-fn within(value: f64, deviation: f64) -> String {
+pub(super) fn within(value: f64, deviation: f64) -> String {
     let decimals = (1.0 - deviation.max(1e-12).log10().floor()).clamp(0.0, 12.0) as usize;
     format!("{} ± {}", fixed(value, decimals), fixed(deviation, decimals))
 }

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod locate;
+mod stereo;
 
 use std::path::Path;
 
@@ -27,7 +28,8 @@ enum Task {
 /// What was done, in words.
 pub fn run(args: &CameraArgs, style: Style) -> Result<String, Failure> {
     match &args.task {
-        Task::Calibrate(args) => calibrate::run(args, style),
+        Task::Calibrate(args) if args.stereo.is_empty() => calibrate::run(args, style),
+        Task::Calibrate(args) => stereo::run(args, style),
         Task::Locate(args) => locate::run(args, style),
     }
 }

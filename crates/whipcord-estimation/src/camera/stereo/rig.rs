@@ -78,7 +78,8 @@ pub(super) fn refine(
     let freedoms = Freedoms::all();
     let mut problem = Rig { cameras, views, relative, freedoms: &freedoms };
     let mut unknowns = vec![0.0; 6 + 6 * problem.views.len()];
-    let options = Options { iterations: 200, ..Options::default() };
+    // Residuals of hundredths of a pixel are differences of hundreds: their directions are not known more exactly.
+    let options = Options { iterations: 200, gradient: 1e-7, ..Options::default() };
     let outcome = minimise(&mut problem, &mut unknowns, &options, &mut Workspace::default());
     let failed = StereoError::NoPose;
     let outcome = outcome.map_err(|error| match error {

@@ -80,27 +80,30 @@ pub fn triangulate(
     let (start, angle) = nearest_to_both(rays)?;
     let mut problem = InBoth { cameras, pixels };
     let mut unknowns = start.to_array();
-    let outcome =
-        minimise(&mut problem, &mut unknowns, &Options::default(), &mut Workspace::default());
+    let options = Options::default();
+    let outcome = minimise(&mut problem, &mut unknowns, &options, &mut Workspace::default());
     let outcome = outcome.map_err(|error| match error {
         NoResiduals::Refused(error) => error,
         NoResiduals::NotFinite => TriangulateError::NoParallax { angle },
     })?;
     let epipolar = (2.0 * outcome.cost).sqrt();
-    // Where everything fits to rounding there is no descent left to converge by.
-    if !outcome.status.is_converged() && epipolar > 1e-6 {
-        return Err(TriangulateError::NotConverged { distance: epipolar });
-    }
     let point = Vec3::from(unknowns);
     let (residuals, gradients) = problem.at(point)?;
-    let mut normal = Mat3::default();
-    for gradient in gradients.into_iter().flatten() {
+    let (mut normal, mut slope) = (Mat3::default(), Vec3::ZERO);
+    let rows = gradients.into_iter().flatten().zip(residuals.into_iter().flatten());
+    for (gradient, residual) in rows {
+        slope += residual * gradient;
         let dyad = Mat3::outer(gradient, gradient);
         for i in 0..3 {
             normal.rows[i] += dyad.rows[i];
         }
     }
     let inverse = normal.inverse().ok_or(TriangulateError::NoParallax { angle })?;
+    // What a further step would change in the images, in pixels: where that is rounding, a step may lower nothing.
+    let change = slope.dot(inverse * slope).max(0.0).sqrt();
+    if !outcome.status.is_converged() && change > 1e-4 {
+        return Err(TriangulateError::NotConverged { distance: epipolar });
+    }
     let covariance = inverse * (pixel_deviation * pixel_deviation);
     Ok(Triangulated { point, covariance, residuals, epipolar, angle })
 }

@@ -82,6 +82,21 @@ fn the_covariance_is_that_of_differences() {
     }
 }
 
+/// Residuals near zero are those of rounding, and no reason to refuse a point.
+#[test]
+fn nearly_exact_pixels_are_not_refused() {
+    let mut noise = Noise::of(23);
+    for trial in 0..2000 {
+        let cameras = cameras(0.6);
+        let mut side = || noise.between(-0.06, 0.06);
+        let point = Vec3::new(0.0, 0.0, 0.5) + Vec3::new(side(), side(), side());
+        let deviation = 10f64.powi(-(trial % 9));
+        let seen = pixels(&cameras, point).map(|pixel| noise.beside(pixel, deviation));
+        let found = triangulate(both(&cameras), seen, 0.3).unwrap();
+        assert!((found.point - point).norm() < 8e-3 * deviation + 1e-9);
+    }
+}
+
 /// χ² of three degrees of freedom, and a normal number in the image: 95 % lie within 7.815 and 1.96 standard deviations.
 #[test]
 fn noisy_points_lie_within_their_covariance() {

@@ -23,6 +23,8 @@ pub(super) enum Column {
     Camera,
     Deviation,
     Confidence,
+    /// What `whipcord measure` tells beside it, and nothing else needs.
+    Told(u8),
 }
 
 /// What other programs call a column.
@@ -65,7 +67,7 @@ pub(super) struct Read {
     pub marker: Option<usize>,
 }
 
-const COLUMNS: [(&str, Column); 18] = [
+const COLUMNS: [(&str, Column); 22] = [
     ("step", Column::Step),
     ("disk", Column::Disk),
     ("arc_length", Column::ArcLength),
@@ -84,6 +86,10 @@ const COLUMNS: [(&str, Column); 18] = [
     ("camera", Column::Camera),
     ("deviation", Column::Deviation),
     ("confidence", Column::Confidence),
+    ("deviation_x", Column::Told(0)),
+    ("deviation_y", Column::Told(1)),
+    ("deviation_z", Column::Told(2)),
+    ("epipolar", Column::Told(3)),
 ];
 
 pub(super) const HEADER: &str = "the first line names the columns, in any order, such as `disk,x,y,z`; then follows one line for each disk";
