@@ -146,7 +146,8 @@ fn steps_of_rows(
                         problem("this line has no key", "give the key of its row of commands")
                     }),
                     Some(text) => {
-                        let near = suggest::nearest(text, by_key.keys().copied());
+                        let keys = rows.rows.iter().filter_map(|row| row.key.as_deref());
+                        let near = suggest::nearest(text, keys);
                         let near = near.map(|near| format!("did you mean `{near}`? "));
                         let message = format!(
                             "no row of `{}` has the key `{}`",
