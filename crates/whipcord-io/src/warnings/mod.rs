@@ -1,6 +1,7 @@
 //! Warnings with their places in the file.
 
 mod bare_numbers;
+mod motor_rates;
 mod unused_keys;
 
 use whipcord::warning::{of_answer, of_case, of_spacing};
@@ -11,6 +12,7 @@ use crate::materials::preset;
 use crate::source::{Position, Span};
 
 use bare_numbers::bare_numbers;
+use motor_rates::motor_rates;
 
 /// A warning about a file, or about an answer to what it asks.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +98,7 @@ impl CaseFile {
         }));
         all.extend(unused_keys::without_effect(self));
         all.extend(zero_loads);
+        all.extend(motor_rates(self));
         let mut all: Vec<FileWarning> =
             all.into_iter().map(|warning| self.placed(warning)).collect();
         all.sort_by_key(|warning| warning.span);

@@ -156,3 +156,23 @@ fn independent_steps_are_written_and_read_again() {
     let again = parse(&text, "again.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!((again.case.base, again.case), (Pose::IDENTITY, case));
 }
+
+#[test]
+fn a_motor_that_must_go_too_fast_is_told_of() {
+    let rows = b"time (s),pan [deg],up [N]\n0,0,1\n1,5,1\n2,40,1\n2.5,55,1\n9,50,1\n".as_slice();
+    let warnings = |each: &str| {
+        let tail = format!(
+            "rate_limit = \"20 deg/s\"\n[commands]\ntable = \"rows.csv\"\neach = \"{each}\"\n"
+        );
+        let file = read(&tail, &[("rows.csv", rows)]);
+        let rates = file.warnings().into_iter().filter(|of| of.warning.code() == "motor-rate");
+        rates.map(|of| (of.place(&file).is_some(), of.message())).collect::<Vec<_>>()
+    };
+    let [(true, message)] = &warnings("in order")[..] else { panic!() };
+    assert_eq!(
+        message,
+        "motor `pan` must go at 35 °/s to `line 4`, but goes at 20 °/s at most; it must go too fast to 1 other row"
+    );
+    // Rows for themselves are of no motion.
+    assert_eq!(warnings("independent"), []);
+}

@@ -136,6 +136,23 @@ pub enum Warning {
         /// What of it is in the same place.
         second: Place,
     },
+    /// A motor that must go faster than it can between two rows of a table of commands.
+    MotorRate {
+        /// Its number.
+        index: usize,
+        /// Its name.
+        motor: String,
+        /// How the table names the row to which it must go the fastest.
+        row: String,
+        /// How fast, in rad/s or m/s.
+        rate: f64,
+        /// How fast it can go.
+        limit: f64,
+        /// To how many other rows it must go too fast.
+        others: usize,
+        /// How it moves its cables.
+        drive: Drive,
+    },
     /// A motor that cannot hold the answer.
     MotorOverload {
         /// Its number.
@@ -235,6 +252,7 @@ impl Warning {
             Self::NearCritical { .. } => "near-critical",
             Self::DisksOverlap { .. } => "disks-overlap",
             Self::SelfIntersection { .. } => "self-intersection",
+            Self::MotorRate { .. } => "motor-rate",
             Self::MotorOverload { .. } => "motor-overload",
             Self::CableInObstacle { .. } => "cable-in-obstacle",
             Self::Strain { is_given: false, .. } => "strain",
@@ -255,6 +273,7 @@ impl Warning {
             Self::ThickBackbone { path, .. } => (*path).to_owned(),
             Self::ShortHoleList { index, .. } => format!("cables[{index}].holes"),
             Self::DiskSpacing { .. } => "disks".to_owned(),
+            Self::MotorRate { index, .. } => format!("motors[{index}].rate_limit"),
             Self::MotorOverload { index, drive, .. } => {
                 format!("motors[{index}].{}", drive.keys().effort_limit)
             }

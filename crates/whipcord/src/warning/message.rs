@@ -138,6 +138,23 @@ impl fmt::Display for Warning {
             Self::SelfIntersection { first, second } => {
                 write!(f, "the shape passes through itself: {first} and {second} intersect")
             }
+            Self::MotorRate { motor, row, rate, limit, others, drive, .. } => {
+                let [rate, limit] = match drive {
+                    Drive::Spool { .. } => {
+                        [*rate, *limit].map(|rate| format!("{} °/s", rounded(rate.to_degrees())))
+                    }
+                    Drive::Linear => [*rate, *limit].map(|rate| format!("{}/s", length(rate))),
+                };
+                write!(
+                    f,
+                    "motor `{motor}` must go at {rate} to `{row}`, but goes at {limit} at most"
+                )?;
+                match others {
+                    0 => Ok(()),
+                    1 => f.write_str("; it must go too fast to 1 other row"),
+                    others => write!(f, "; it must go too fast to {others} other rows"),
+                }
+            }
             Self::MotorOverload { motor, effort, limit, drive, .. } => {
                 let (effort, limit) = (rounded(*effort), rounded(*limit));
                 match drive {
@@ -235,6 +252,9 @@ impl Warning {
             }
             Self::SelfIntersection { .. } => {
                 "lower the tensions or the loads, or check their units and the stiffness: the models have no contact of the robot with itself".to_owned()
+            }
+            Self::MotorRate { .. } => {
+                "check the units of the column `time` and of the commands: the log may not be what the motor did; or correct the limit".to_owned()
             }
             Self::MotorOverload { .. } => {
                 "command less, lower the loads or the pretension, or take a stronger motor or gear".to_owned()
