@@ -56,7 +56,7 @@ fn study_of_motors() {
     let floor = rms / (NOISE * 3f64.sqrt());
     println!(
         "{:.1} % of 200 runs × 4 unknowns; held out: {floor:.3} × the noise",
-        held as f64 / 10.0
+        held as f64 / 8.0
     );
     assert!((0.93..0.97).contains(&(held as f64 / 800.0)), "{held}");
     assert!((floor - 1.0).abs() < 0.02, "{floor}");
