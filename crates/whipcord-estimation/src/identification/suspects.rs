@@ -9,7 +9,7 @@ use super::linear::{Linear, beside, dot, fitted, values};
 use super::method::DerivativeMethod;
 use super::outcome::Identified;
 use super::quantity::Quantity;
-use super::rows::remembers;
+use super::refused_rows::remembers;
 use super::settings::Settings;
 use whipcord::parameter::Parameter;
 use whipcord::robot::Robot;

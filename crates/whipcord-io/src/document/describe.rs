@@ -33,6 +33,10 @@ pub fn describe(title: Option<&str>, robot: &Robot, case: &Case) -> Result<Table
     if robot.has_disks() {
         file.insert("disks", disks(robot.disks(), robot.backbone().length));
     }
+    if !are_driven_by_motors(robot, case) {
+        let what = "that a motor has commands and gives a cable another length than these: fit `motors[…].angle_offset`, `spool_radius` or `gear_ratio` instead of an offset or a gain of the cable, or command the cables themselves";
+        return Err(Inexpressible { what });
+    }
     let in_steps = !case.before.is_empty();
     let cables = robot.cables().iter().enumerate().map(|(i, cable)| {
         let own = if in_steps { None } else { case.commands.get(i) };
@@ -304,6 +308,23 @@ fn shortening(shortening: Shortening) -> Item {
         Shortening::Length(length) => Item::Number(length),
         Shortening::Fraction(fraction) => Item::Text(percent(fraction)),
     }
+}
+
+/// Whether the cables of motors that have commands are told what these make of them.
+fn are_driven_by_motors(robot: &Robot, case: &Case) -> bool {
+    const ROUNDING: f64 = 1e-12;
+    let mut driven = case.clone();
+    if case.motors.is_empty() || driven.drive(robot).is_err() {
+        return true;
+    }
+    let steps = |case: &'_ Case| -> Vec<CableCommand> {
+        case.before.iter().chain([&case.commands]).flatten().copied().collect()
+    };
+    let [given, driven] = [case, &driven].map(steps);
+    given.iter().zip(&driven).all(|(given, driven)| match (given.shortening, driven.shortening) {
+        (Some(Shortening::Length(a)), Some(Shortening::Length(b))) => (a - b).abs() <= ROUNDING,
+        (given, driven) => given == driven,
+    })
 }
 
 /// The command of a cable without the shortening that its motor gives it.

@@ -124,3 +124,16 @@ fn what_a_motor_must_hold_is_in_the_answer_and_told_of_beyond_its_limit() {
         assert_eq!(codes.contains(&"motor-overload"), overloaded, "{torque} {codes:?}");
     }
 }
+
+#[test]
+fn a_cable_that_is_not_where_its_motor_pulls_it_cannot_be_written() {
+    let file = read(
+        "[[steps]]\nmotors = [\"90 deg\", \"5 mm\"]\n[[steps]]\nmotors = [\"80 deg\", \"5 mm\"]\n",
+    );
+    assert!(describe(None, &file.robot, &file.case).is_ok());
+    let mut case = file.case.clone();
+    let Some(Shortening::Length(length)) = &mut case.commands[0].shortening else { panic!() };
+    *length += 1e-3;
+    let error = describe(None, &file.robot, &case).unwrap_err().to_string();
+    assert!(error.contains("angle_offset"), "{error}");
+}
