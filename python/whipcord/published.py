@@ -71,6 +71,9 @@ class Measured:
     """Standard deviation of a place in an image in pixels, where the file does not give it."""
     registration: str = "none"
     """How positions are moved onto a model before they are compared: ``"none"``, ``"rigid"`` or ``"base"``."""
+    is_of_commands: bool = False
+    """Whether the lines of that file are of the rows of a table of commands. Without that table they say nothing: the text of a
+    case, which has the commands themselves, leaves them out."""
     cameras: tuple[tuple[str, str], ...] = ()
     """Names and files of the cameras whose images the file refers to."""
     views: tuple[Camera, ...] = ()
@@ -112,7 +115,7 @@ class Reference:
 def published(measured: Measured | None, reference: Reference | None, folder: str | None) -> dict[str, Any]:
     """Their tables of a robot file in this folder."""
     tables: dict[str, Any] = {}
-    if measured:
+    if measured and not measured.is_of_commands:
         table: dict[str, Any] = {"disks": _seen_from(folder, measured.path)}
         for name in ("unit", "deviation", "pixel_deviation", "registration"):
             table[name] = getattr(measured, name)

@@ -50,6 +50,7 @@ pub fn measured<'py>(py: Python<'py>, measured: &Measured) -> PyResult<Bound<'py
     values.set_item("deviation", measured.deviation)?;
     values.set_item("pixel_deviation", measured.pixel_deviation)?;
     values.set_item("registration", measured.alignment.name())?;
+    values.set_item("is_of_commands", measured.is_of_commands)?;
     values.set_item("cameras", cameras)?;
     values.set_item("views", PyList::new(py, views)?)?;
     values.set_item("observations", seen)?;
@@ -90,6 +91,7 @@ pub fn measured_of(values: &Bound<'_, PyDict>) -> PyResult<Measured> {
         deviation: get("deviation")?.extract()?,
         pixel_deviation: get("pixel_deviation")?.extract()?,
         path: get("path")?.extract()?,
+        is_of_commands: get("is_of_commands")?.extract()?,
         ..Measured::default()
     })
 }

@@ -44,6 +44,8 @@ pub struct Measured {
     pub pixel_deviation: Option<f64>,
     /// The file they were read from.
     pub path: PathBuf,
+    /// Whether its lines are of the rows of a table of commands, without which they say nothing.
+    pub is_of_commands: bool,
 }
 
 /// A camera that saw the robot.
@@ -226,6 +228,7 @@ pub(crate) fn read(
         deviation,
         pixel_deviation,
         path,
+        is_of_commands: robot.rows.is_some(),
     })
 }
 
