@@ -24,6 +24,8 @@ const TOLERANCE: f64 = 1e-3;
 /// By how much of the greatest tension of its cable a tension may differ from that of the linear response: where a hole may come to
 /// rest, and where none does.
 const LINEAR: [f64; 2] = [3e-3, 0.3];
+/// Tensions below this part of the greatest of all cables, or of the force that bends the robot, need no accuracy of their own.
+const SLIGHT: [f64; 2] = [1e-2, 1e-4];
 /// The longest substep whose error cannot be told.
 const UNKNOWN: f64 = 1.0 / 16.0;
 /// The substep after one, of its length, at most.
@@ -191,20 +193,28 @@ impl Way<'_> {
         events.follow(&law, &from, start, to_end.then_some(end))
     }
 
-    /// The greatest difference of the tensions of the scratch from these, as a part of the greatest one of its cable.
+    /// The greatest difference of the tensions of the scratch from these, as a part of the greatest one of its cable. Cables that
+    /// hardly pull count as if they pulled with a small part of what the others do, or of what bends the robot.
     fn tensions_apart<S>(&self, history: &History<S>, others: &[f64]) -> f64 {
         let tensions = &self.scratch.tensions;
-        let mut worst: f64 = 0.0;
-        for (passages, command) in self.holes.of_cable.iter().zip(self.to) {
+        let greatest = |passages: &[usize], command: &Command| {
             let at_end = match *command {
                 Command::Tension(tension) => tension,
                 Command::Length { .. } => 0.0,
             };
             let of = |p: &usize| tensions[*p].max(history.tensions[*p]);
-            let greatest = passages.iter().map(of).fold(at_end, f64::max);
+            passages.iter().map(of).fold(at_end, f64::max)
+        };
+        let cables = || self.holes.of_cable.iter().zip(self.to);
+        let of_all = cables().map(|(passages, command)| greatest(passages, command));
+        let least = SLIGHT[0] * of_all.fold(0.0, f64::max);
+        let least = least.max(SLIGHT[1] * self.holes.length / self.holes.compliance);
+        let mut worst: f64 = 0.0;
+        for (passages, command) in cables() {
             let apart = |p: &usize| (tensions[*p] - others[*p]).abs();
             let apart = passages.iter().map(apart).fold(0.0, f64::max);
             if apart > 0.0 {
+                let greatest = greatest(passages, command).max(least);
                 worst = worst.max(apart / greatest.max(f64::MIN_POSITIVE));
             }
         }
