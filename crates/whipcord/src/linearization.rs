@@ -15,6 +15,7 @@ use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::statics::options::StabilityAnalysis;
+use crate::statics::plastic_steps::PlasticRod as _;
 
 /// The derivatives of one answer, of whatever model: by commands, tensions, loads at any place and parameters, with tensions
 /// held, lengths locked or commands kept, forward and in reverse, and among the contacts that hold the answer.

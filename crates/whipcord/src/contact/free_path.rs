@@ -4,6 +4,7 @@ use whipcord_numerics::Vec3;
 
 use super::homotopy::Homotopy;
 use super::scene::{DistanceBound, Scene};
+use super::step_length::STRIDE;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::obstacle::Obstacle;
@@ -14,8 +15,6 @@ use crate::shape::Solution;
 const MOST_SHAPES: usize = 32;
 /// The least step on the way.
 const LEAST_STEP: f64 = 0.02;
-/// No cross-section moves farther in one step on the way, as a part of the length.
-const STRIDE: f64 = 0.25;
 /// Clearance that counts as none, as a part of the length: more than coarse steps and interpolation between them miss.
 const MARGIN: f64 = 1e-3;
 

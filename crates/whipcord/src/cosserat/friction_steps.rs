@@ -17,6 +17,7 @@ use crate::statics::friction::{self, Course, History, PassageResponse as _};
 use crate::statics::grid::Grid;
 use crate::statics::options::Accuracy;
 use crate::statics::outcome::{Failure, Found};
+use crate::statics::plastic_steps::PlasticRod as _;
 
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 5;

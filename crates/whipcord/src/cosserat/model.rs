@@ -30,6 +30,7 @@ use crate::statics::loads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::PlasticRod as _;
 use crate::statics::strength::Strength;
 use crate::warm_start::{Status, WarmStart};
 

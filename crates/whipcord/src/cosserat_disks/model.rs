@@ -22,6 +22,7 @@ use crate::statics::loads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::Failure;
 use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::PlasticRod as _;
 use crate::statics::trace::Trace;
 use crate::statics::trace::TraceEvent;
 use crate::warm_start::{Status, WarmStart};

@@ -47,6 +47,7 @@ pub(crate) mod passages;
 pub(crate) mod path;
 pub(crate) mod perturbation;
 pub(crate) mod plastic_curvature;
+pub(crate) mod plastic_steps;
 pub(crate) mod quadratic_form;
 pub(crate) mod rank;
 pub(crate) mod refinement;
