@@ -26,6 +26,8 @@ const SAME_SHAPE: f64 = 1e-4;
 #[derive(Debug)]
 pub struct Bench {
     file: Arc<CaseFile>,
+    /// What each command of a request is for.
+    sliders: Vec<Slider>,
     places: Places,
     ready: Vec<Ready>,
     cancel: Cancel,
@@ -61,7 +63,9 @@ impl Bench {
     /// For the robot and the case of a file.
     pub fn new(file: Arc<CaseFile>) -> Self {
         let places = Places::of(&file.robot);
-        Self { file, places, ready: Vec::new(), cancel: Cancel::default(), limit: Duration::MAX }
+        let sliders = sliders(&file.robot, &file.case);
+        let (ready, cancel, limit) = (Vec::new(), Cancel::default(), Duration::MAX);
+        Self { file, sliders, places, ready, cancel, limit }
     }
 
     /// Lets this flag, which is set after so long, end the next solves.
@@ -149,12 +153,11 @@ impl Bench {
         let robot = &self.file.robot;
         let mut cables = vec![CableCommand::default(); robot.cables().len()];
         let mut motors = vec![None; robot.motors().len()];
-        let sliders = sliders(robot, &self.file.case);
-        if sliders.len() != request.commands.len() {
-            let (given, all) = (request.commands.len(), sliders.len());
+        let (given, all) = (request.commands.len(), self.sliders.len());
+        if given != all {
             return Err(format!("{given} commands are given for {all} sliders: reload the page"));
         }
-        for (slider, command) in sliders.into_iter().zip(&request.commands) {
+        for (&slider, command) in self.sliders.iter().zip(&request.commands) {
             match (slider, command) {
                 (Slider::Motor(motor), Command::Motor(value)) => motors[motor] = Some(*value),
                 (Slider::Cable(cable), Command::Tension(_) | Command::Shortening(_)) => {
