@@ -11,20 +11,28 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 10] = [
+const ALLOWED: [(&str, &[&str]); 11] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-estimation", &["whipcord", "whipcord-numerics"]),
-    ("whipcord-io", &["whipcord", "whipcord-estimation"]),
-    ("whipcord-plot", &["whipcord", "whipcord-estimation"]),
+    ("whipcord-inverse", &["whipcord", "whipcord-numerics"]),
+    ("whipcord-io", &["whipcord", "whipcord-estimation", "whipcord-inverse"]),
+    ("whipcord-plot", &["whipcord", "whipcord-estimation", "whipcord-inverse"]),
     ("whipcord-vision", &["whipcord", "whipcord-estimation", "whipcord-numerics"]),
-    ("whipcord-viewer", &["whipcord", "whipcord-estimation", "whipcord-io", "whipcord-plot"]),
-    ("whipcord-study", &["whipcord", "whipcord-estimation", "whipcord-io", "whipcord-plot"]),
+    (
+        "whipcord-viewer",
+        &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-io", "whipcord-plot"],
+    ),
+    (
+        "whipcord-study",
+        &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-io", "whipcord-plot"],
+    ),
     (
         "whipcord-cli",
         &[
             "whipcord",
             "whipcord-estimation",
+            "whipcord-inverse",
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",
@@ -38,6 +46,7 @@ const ALLOWED: [(&str, &[&str]); 10] = [
         &[
             "whipcord",
             "whipcord-estimation",
+            "whipcord-inverse",
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",
@@ -86,7 +95,7 @@ fn dependencies_run_one_way() {
 
 #[test]
 fn the_mechanics_reach_for_no_operating_system() {
-    for name in ["whipcord-numerics", "whipcord", "whipcord-estimation"] {
+    for name in ["whipcord-numerics", "whipcord", "whipcord-estimation", "whipcord-inverse"] {
         let mut files = Vec::new();
         rust_files(&workspace_root().join("crates").join(name).join("src"), &mut files);
         assert!(!files.is_empty());

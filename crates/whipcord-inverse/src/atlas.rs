@@ -1,0 +1,226 @@
+//! Shapes of a robot all over its commands, to start from.
+
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use whipcord::batch::{BatchOptions, Rows, solve_batch};
+use whipcord::{Case, Model, ModelKind, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
+
+use crate::actuator::Actuator;
+use crate::error::InverseError;
+use crate::target::Target;
+
+/// Shapes of a robot at commands that are spread over their limits, with a tree of the places of their tips.
+#[derive(Debug)]
+pub(crate) struct Atlas {
+    tree: RTree<GeomWithData<[f64; 3], usize>>,
+    tips: Vec<Pose>,
+    /// Positions of the disks of each row, where they are kept.
+    disks: Vec<[f64; 3]>,
+    disk_count: usize,
+    /// Unknowns of each row.
+    unknowns: Vec<f64>,
+    width: usize,
+}
+
+/// What an atlas is made from.
+pub(crate) struct Survey<'a> {
+    pub model: &'a Model,
+    pub robot: &'a Robot,
+    /// Loads and base of all shapes.
+    pub case: &'a Case,
+    pub actuators: &'a [Actuator],
+    /// Bounds of the unknowns, finite.
+    pub bounds: &'a [[f64; 2]],
+    /// Tensions that are sampled where the model knows tensions, one pair for each cable.
+    pub tensions: &'a [[f64; 2]],
+    pub rows: usize,
+}
+
+impl Atlas {
+    /// Solves the rows. Where the model knows tensions, these are sampled, and the commands read off the shapes: shortenings that
+    /// are sampled by themselves contradict one another.
+    pub fn survey(survey: &Survey<'_>) -> Result<Self, InverseError> {
+        let kind = survey.model.kind();
+        let by_tension = !matches!(kind, ModelKind::FourBar | ModelKind::ConstantCurvature);
+        let cables = survey.robot.cables().len();
+        let model = survey.model.at(Stations::Disks);
+        let case = Case {
+            obstacles: Vec::new(),
+            before: Vec::new(),
+            motors: Vec::new(),
+            ..survey.case.clone()
+        };
+        let mut next = sequence(0x9E37_79B9_7F4A_7C15);
+        let values: Vec<f64> = if by_tension {
+            {
+                let mut rows = Vec::with_capacity(survey.rows * cables);
+                for _ in 0..survey.rows {
+                    rows.extend(spread(survey.tensions, &mut next));
+                }
+                rows
+            }
+        } else {
+            let mut rows = Vec::with_capacity(survey.rows * cables);
+            for _ in 0..survey.rows {
+                let unknowns: Vec<f64> = spread(survey.bounds, &mut next).collect();
+                let mut row = vec![0.0; cables];
+                for (actuator, x) in survey.actuators.iter().zip(&unknowns) {
+                    for (cable, rate) in actuator.cables(survey.robot) {
+                        row[cable] = rate * x;
+                    }
+                }
+                rows.extend(row);
+            }
+            rows
+        };
+        let rows = if by_tension {
+            Rows::Tensions { values: &values, case: &case }
+        } else {
+            Rows::Shortenings { values: &values, case: &case }
+        };
+        let batch = solve_batch(&model, survey.robot, rows, &BatchOptions::default())
+            .map_err(|error| InverseError::Atlas(error.to_string()))?;
+        let initial = initial_lengths(survey, &case)?;
+        let disk_count = batch.arc_lengths().len();
+        let mut atlas = Self {
+            tree: RTree::new(),
+            tips: Vec::new(),
+            disks: Vec::new(),
+            disk_count,
+            unknowns: Vec::new(),
+            width: survey.actuators.len(),
+        };
+        let mut points = Vec::new();
+        for row in 0..batch.len() {
+            if batch.outcomes()[row].is_err() {
+                continue;
+            }
+            let station = |k: usize| {
+                let at = 3 * (row * disk_count + k);
+                [0, 1, 2].map(|i| batch.positions()[at + i])
+            };
+            let tip = disk_count - 1;
+            let position = station(tip);
+            let q = 4 * (row * disk_count + tip);
+            let wxyz = [0, 1, 2, 3].map(|i| batch.orientations()[q + i]);
+            let Some(rotation) = UnitQuaternion::from_wxyz(wxyz) else { continue };
+            let lengths = &batch.lengths()[row * cables..(row + 1) * cables];
+            let given = &values[row * cables..(row + 1) * cables];
+            for (actuator, [least, greatest]) in survey.actuators.iter().zip(survey.bounds) {
+                let shortening = |cable: usize| {
+                    if by_tension {
+                        let stretch = survey.robot.cable_compliance(cable, initial[cable]);
+                        let pull = given[cable] - survey.robot.pretension(cable);
+                        initial[cable] - lengths[cable] + stretch * pull
+                    } else {
+                        given[cable]
+                    }
+                };
+                let x = match actuator {
+                    Actuator::Tension(cable) => given[*cable],
+                    Actuator::Shortening(cable) => shortening(*cable),
+                    Actuator::Motor(_) => {
+                        let (mut pulled, mut squares) = (0.0, 0.0);
+                        for (cable, rate) in actuator.cables(survey.robot) {
+                            pulled += rate * shortening(cable);
+                            squares += rate * rate;
+                        }
+                        pulled / squares
+                    }
+                };
+                atlas.unknowns.push(x.max(*least).min(*greatest));
+            }
+            points.push(GeomWithData::new(position, atlas.tips.len()));
+            atlas.tips.push(Pose {
+                position: Vec3::new(position[0], position[1], position[2]),
+                rotation,
+            });
+            atlas.disks.extend((0..disk_count).map(station));
+        }
+        atlas.tree = RTree::bulk_load(points);
+        Ok(atlas)
+    }
+
+    /// The unknowns of the rows that are nearest to a target, the nearest first.
+    pub fn nearest(&self, target: &Target, lever: f64, count: usize) -> Vec<&[f64]> {
+        let tip = match target {
+            Target::Tip(point) => Some(*point),
+            Target::Pose(pose) => Some(pose.position),
+            Target::Axis { point, .. } => *point,
+            Target::Shape(points) => {
+                let last = points.iter().max_by_key(|(disk, _)| *disk);
+                last.filter(|(disk, _)| disk + 1 == self.disk_count).map(|(_, point)| *point)
+            }
+        };
+        // Of targets that are more than a point, more rows are compared than are asked for.
+        let candidates: Vec<usize> = match (tip, target) {
+            (Some(point), Target::Tip(_)) => self.around(point).take(count).collect(),
+            (Some(point), _) => self.around(point).take(16 * count).collect(),
+            (None, _) => (0..self.tips.len()).collect(),
+        };
+        let mut residual = Vec::new();
+        let mut ranked: Vec<(f64, usize)> = candidates
+            .into_iter()
+            .map(|row| (self.distance(row, target, lever, &mut residual), row))
+            .collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let of =
+            |&(_, row): &(f64, usize)| &self.unknowns[row * self.width..(row + 1) * self.width];
+        ranked.iter().take(count).map(of).collect()
+    }
+
+    fn around(&self, point: Vec3) -> impl Iterator<Item = usize> + '_ {
+        self.tree.nearest_neighbor_iter(point.to_array()).map(|found| found.data)
+    }
+
+    /// The square of the residuals of a row.
+    fn distance(&self, row: usize, target: &Target, lever: f64, residual: &mut Vec<f64>) -> f64 {
+        let disk = |disk: usize| {
+            let [x, y, z] = self.disks[row * self.disk_count + disk];
+            Vec3::new(x, y, z)
+        };
+        target.residual_at(&self.tips[row], disk, lever, residual);
+        residual.iter().map(|r| r * r).sum()
+    }
+}
+
+/// The length of each cable that its shortening counts from.
+fn initial_lengths(survey: &Survey<'_>, case: &Case) -> Result<Vec<f64>, InverseError> {
+    let mut prepared = survey.model.prepare(survey.robot, &case.loads)?;
+    let command = |_| whipcord::CableCommand {
+        tension: Some(0.0),
+        shortening: Some(whipcord::Shortening::Length(0.0)),
+    };
+    let commands = (0..survey.robot.cables().len()).map(command).collect();
+    let solution: Solution =
+        prepared.solve(&Case { commands, ..case.clone() }, None).map_err(InverseError::NoStart)?;
+    Ok(solution.cables.iter().map(|cable| cable.initial_length).collect())
+}
+
+/// Numbers between limits. Of each three about one is at its lower limit, where the commands of answers often are.
+fn spread<'a>(
+    limits: &'a [[f64; 2]],
+    next: &'a mut impl FnMut() -> f64,
+) -> impl Iterator<Item = f64> + 'a {
+    limits.iter().map(move |[least, greatest]| {
+        let at_limit = next() < 0.3;
+        let part = next();
+        if at_limit { *least } else { least + part * (greatest - least) }
+    })
+}
+
+/// Pseudo-random numbers in 0 … 1, the same each time.
+///
+/// Source: Steele, Lea and Flood, Fast splittable pseudorandom number generators, OOPSLA 2014 (SplitMix64).
+fn sequence(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        #[allow(clippy::cast_precision_loss, reason = "53 bits")]
+        let part = ((z ^ (z >> 31)) >> 11) as f64;
+        part / 9_007_199_254_740_992.0
+    }
+}

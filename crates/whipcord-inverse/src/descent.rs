@@ -1,0 +1,255 @@
+//! Least squares with bounds and linearised constraints, by a Levenberg–Marquardt step from a quadratic programme.
+
+use whipcord::SolveError;
+use whipcord_numerics::{NoMinimum, Programme, QuadraticProgramme};
+
+/// A problem at one point: residuals and constraints with their derivatives by the unknowns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Linear {
+    /// Residuals.
+    pub residual: Vec<f64>,
+    /// Their derivatives, by rows.
+    pub jacobian: Vec<f64>,
+    /// What is left until each constraint is violated, as a part of its range; negative where it is.
+    pub slack: Vec<f64>,
+    /// The rates at which the unknowns use it up, by rows.
+    pub rows: Vec<f64>,
+}
+
+impl Linear {
+    /// `½‖r‖²`.
+    pub fn cost(&self) -> f64 {
+        0.5 * self.residual.iter().map(|r| r * r).sum::<f64>()
+    }
+
+    /// The greatest violation of a constraint, 0 where all are kept.
+    pub fn violation(&self) -> f64 {
+        self.slack.iter().map(|slack| -slack).fold(0.0, f64::max)
+    }
+}
+
+/// What is minimised.
+pub(crate) trait Problem {
+    /// What an evaluation leaves for the next one to start from.
+    type State: Clone;
+
+    /// Residuals and constraints at a point, from the state of a neighbouring one.
+    fn at(
+        &mut self,
+        unknowns: &[f64],
+        from: Option<&Self::State>,
+    ) -> Result<(Linear, Self::State), SolveError>;
+
+    /// Whether it is solved well enough.
+    fn is_done(&self, linear: &Linear) -> bool;
+}
+
+/// Where the iteration ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Descent<S> {
+    pub unknowns: Vec<f64>,
+    pub state: S,
+    /// Whether no feasible direction lowers the cost.
+    pub is_stationary: bool,
+}
+
+/// How an iteration is controlled.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control<'a> {
+    /// Bounds of each unknown.
+    pub bounds: &'a [[f64; 2]],
+    /// A change of each unknown that matters.
+    pub scales: &'a [f64],
+    /// Evaluations that may be spent.
+    pub evaluations: usize,
+}
+
+/// Largest step at first and at all, in scales of the unknowns.
+const FIRST_RADIUS: f64 = 0.25;
+const LARGEST_RADIUS: f64 = 4.0;
+/// A step of this size, in scales, moves nothing.
+const LEAST_STEP: f64 = 1e-11;
+/// A promised reduction of the cost by less than this part of it is none.
+const LEAST_REDUCTION: f64 = 1e-9;
+
+/// Minimises `½‖r(x)‖²` within bounds and constraints.
+///
+/// The step is the minimum of `½‖r + J d‖² + ½λ t‖d‖² + ρ σ` with the mean `t` of the diagonal of `JᵀJ`, over
+/// `l ≤ x + d ≤ u`, `|d| ≤ Δ` and `rows · d ≤ slack + σ`, `σ ≥ 0`, in scaled unknowns: the relaxation σ keeps it feasible, and ρ is
+/// so large that it is zero wherever the constraints can be kept. λ and Δ follow the ratio of the reduction of
+/// `½‖r‖² + ρ max(violation)` to what was promised.
+///
+/// # Errors
+/// Why there is no answer at the start.
+pub(crate) fn descend<P: Problem>(
+    problem: &mut P,
+    start: &[f64],
+    from: Option<&P::State>,
+    control: &Control<'_>,
+    workspace: &mut Workspace,
+) -> Result<Descent<P::State>, SolveError> {
+    let n = start.len();
+    let clamp = |x: f64, [least, greatest]: [f64; 2]| x.max(least).min(greatest);
+    let mut x: Vec<f64> =
+        start.iter().zip(control.bounds).map(|(x, bounds)| clamp(*x, *bounds)).collect();
+    let (mut linear, mut state) = problem.at(&x, from)?;
+    let mut damping = 1e-8;
+    let mut radius = FIRST_RADIUS;
+    let mut is_stationary = false;
+    let mut evaluations = 1;
+    let mut trial = x.clone();
+    while evaluations < control.evaluations && !problem.is_done(&linear) {
+        let cost = linear.cost();
+        let penalty = 1e2 * cost.max(1e-30);
+        let Ok(promised) = workspace.step(&linear, &x, control, damping, radius, penalty) else {
+            damping = (damping * 10.0).max(1e-10);
+            if damping > 1e6 {
+                break;
+            }
+            continue;
+        };
+        let step = &workspace.step;
+        let size = step[..n].iter().fold(0.0, |a: f64, d| a.max(d.abs()));
+        let merit = cost + penalty * linear.violation();
+        // At full radius and without damping the promise is that of the linear problem.
+        if size < LEAST_STEP || promised <= LEAST_REDUCTION * merit {
+            is_stationary = linear.violation() == 0.0;
+            break;
+        }
+        for (k, trial) in trial.iter_mut().enumerate() {
+            *trial = clamp(x[k] + step[k] * control.scales[k], control.bounds[k]);
+        }
+        evaluations += 1;
+        match problem.at(&trial, Some(&state)) {
+            Ok((next, next_state)) => {
+                let next_merit = next.cost() + penalty * next.violation();
+                let ratio = (merit - next_merit) / promised;
+                if next_merit < merit {
+                    x.copy_from_slice(&trial);
+                    (linear, state) = (next, next_state);
+                    if ratio > 0.6 {
+                        damping = (damping * 0.1).max(1e-14);
+                        radius = (2.0 * radius).min(LARGEST_RADIUS);
+                    } else if ratio < 0.2 {
+                        damping = (damping * 4.0).max(1e-8);
+                        radius *= 0.6;
+                    }
+                } else {
+                    damping = (damping * 8.0).max(1e-8);
+                    radius = 0.4 * size;
+                    if radius < LEAST_STEP {
+                        // The promise is within rounding of the model.
+                        is_stationary = promised <= 1e-4 * merit && linear.violation() == 0.0;
+                        break;
+                    }
+                }
+            }
+            // A shorter step leads to where there is an answer, or the start is at the end of what the model can answer.
+            Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+            Err(_) => {
+                damping = (damping * 10.0).max(1e-8);
+                radius = 0.3 * size;
+                if radius < LEAST_STEP {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(Descent { unknowns: x, state, is_stationary })
+}
+
+/// Scratch memory of [`descend`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Workspace {
+    solver: QuadraticProgramme,
+    matrix: Vec<f64>,
+    gradient: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    rows: Vec<f64>,
+    limits: Vec<f64>,
+    jacobian: Vec<f64>,
+    /// In scales of the unknowns; the relaxation behind them where there are constraints.
+    step: Vec<f64>,
+}
+
+impl Workspace {
+    /// Writes the step and returns by how much it promises to lower the merit.
+    fn step(
+        &mut self,
+        linear: &Linear,
+        x: &[f64],
+        control: &Control<'_>,
+        damping: f64,
+        radius: f64,
+        penalty: f64,
+    ) -> Result<f64, NoMinimum> {
+        let n = x.len();
+        let m = linear.residual.len();
+        let constraints = linear.slack.len();
+        let relaxed = usize::from(constraints > 0);
+        let size = n + relaxed;
+        self.jacobian.clear();
+        for row in linear.jacobian.chunks_exact(n) {
+            self.jacobian.extend(row.iter().zip(control.scales).map(|(j, scale)| j * scale));
+        }
+        self.matrix.clear();
+        self.matrix.resize(size * size, 0.0);
+        self.gradient.clear();
+        self.gradient.resize(size, 0.0);
+        for k in 0..m {
+            let row = &self.jacobian[k * n..(k + 1) * n];
+            for (a, ja) in row.iter().enumerate() {
+                self.gradient[a] += ja * linear.residual[k];
+                for (b, jb) in row.iter().enumerate() {
+                    self.matrix[a * size + b] += ja * jb;
+                }
+            }
+        }
+        #[allow(clippy::cast_precision_loss, reason = "far below 2⁵³ unknowns")]
+        let mean = ((0..n).map(|a| self.matrix[a * size + a]).sum::<f64>() / n as f64).max(1e-300);
+        for a in 0..n {
+            self.matrix[a * size + a] += (damping + 1e-12) * mean;
+        }
+        self.lower.clear();
+        self.upper.clear();
+        for ((x, [least, greatest]), scale) in x.iter().zip(control.bounds).zip(control.scales) {
+            self.lower.push(((least - x) / scale).max(-radius));
+            self.upper.push(((greatest - x) / scale).min(radius));
+        }
+        self.rows.clear();
+        self.limits.clear();
+        if relaxed == 1 {
+            self.matrix[n * size + n] = mean;
+            self.gradient[n] = penalty;
+            self.lower.push(0.0);
+            self.upper.push(f64::INFINITY);
+            for (row, slack) in linear.rows.chunks_exact(n).zip(&linear.slack) {
+                self.rows.extend(row.iter().zip(control.scales).map(|(a, scale)| a * scale));
+                self.rows.push(-1.0);
+                self.limits.push(*slack);
+            }
+        }
+        let programme = Programme {
+            matrix: &self.matrix,
+            gradient: &self.gradient,
+            lower: &self.lower,
+            upper: &self.upper,
+            rows: &self.rows,
+            limits: &self.limits,
+        };
+        self.solver.minimise(&programme, &mut self.step)?;
+        let predicted: f64 = (0..m)
+            .map(|k| {
+                let row = &self.jacobian[k * n..(k + 1) * n];
+                let change: f64 = row.iter().zip(&self.step).map(|(j, d)| j * d).sum();
+                (linear.residual[k] + change).powi(2)
+            })
+            .sum();
+        let violation = self.rows.chunks_exact(size).zip(&linear.slack).map(|(row, slack)| {
+            row[..n].iter().zip(&self.step).map(|(a, d)| a * d).sum::<f64>() - slack
+        });
+        let violation = violation.fold(0.0, f64::max);
+        Ok(linear.cost() - 0.5 * predicted + penalty * (linear.violation() - violation))
+    }
+}

@@ -1,0 +1,241 @@
+//! The forward problem of a robot with its derivatives, as an inverse problem sees it.
+
+use whipcord::derivatives::{Change, Place};
+use whipcord::differences::differentiate;
+use whipcord::{
+    CableCommand, Case, Model, Prepared, Robot, Solution, SolveError, StabilityAnalysis, Twist,
+};
+
+use crate::actuator::{Actuator, Actuators};
+
+/// A model of a robot that answers for the unknowns of an inverse problem.
+pub(crate) struct Forward {
+    model: Prepared,
+    /// With stability and all that the model asks of its answers.
+    verifier: Prepared,
+    pub actuators: Actuators,
+    /// What all solves have in common.
+    pub case: Case,
+    /// Whether answers have exact derivatives by commands.
+    is_exact: bool,
+    /// A change of each unknown that bends the robot by half a turn.
+    pub scales: Vec<f64>,
+    /// The tension of each cable that does, where the model knows tensions.
+    half_turn_tensions: Vec<f64>,
+    /// How often the model was solved.
+    pub solves: usize,
+}
+
+/// An answer of the model with its derivatives by the unknowns.
+#[derive(Clone, Debug)]
+pub(crate) struct Evaluation {
+    pub solution: Solution,
+    /// Motions of the places that were asked for in the world, of each unknown.
+    pub motions: Vec<Vec<Twist>>,
+    /// Tension of each cable in N, where the model knows it.
+    pub tensions: Vec<Option<f64>>,
+    /// Command of each cable as a shortening in m.
+    pub shortenings: Vec<f64>,
+    /// Rates of the tensions by the unknowns: of cable i by unknown k at `[k][i]`.
+    pub tension_rates: Vec<Vec<f64>>,
+    /// Rates of the commands as shortenings, likewise.
+    pub shortening_rates: Vec<Vec<f64>>,
+}
+
+impl Forward {
+    pub fn new(
+        model: &Model,
+        robot: &Robot,
+        case: &Case,
+        actuators: Actuators,
+    ) -> Result<Self, SolveError> {
+        let verifier = model.prepare(robot, &case.loads)?;
+        let plain = model.clone().with_stability(StabilityAnalysis::Off);
+        let prepared = plain.prepare(robot, &case.loads)?;
+        let mut case = case.clone();
+        case.motors.clear();
+        case.commands.resize(robot.cables().len(), CableCommand::default());
+        let mut forward = Self {
+            model: prepared,
+            verifier,
+            scales: vec![1.0; actuators.len()],
+            actuators,
+            case,
+            is_exact: model.has_derivatives(robot),
+            half_turn_tensions: Vec::new(),
+            solves: 0,
+        };
+        let tensions = (0..robot.cables().len()).map(Actuator::Tension).collect();
+        let asked = core::mem::replace(&mut forward.actuators.list, tensions);
+        forward.half_turn_tensions = forward.half_turns();
+        forward.actuators.list = asked;
+        forward.scales = forward.half_turns();
+        Ok(forward)
+    }
+
+    pub fn robot(&self) -> &Robot {
+        self.model.robot()
+    }
+
+    /// The change of each unknown that would bend the robot by half a turn, from its rate at rest.
+    fn half_turns(&mut self) -> Vec<f64> {
+        let length = self.robot().backbone().length;
+        let disks = self.robot().disks().count();
+        let places: Vec<Place> = (0..disks).map(Place::Disk).chain([Place::Tip]).collect();
+        let fallback = |actuator: &Actuator| match actuator {
+            Actuator::Tension(_) => 1.0,
+            Actuator::Shortening(_) => 0.1 * length,
+            Actuator::Motor(_) => 1.0,
+        };
+        let list = self.actuators.list.clone();
+        // Without a pull a cable is slack in either direction: a small one is taken.
+        let start: Vec<f64> = list.iter().map(|actuator| 1e-3 * fallback(actuator)).collect();
+        self.scales.clone_from(&start);
+        let Ok(evaluation) = self.evaluate(&start, &places, None) else {
+            return list.iter().map(fallback).collect();
+        };
+        let of = |(actuator, motions): (&Actuator, &Vec<Twist>)| {
+            let fastest = motions.iter().map(|motion| motion.angular.norm()).fold(0.0, f64::max);
+            let half_turn = core::f64::consts::PI / fastest;
+            if half_turn.is_finite() && half_turn < 1e6 * fallback(actuator) {
+                half_turn
+            } else {
+                fallback(actuator)
+            }
+        };
+        list.iter().zip(&evaluation.motions).map(of).collect()
+    }
+
+    fn command(&mut self, unknowns: &[f64]) {
+        self.actuators.write(self.model.robot(), unknowns, &mut self.case.commands);
+    }
+
+    /// The tension of a cable in N that bends the robot by about half a turn.
+    pub fn tension_of_half_turn(&self, cable: usize) -> f64 {
+        self.half_turn_tensions.get(cable).copied().unwrap_or(1.0)
+    }
+
+    /// The answer as a solve of these commands gives it, from cold and with its stability.
+    pub fn verify(&mut self, unknowns: &[f64]) -> Result<Solution, SolveError> {
+        self.solves += 1;
+        self.command(unknowns);
+        self.verifier.solve(&self.case, None)
+    }
+
+    /// The answer for these unknowns and its derivatives, from a neighbouring solution when given.
+    pub fn evaluate(
+        &mut self,
+        unknowns: &[f64],
+        places: &[Place],
+        from: Option<&Solution>,
+    ) -> Result<Evaluation, SolveError> {
+        self.command(unknowns);
+        if self.is_exact {
+            self.solves += 1;
+            let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
+            let by_cable: Vec<Change> =
+                (0..self.robot().cables().len()).map(|cable| rates.command(cable)).collect();
+            let turn = self.case.base.rotation;
+            let mut evaluation = self.without_rates(solution);
+            for actuator in &self.actuators.list {
+                let mut motions = vec![Twist::default(); places.len()];
+                let mut tensions = vec![0.0; by_cable.len()];
+                let mut lengths = vec![0.0; by_cable.len()];
+                for (cable, rate) in actuator.cables(self.model.robot()) {
+                    let change = &by_cable[cable];
+                    for (motion, place) in motions.iter_mut().zip(places) {
+                        let of = change.twist(*place);
+                        motion.linear += turn.rotate(of.linear) * rate;
+                        motion.angular += turn.rotate(of.angular) * rate;
+                    }
+                    for (sum, of) in tensions.iter_mut().zip(change.tensions()) {
+                        *sum += rate * of;
+                    }
+                    for (sum, of) in lengths.iter_mut().zip(change.lengths()) {
+                        *sum += rate * of;
+                    }
+                }
+                self.push_rates(&mut evaluation, motions, tensions, &lengths);
+            }
+            Ok(evaluation)
+        } else {
+            self.by_differences(unknowns, places, from)
+        }
+    }
+
+    /// [`Self::evaluate`] of a model without exact derivatives.
+    fn by_differences(
+        &mut self,
+        unknowns: &[f64],
+        places: &[Place],
+        from: Option<&Solution>,
+    ) -> Result<Evaluation, SolveError> {
+        self.solves += 1;
+        let solution = self.model.solve(&self.case, from)?;
+        let mut evaluation = self.without_rates(solution.clone());
+        let mut moved = unknowns.to_vec();
+        for k in 0..unknowns.len() {
+            let step = 1e-4 * self.scales[k];
+            let solve = |h: f64| {
+                moved.copy_from_slice(unknowns);
+                moved[k] += h;
+                self.command(&moved);
+                self.solves += 1;
+                self.model.solve(&self.case, Some(&solution))
+            };
+            let rates = differentiate(solve, step)?;
+            let at = |place: &Place| match *place {
+                Place::Station(station) => rates.stations.get(station),
+                Place::Disk(disk) => rates.disks.get(disk),
+                Place::Tip => rates.disks.last(),
+            };
+            let motions =
+                places.iter().map(|place| at(place).copied().unwrap_or_default()).collect();
+            let none = vec![0.0; solution.cables.len()];
+            self.push_rates(&mut evaluation, motions, none, &rates.lengths);
+        }
+        Ok(evaluation)
+    }
+
+    fn without_rates(&self, solution: Solution) -> Evaluation {
+        Evaluation {
+            motions: Vec::new(),
+            tensions: solution.cables.iter().map(|cable| cable.tension).collect(),
+            shortenings: self.shortenings(&solution),
+            tension_rates: Vec::new(),
+            shortening_rates: Vec::new(),
+            solution,
+        }
+    }
+
+    fn push_rates(
+        &self,
+        evaluation: &mut Evaluation,
+        motions: Vec<Twist>,
+        tensions: Vec<f64>,
+        lengths: &[f64],
+    ) {
+        let robot = self.model.robot();
+        let states = evaluation.solution.cables.iter().zip(&tensions).zip(lengths).enumerate();
+        let shortenings = states.map(|(cable, ((state, tension), length))| {
+            robot.cable_compliance(cable, state.initial_length) * tension - length
+        });
+        evaluation.shortening_rates.push(shortenings.collect());
+        evaluation.motions.push(motions);
+        evaluation.tension_rates.push(tensions);
+    }
+
+    /// The shortening in m that each cable is commanded to in a solution: by how much its part in the robot is shorter, and what it and
+    /// its drive are longer by under its tension.
+    pub fn shortenings(&self, solution: &Solution) -> Vec<f64> {
+        let of = |(cable, state): (usize, &whipcord::CableState)| {
+            let robot = self.model.robot();
+            let stretch = state.tension.map_or(0.0, |tension| {
+                robot.cable_compliance(cable, state.initial_length)
+                    * (tension - robot.pretension(cable))
+            });
+            state.initial_length - state.length + stretch
+        };
+        solution.cables.iter().enumerate().map(of).collect()
+    }
+}

@@ -1,0 +1,259 @@
+//! Limits of an answer that are not bounds of single unknowns, as constraints with their derivatives.
+
+use whipcord::derivatives::Place;
+use whipcord::{Drive, Obstacle, Robot, Solution};
+
+use crate::actuator::{Actuator, Actuators};
+use crate::descent::Linear;
+use crate::forward::Evaluation;
+use crate::limits::Limits;
+
+/// A limit that an answer can meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// The least command of an actuator, by its number.
+    LeastCommand(usize),
+    /// The greatest command of an actuator, by its number.
+    GreatestCommand(usize),
+    /// The least tension of a cable.
+    LeastTension(usize),
+    /// The greatest tension of a cable.
+    GreatestTension(usize),
+    /// The least shortening of a cable.
+    LeastShortening(usize),
+    /// The greatest shortening of a cable.
+    GreatestShortening(usize),
+    /// The torque of a motor, or the force of a linear drive.
+    Effort(usize),
+    /// The clearance from an obstacle, by its number.
+    Clearance(usize),
+}
+
+/// A constraint of the answer `value(x)` with its limit.
+#[derive(Clone, Copy, Debug)]
+struct Constraint {
+    limit: Limit,
+    /// What the value must not exceed, after its sign is changed for a lower limit.
+    greatest: f64,
+    /// What a violation is relative to.
+    range: f64,
+}
+
+/// All constraints of an inverse problem.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Constraints {
+    list: Vec<Constraint>,
+    clearance: Option<Clearance>,
+}
+
+/// Keeps the cross-sections of the disks, and of the places between them, at a distance from obstacles.
+#[derive(Clone, Debug)]
+pub(crate) struct Clearance {
+    pub obstacles: Vec<Obstacle>,
+    /// In m.
+    pub margin: f64,
+    /// Radius in m of the cross-section at each station.
+    pub radii: Vec<f64>,
+    /// What a violation is relative to, in m.
+    pub range: f64,
+}
+
+/// Part of a range that constraints are kept inside of their limits, so that rounding violates none.
+const INSIDE: f64 = 1e-9;
+
+impl Constraints {
+    pub fn new(
+        robot: &Robot,
+        actuators: &Actuators,
+        limits: &Limits,
+        knows_tensions: bool,
+        clearance: Option<Clearance>,
+    ) -> Self {
+        let mut list = Vec::new();
+        let is_actuator = |actuator: Actuator| actuators.list.contains(&actuator);
+        let mut both = |least: f64, greatest: f64, limits: [Limit; 2]| {
+            let range = match (least.is_finite(), greatest.is_finite()) {
+                (true, true) if greatest > least => greatest - least,
+                (_, true) => greatest.abs(),
+                _ => least.abs(),
+            };
+            let range = if range > 0.0 && range.is_finite() { range } else { 1.0 };
+            if least.is_finite() {
+                list.push(Constraint { limit: limits[0], greatest: -least, range });
+            }
+            if greatest.is_finite() {
+                list.push(Constraint { limit: limits[1], greatest, range });
+            }
+        };
+        for (cable, of) in limits.cables.iter().enumerate() {
+            if knows_tensions && !is_actuator(Actuator::Tension(cable)) {
+                // No tension is negative.
+                let least = if of.tension[0] > 0.0 { of.tension[0] } else { f64::NEG_INFINITY };
+                let limits = [Limit::LeastTension(cable), Limit::GreatestTension(cable)];
+                both(least, of.tension[1], limits);
+            }
+            if !is_actuator(Actuator::Shortening(cable)) {
+                let limits = [Limit::LeastShortening(cable), Limit::GreatestShortening(cable)];
+                both(of.shortening[0], of.shortening[1], limits);
+            }
+        }
+        if knows_tensions {
+            for (number, motor) in robot.motors().iter().enumerate() {
+                if let Some(greatest) = motor.limits.effort {
+                    both(-greatest, greatest, [Limit::Effort(number); 2]);
+                }
+            }
+        }
+        Self { list, clearance }
+    }
+
+    /// The places whose motions they depend on, by stations.
+    pub fn places(&self) -> Vec<Place> {
+        let stations = self.clearance.as_ref().map_or(0, |clearance| clearance.radii.len());
+        (0..stations).map(Place::Station).collect()
+    }
+
+    /// Writes slacks and rates of an evaluation whose motions of [`Self::places`] begin at `first`.
+    pub fn linearize(
+        &self,
+        robot: &Robot,
+        evaluation: &Evaluation,
+        first: usize,
+        into: &mut Linear,
+    ) {
+        into.slack.clear();
+        into.rows.clear();
+        for constraint in &self.list {
+            let Some(value) = signed_value(robot, constraint.limit, evaluation) else { continue };
+            into.slack.push((constraint.greatest - value) / constraint.range - INSIDE);
+            for k in 0..evaluation.motions.len() {
+                into.rows
+                    .push(signed_rate(robot, constraint.limit, evaluation, k) / constraint.range);
+            }
+        }
+        let Some(clearance) = &self.clearance else { return };
+        for (station, _, distance, normal) in clearance.nearest(&evaluation.solution) {
+            into.slack.push(distance / clearance.range - INSIDE);
+            for motions in &evaluation.motions {
+                let rate = normal.dot(motions[first + station].linear);
+                into.rows.push(-rate / clearance.range);
+            }
+        }
+    }
+
+    /// The limits that an answer meets, and whether it exceeds one.
+    pub fn active(&self, robot: &Robot, evaluation: &Evaluation) -> (Vec<Limit>, bool) {
+        const ACTIVE: f64 = 1e-6;
+        let mut active = Vec::new();
+        let mut is_exceeded = false;
+        let mut note = |limit: Limit, slack: f64| {
+            is_exceeded |= slack < 0.0;
+            if slack <= ACTIVE && !active.contains(&limit) {
+                active.push(limit);
+            }
+        };
+        for constraint in &self.list {
+            if let Some(value) = signed_value(robot, constraint.limit, evaluation) {
+                note(constraint.limit, (constraint.greatest - value) / constraint.range);
+            }
+        }
+        if let Some(clearance) = &self.clearance {
+            for (_, obstacle, distance, _) in clearance.nearest(&evaluation.solution) {
+                note(Limit::Clearance(obstacle), distance / clearance.range);
+            }
+        }
+        (active, is_exceeded)
+    }
+
+    /// The least distance from an obstacle beyond the margin in m.
+    pub fn least_clearance(&self, solution: &Solution) -> Option<f64> {
+        let clearance = self.clearance.as_ref()?;
+        let distances = clearance.nearest(solution).map(|(_, _, distance, _)| distance);
+        distances.min_by(f64::total_cmp).map(|least| least + clearance.margin)
+    }
+}
+
+impl Clearance {
+    /// For each station its nearest obstacle: station, obstacle, distance beyond the margin and the normal of the obstacle.
+    fn nearest<'a>(
+        &'a self,
+        solution: &'a Solution,
+    ) -> impl Iterator<Item = (usize, usize, f64, whipcord::Vec3)> + 'a {
+        self.radii.iter().zip(&solution.shape.poses).enumerate().filter_map(
+            |(station, (radius, pose))| {
+                let of = |(number, obstacle): (usize, &Obstacle)| {
+                    let surface = obstacle.surface(pose.position);
+                    (station, number, surface.distance - radius - self.margin, surface.normal)
+                };
+                let all = self.obstacles.iter().enumerate().map(of);
+                all.min_by(|a, b| a.2.total_cmp(&b.2))
+            },
+        )
+    }
+}
+
+/// The value that a limit is for, with the sign changed for a lower one.
+fn signed_value(robot: &Robot, limit: Limit, evaluation: &Evaluation) -> Option<f64> {
+    match limit {
+        Limit::LeastTension(cable) => evaluation.tensions[cable].map(|tension| -tension),
+        Limit::GreatestTension(cable) => evaluation.tensions[cable],
+        Limit::LeastShortening(cable) => Some(-evaluation.shortenings[cable]),
+        Limit::GreatestShortening(cable) => Some(evaluation.shortenings[cable]),
+        Limit::Effort(motor) => {
+            robot.motors()[motor].effort(|cable| evaluation.tensions[cable]).map(f64::abs)
+        }
+        Limit::LeastCommand(_) | Limit::GreatestCommand(_) | Limit::Clearance(_) => None,
+    }
+}
+
+/// Its rate by an unknown.
+fn signed_rate(robot: &Robot, limit: Limit, evaluation: &Evaluation, unknown: usize) -> f64 {
+    let tensions = &evaluation.tension_rates[unknown];
+    let shortenings = &evaluation.shortening_rates[unknown];
+    match limit {
+        Limit::LeastTension(cable) => -tensions[cable],
+        Limit::GreatestTension(cable) => tensions[cable],
+        Limit::LeastShortening(cable) => -shortenings[cable],
+        Limit::GreatestShortening(cable) => shortenings[cable],
+        Limit::Effort(number) => {
+            let motor = &robot.motors()[number];
+            let effort = motor.effort(|cable| evaluation.tensions[cable]).unwrap_or(0.0);
+            let rate = motor.effort(|cable| Some(tensions[cable])).unwrap_or(0.0);
+            rate * effort.signum()
+        }
+        Limit::LeastCommand(_) | Limit::GreatestCommand(_) | Limit::Clearance(_) => 0.0,
+    }
+}
+
+impl Limit {
+    /// In words, with the names of the robot.
+    #[must_use]
+    pub fn words(self, robot: &Robot, actuators: &[Actuator]) -> String {
+        let cable = |cable: usize| &robot.cables()[cable].name;
+        let command = |number: usize| match actuators[number] {
+            Actuator::Tension(of) => format!("tension of cable {}", cable(of)),
+            Actuator::Shortening(of) => format!("shortening of cable {}", cable(of)),
+            Actuator::Motor(of) => {
+                let motor = &robot.motors()[of];
+                format!("{} of motor {}", motor.drive.keys().command, motor.name)
+            }
+        };
+        match self {
+            Self::LeastCommand(number) => format!("least {}", command(number)),
+            Self::GreatestCommand(number) => format!("greatest {}", command(number)),
+            Self::LeastTension(of) => format!("least tension of cable {}", cable(of)),
+            Self::GreatestTension(of) => format!("greatest tension of cable {}", cable(of)),
+            Self::LeastShortening(of) => format!("least shortening of cable {}", cable(of)),
+            Self::GreatestShortening(of) => format!("greatest shortening of cable {}", cable(of)),
+            Self::Effort(of) => {
+                let motor = &robot.motors()[of];
+                let what = match motor.drive {
+                    Drive::Spool { .. } => "torque",
+                    Drive::Linear => "force",
+                };
+                format!("{what} of motor {}", motor.name)
+            }
+            Self::Clearance(obstacle) => format!("clearance from obstacle {}", obstacle + 1),
+        }
+    }
+}

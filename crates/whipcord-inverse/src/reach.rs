@@ -1,0 +1,387 @@
+//! Commands that bring a robot to a target.
+
+use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Stations};
+
+use crate::actuator::{Actuator, Actuators, CommandedBy};
+use crate::atlas::{Atlas, Survey};
+use crate::descent::{Control, Workspace};
+use crate::error::{InverseError, TargetProblem};
+use crate::forward::Forward;
+use crate::limit::{Clearance, Constraints, Limit};
+use crate::limits::{CableLimits, Limits};
+use crate::options::{Preference, ReachOptions, ReachStatus};
+use crate::redundancy::{self, Redundancy};
+use crate::search::{Candidate, Search};
+use crate::target::{Miss, Target, Tolerance};
+
+/// The answer to an inverse problem.
+#[derive(Clone, Debug)]
+pub struct Reached {
+    /// What became of the target.
+    pub status: ReachStatus,
+    /// The command of each actuator: N, m or rad.
+    pub commands: Vec<f64>,
+    /// The case with these commands.
+    pub case: Case,
+    /// The shape under these commands, from a solve from rest.
+    pub solution: Solution,
+    /// How far it is from the target.
+    pub miss: Miss,
+    /// No command within the limits brings the tip nearer to the target than this, in m, where that is proven.
+    pub lower_bound: Option<f64>,
+    /// The limits that the answer meets.
+    pub active_limits: Vec<Limit>,
+    /// Orthonormal directions of the commands, in units of a change that bends the robot by half a turn, that do not move what the target is for: each by actuators, in N, m or rad.
+    pub null_space: Vec<Vec<f64>>,
+    /// Starts of the iteration.
+    pub starts: usize,
+    /// Solves of the model.
+    pub solves: usize,
+}
+
+/// Solves inverse problems of one robot. It keeps the model, and the shapes that it starts from.
+pub struct InverseSolver {
+    model: Model,
+    /// Where shapes are compared with obstacles.
+    stations: Stations,
+    case: Case,
+    limits: Limits,
+    forward: Forward,
+    bounds: Vec<[f64; 2]>,
+    /// Whether each bound was not given: least, greatest.
+    assumed: Vec<[bool; 2]>,
+    knows_tensions: bool,
+    atlas: Option<Atlas>,
+    workspace: Workspace,
+}
+
+/// Rows of an atlas where the batch has vectors for them, and elsewhere.
+const ROWS_OF_LANES: usize = 20_000;
+const ROWS: usize = 2_000;
+/// Stations between which obstacles are not looked for, of each part between two disks.
+const STATIONS: usize = 61;
+/// Evaluations of one start.
+const EVALUATIONS: usize = 80;
+/// Starts that end at the same nearest point before there is no doubt that it is one.
+const AGREEING: usize = 5;
+
+impl InverseSolver {
+    /// For a model of a robot, whose loads, base, obstacles and steps before are those of the case.
+    ///
+    /// # Errors
+    /// [`InverseError`] where there is nothing to command, where limits do not fit the robot, and where the model refuses the robot.
+    pub fn new(
+        model: &Model,
+        robot: &Robot,
+        case: &Case,
+        limits: &Limits,
+        by: CommandedBy,
+    ) -> Result<Self, InverseError> {
+        limits.check(robot.cables().len())?;
+        let list = Actuator::of(robot, case, model.kind(), by)?;
+        let actuators = Actuators::new(robot, case, list);
+        let stations = match case.obstacles.is_empty() {
+            true => Stations::Disks,
+            false => Stations::Equal(STATIONS),
+        };
+        let model = model.at(stations.clone());
+        let forward = Forward::new(&model, robot, case, actuators)?;
+        let knows_tensions =
+            !matches!(model.kind(), ModelKind::FourBar | ModelKind::ConstantCurvature);
+        let mut solver = Self {
+            bounds: forward.actuators.bounds(robot, limits),
+            assumed: Vec::new(),
+            model,
+            stations,
+            case: case.clone(),
+            limits: limits.clone(),
+            forward,
+            knows_tensions,
+            atlas: None,
+            workspace: Workspace::default(),
+        };
+        solver.assume_bounds();
+        Ok(solver)
+    }
+
+    /// The unknown commands, in the order of [`Reached::commands`].
+    #[must_use]
+    pub fn actuators(&self) -> &[Actuator] {
+        &self.forward.actuators.list
+    }
+
+    /// Least and greatest command of each actuator, and whether it was assumed because no limit is given.
+    #[must_use]
+    pub fn command_limits(&self) -> Vec<[(f64, bool); 2]> {
+        let robot = self.forward.robot();
+        let of = |((actuator, bounds), assumed): ((&Actuator, &[f64; 2]), &[bool; 2])| {
+            let at = |k: usize| {
+                (self.forward.actuators.command(robot, *actuator, bounds[k]), assumed[k])
+            };
+            let (a, b) = (at(0), at(1));
+            if a.0 <= b.0 { [a, b] } else { [b, a] }
+        };
+        let list = self.actuators().iter();
+        list.zip(&self.bounds).zip(&self.assumed).map(of).collect()
+    }
+
+    /// Where no limit is given, commands up to those that alone bend the robot by a whole turn.
+    fn assume_bounds(&mut self) {
+        for (bounds, scale) in self.bounds.iter_mut().zip(&self.forward.scales) {
+            let assumed = [!bounds[0].is_finite(), !bounds[1].is_finite()];
+            if assumed[0] {
+                bounds[0] = (-2.0 * scale).min(bounds[1]);
+            }
+            if assumed[1] {
+                bounds[1] = (2.0 * scale).max(bounds[0]);
+            }
+            self.assumed.push(assumed);
+        }
+    }
+
+    /// Commands for a target, first from those of the case.
+    ///
+    /// # Errors
+    /// [`InverseError::Target`] for a target that is none, [`InverseError::NoStart`] where the model has no answer at any start, and [`InverseError::Solve`] where a solve
+    /// was cancelled.
+    pub fn reach(
+        &mut self,
+        target: &Target,
+        options: &ReachOptions,
+    ) -> Result<Reached, InverseError> {
+        let start = self.forward.actuators.commanded(self.forward.robot(), &self.case);
+        let bounds = self.bounds.clone();
+        self.reach_from(&start, None, &bounds, target, options)
+    }
+
+    /// [`Self::reach`] from these unknowns and the shape that they lead to, within these bounds.
+    pub(crate) fn reach_from(
+        &mut self,
+        start: &[f64],
+        from: Option<&Solution>,
+        bounds: &[[f64; 2]],
+        target: &Target,
+        options: &ReachOptions,
+    ) -> Result<Reached, InverseError> {
+        target.check(self.forward.robot().disks().count())?;
+        let length = self.forward.robot().backbone().length;
+        let tolerance = options.tolerance.unwrap_or_else(|| Tolerance::of_length(length));
+        let is_positive = |x: f64| x > 0.0 && x.is_finite();
+        if !is_positive(tolerance.position) || !is_positive(tolerance.angle) {
+            return Err(InverseError::Target(TargetProblem::Tolerance));
+        }
+        let lever = tolerance.position / tolerance.angle;
+        let constraints = self.constraints(options);
+        let first_solve = self.forward.solves;
+        let mut search = Search {
+            target,
+            tolerance,
+            lever,
+            places: target.places().into_iter().chain(constraints.places()).collect(),
+            constraints,
+            forward: &mut self.forward,
+        };
+        let scales = search.forward.scales.clone();
+        let mut best: Option<Candidate> = None;
+        let mut refusal = None;
+        let mut starts = 0;
+        let mut agreeing = 0;
+        let mut queue: Vec<Vec<f64>> = Vec::new();
+        let mut next = Some(start.to_vec());
+        let mut has_looked = false;
+        while let Some(unknowns) = next.take() {
+            let spent = search.forward.solves - first_solve;
+            if spent >= options.solves {
+                break;
+            }
+            starts += 1;
+            let control = Control {
+                bounds,
+                scales: &scales,
+                evaluations: EVALUATIONS.min(options.solves - spent),
+            };
+            let from = if starts == 1 { from } else { None };
+            match search.attempt(&unknowns, from, &control, &mut self.workspace, options) {
+                Ok(found) => {
+                    if found.is_reached {
+                        best = Some(found);
+                        break;
+                    }
+                    let same = 1e-3 * tolerance.position.max(1e-3 * length);
+                    match &best {
+                        Some(known) if found.rank() >= known.rank() => {
+                            agreeing +=
+                                usize::from(found.is_minimum && found.rank() - known.rank() < same);
+                        }
+                        Some(known) => {
+                            agreeing =
+                                usize::from(found.is_minimum && known.rank() - found.rank() < same);
+                            best = Some(found);
+                        }
+                        None => best = Some(found),
+                    }
+                }
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
+                Err(error) => refusal = Some(error),
+            }
+            if agreeing >= AGREEING {
+                break;
+            }
+            if !has_looked && options.starts > 0 {
+                has_looked = true;
+                let atlas = match &mut self.atlas {
+                    Some(atlas) => atlas,
+                    none => none.insert(Atlas::survey(&Survey {
+                        model: &self.model,
+                        robot: search.forward.robot(),
+                        case: &self.case,
+                        actuators: &search.forward.actuators.list,
+                        bounds: &self.bounds,
+                        tensions: &sampled_tensions(&self.limits, &self.bounds, search.forward),
+                        rows: atlas_rows(&self.model, &self.case),
+                    })?),
+                };
+                let rows = atlas.nearest(target, lever, options.starts);
+                queue = rows.into_iter().rev().map(<[f64]>::to_vec).collect();
+            }
+            next = queue.pop();
+        }
+        let Some(mut best) = best else {
+            return Err(match refusal {
+                Some(error) => InverseError::NoStart(error),
+                None => InverseError::NoSolves,
+            });
+        };
+        let redundancy = Redundancy::of(&best.evaluation, target, lever, &scales);
+        if best.is_reached && redundancy.is_some() && options.prefer != Preference::First {
+            let control = Control { bounds, scales: &scales, evaluations: EVALUATIONS };
+            let task = redundancy::Task { prefer: options.prefer, start, control: &control };
+            if let Some(better) = search.improve(&best, &task, &mut self.workspace, options)? {
+                best = better;
+            }
+        }
+        self.answer(best, target, lever, starts, first_solve, bounds, options)
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "all of them are numbers of one search")]
+    fn answer(
+        &self,
+        best: Candidate,
+        target: &Target,
+        lever: f64,
+        starts: usize,
+        first_solve: usize,
+        bounds: &[[f64; 2]],
+        options: &ReachOptions,
+    ) -> Result<Reached, InverseError> {
+        let forward = &self.forward;
+        let robot = forward.robot();
+        let (mut active_limits, _) = self.constraints(options).active(robot, &best.evaluation);
+        for (k, (x, [least, greatest])) in best.unknowns.iter().zip(bounds).enumerate() {
+            let near = 1e-9 * forward.scales[k];
+            if x - least <= near {
+                active_limits.push(Limit::LeastCommand(k));
+            } else if greatest - x <= near {
+                active_limits.push(Limit::GreatestCommand(k));
+            }
+        }
+        let status = match (best.is_reached, best.is_minimum) {
+            (true, _) => ReachStatus::Reached,
+            (false, true) => ReachStatus::Nearest,
+            (false, false) => ReachStatus::Undecided,
+        };
+        let list = &forward.actuators.list;
+        let commands: Vec<f64> = list
+            .iter()
+            .zip(&best.unknowns)
+            .map(|(actuator, x)| forward.actuators.command(robot, *actuator, *x))
+            .collect();
+        let redundancy = Redundancy::of(&best.evaluation, target, lever, &forward.scales);
+        Ok(Reached {
+            status,
+            case: self.case_with(&commands, &best.unknowns),
+            commands,
+            solution: best.solution,
+            miss: best.miss,
+            lower_bound: None,
+            active_limits,
+            null_space: redundancy.map(|of| of.null_space(&forward.scales)).unwrap_or_default(),
+            starts,
+            solves: forward.solves - first_solve,
+        })
+    }
+
+    /// The case of the solver with these commands in its last step.
+    fn case_with(&self, commands: &[f64], unknowns: &[f64]) -> Case {
+        let mut forward_case = self.forward.case.clone();
+        self.forward.actuators.write(self.forward.robot(), unknowns, &mut forward_case.commands);
+        forward_case.motors.clone_from(&self.case.motors);
+        let motors = self.forward.robot().motors().len();
+        if motors > 0 {
+            let steps = forward_case.before.len() + 1;
+            while forward_case.motors.len() < steps {
+                forward_case.motors.push(vec![None; motors]);
+            }
+            if let Some(last) = forward_case.motors.last_mut() {
+                last.fill(None);
+                for (actuator, command) in self.actuators().iter().zip(commands) {
+                    if let Actuator::Motor(number) = *actuator {
+                        last[number] = Some(*command);
+                    }
+                }
+            }
+        }
+        forward_case
+    }
+
+    fn constraints(&self, options: &ReachOptions) -> Constraints {
+        let robot = self.forward.robot();
+        let clearance =
+            options.clearance.filter(|_| !self.case.obstacles.is_empty()).map(|margin| {
+                let (backbone, disks) = (robot.backbone(), robot.disks());
+                let arc_lengths = self.stations.arc_lengths(robot);
+                let pitch = backbone.length / (STATIONS - 1) as f64;
+                let radius = |s: &f64| {
+                    let near = |(k, at): (usize, &f64)| {
+                        if (at - s).abs() <= pitch { disks.rim_radius(k) } else { 0.0 }
+                    };
+                    let rims = disks.arc_lengths.iter().enumerate().map(near);
+                    rims.fold(backbone.outer_radius_at(disks, *s), f64::max)
+                };
+                Clearance {
+                    obstacles: self.case.obstacles.clone(),
+                    margin,
+                    radii: arc_lengths.iter().map(radius).collect(),
+                    range: 0.01 * backbone.length,
+                }
+            });
+        Constraints::new(
+            robot,
+            &self.forward.actuators,
+            &self.limits,
+            self.knows_tensions,
+            clearance,
+        )
+    }
+}
+
+/// Tensions of an atlas: within the limits, and no more than what bends the robot by a whole turn.
+fn sampled_tensions(limits: &Limits, bounds: &[[f64; 2]], forward: &Forward) -> Vec<[f64; 2]> {
+    let of = |(cable, of): (usize, &CableLimits)| {
+        let [least, greatest] = of.tension;
+        let number = forward.actuators.list.iter().position(|a| *a == Actuator::Tension(cable));
+        match number {
+            Some(number) => bounds[number],
+            None if greatest.is_finite() => [least, greatest],
+            None => [least, least + forward.tension_of_half_turn(cable)],
+        }
+    };
+    limits.cables.iter().enumerate().map(of).collect()
+}
+
+fn atlas_rows(model: &Model, case: &Case) -> usize {
+    match model.kind() {
+        ModelKind::Cosserat if case.loads.is_none() => ROWS_OF_LANES,
+        _ => ROWS,
+    }
+}

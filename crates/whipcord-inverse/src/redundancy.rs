@@ -1,0 +1,289 @@
+//! The choice among all commands that reach a target.
+
+use whipcord::SolveError;
+use whipcord_numerics::{Programme, QuadraticProgramme, SingularValues};
+
+use crate::descent::{Control, Linear, Workspace, descend};
+use crate::error::InverseError;
+use crate::forward::Evaluation;
+use crate::options::{Preference, ReachOptions};
+use crate::search::{Candidate, Search};
+use crate::target::Target;
+
+/// The directions of the commands that do not move what a target is for.
+#[derive(Clone, Debug)]
+pub(crate) struct Redundancy {
+    /// Orthonormal, in scaled unknowns, one after the other.
+    directions: Vec<f64>,
+    unknowns: usize,
+}
+
+/// A singular value that is this part of the largest is none.
+const RANK: f64 = 1e-6;
+
+impl Redundancy {
+    /// `None` where every command moves it.
+    pub fn of(
+        evaluation: &Evaluation,
+        target: &Target,
+        lever: f64,
+        scales: &[f64],
+    ) -> Option<Self> {
+        let mut linear = Linear::default();
+        target.linearize(&evaluation.solution, &evaluation.motions, lever, &mut linear);
+        let n = scales.len();
+        for row in linear.jacobian.chunks_exact_mut(n) {
+            row.iter_mut().zip(scales).for_each(|(j, scale)| *j *= scale);
+        }
+        let values = SingularValues::of(n, &linear.jacobian);
+        let largest = values.values.first().copied().unwrap_or(0.0);
+        let directions: Vec<f64> = (0..n)
+            .filter(|&k| values.values[k] <= RANK * largest)
+            .flat_map(|k| values.direction(k).to_vec())
+            .collect();
+        (!directions.is_empty()).then_some(Self { directions, unknowns: n })
+    }
+
+    /// Each direction by actuators.
+    pub fn null_space(&self, scales: &[f64]) -> Vec<Vec<f64>> {
+        let scaled = |direction: &[f64]| direction.iter().zip(scales).map(|(z, s)| z * s).collect();
+        self.directions.chunks_exact(self.unknowns).map(scaled).collect()
+    }
+}
+
+/// What is preferred, and from where.
+pub(crate) struct Task<'a> {
+    pub prefer: Preference,
+    /// The commands that changes count from.
+    pub start: &'a [f64],
+    pub control: &'a Control<'a>,
+}
+
+/// Steps along the null space.
+const STEPS: usize = 40;
+/// A step of this size in scaled unknowns is none.
+const LEAST_STEP: f64 = 1e-7;
+
+impl Search<'_> {
+    /// A better one of the commands that reach the target: steps of a quadratic programme in the null space of the target, each followed
+    /// by a restoration of the target. `None` where none is better.
+    ///
+    /// # Errors
+    /// [`InverseError::Solve`] where a solve was cancelled.
+    pub fn improve(
+        &mut self,
+        from: &Candidate,
+        task: &Task<'_>,
+        workspace: &mut Workspace,
+        options: &ReachOptions,
+    ) -> Result<Option<Candidate>, InverseError> {
+        let scales = task.control.scales;
+        let n = scales.len();
+        let mut best = from.clone();
+        let mut is_better = false;
+        let mut radius = 1.0;
+        let mut solver = QuadraticProgramme::default();
+        let mut step = Vec::new();
+        let spent = self.forward.solves;
+        for _ in 0..STEPS {
+            let allowed = options.solves / 2;
+            if self.forward.solves - spent > allowed {
+                break;
+            }
+            let Some(redundancy) =
+                Redundancy::of(&best.evaluation, self.target, self.lever, scales)
+            else {
+                break;
+            };
+            let model = self.objective(&best, task, &redundancy, radius);
+            if solver.minimise(&model.programme(), &mut step).is_err() {
+                break;
+            }
+            let along = &step[..model.directions];
+            let size = along.iter().fold(0.0, |a: f64, y| a.max(y.abs()));
+            if size < LEAST_STEP {
+                break;
+            }
+            let moved: Vec<f64> = (0..n)
+                .map(|k| {
+                    let change: f64 = along
+                        .iter()
+                        .enumerate()
+                        .map(|(d, y)| y * redundancy.directions[d * n + k])
+                        .sum();
+                    best.unknowns[k] + scales[k] * change
+                })
+                .collect();
+            let state = best.evaluation.clone();
+            let restored = descend(self, &moved, Some(&state), task.control, workspace);
+            let next = match restored.and_then(|found| self.verified(found, options)) {
+                Ok(next) => next,
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
+                Err(_) => {
+                    radius = 0.3 * size;
+                    continue;
+                }
+            };
+            let (before, after) = (self.value(&best, task), self.value(&next, task));
+            if next.is_reached && after < before - 1e-10 * before.abs() {
+                let gain = before - after;
+                best = next;
+                is_better = true;
+                radius = (2.0 * radius).min(2.0);
+                if gain < 1e-8 * before.abs() {
+                    break;
+                }
+            } else {
+                radius = 0.3 * size;
+            }
+        }
+        Ok(is_better.then_some(best))
+    }
+
+    /// What the preference makes small.
+    fn value(&self, candidate: &Candidate, task: &Task<'_>) -> f64 {
+        match task.prefer {
+            Preference::First => 0.0,
+            Preference::LeastTension => {
+                let square = |(tension, shortening): (&Option<f64>, &f64)| {
+                    tension.map_or(shortening * shortening, |tension| tension * tension)
+                };
+                let evaluation = &candidate.evaluation;
+                evaluation.tensions.iter().zip(&evaluation.shortenings).map(square).sum()
+            }
+            Preference::LeastChange => candidate
+                .unknowns
+                .iter()
+                .zip(task.start)
+                .zip(task.control.scales)
+                .map(|((x, start), scale)| ((x - start) / scale).powi(2))
+                .sum(),
+            Preference::MostClearance => {
+                -self.constraints.least_clearance(&candidate.solution).unwrap_or(0.0)
+            }
+        }
+    }
+
+    /// The quadratic model of the preference in the null space, with the bounds and constraints as rows.
+    fn objective(
+        &self,
+        at: &Candidate,
+        task: &Task<'_>,
+        redundancy: &Redundancy,
+        radius: f64,
+    ) -> Model {
+        let scales = task.control.scales;
+        let n = scales.len();
+        let z = &redundancy.directions;
+        let count = z.len() / n;
+        let evaluation = &at.evaluation;
+        // Linear forms whose squares are summed: value and rates by scaled unknowns.
+        let mut squares: Vec<(f64, Vec<f64>)> = Vec::new();
+        let rates = |rates: &[Vec<f64>], cable: usize| -> Vec<f64> {
+            rates.iter().zip(scales).map(|(of, scale)| of[cable] * scale).collect()
+        };
+        match task.prefer {
+            Preference::First | Preference::MostClearance => {}
+            Preference::LeastTension => {
+                for (cable, tension) in evaluation.tensions.iter().enumerate() {
+                    squares.push(match tension {
+                        Some(tension) => (*tension, rates(&evaluation.tension_rates, cable)),
+                        None => (
+                            evaluation.shortenings[cable],
+                            rates(&evaluation.shortening_rates, cable),
+                        ),
+                    });
+                }
+            }
+            Preference::LeastChange => {
+                for k in 0..n {
+                    let mut row = vec![0.0; n];
+                    row[k] = 1.0;
+                    squares.push(((at.unknowns[k] - task.start[k]) / scales[k], row));
+                }
+            }
+        }
+        let clears = task.prefer == Preference::MostClearance;
+        let size = count + usize::from(clears);
+        let onto = |row: &[f64]| -> Vec<f64> {
+            let dot = |d: &[f64]| d.iter().zip(row).map(|(z, r)| z * r).sum();
+            let mut projected: Vec<f64> = z.chunks_exact(n).map(dot).collect();
+            projected.resize(size, 0.0);
+            projected
+        };
+        let mut matrix = vec![0.0; size * size];
+        let mut gradient = vec![0.0; size];
+        for (value, row) in &squares {
+            let projected = onto(row);
+            for (a, pa) in projected.iter().enumerate() {
+                gradient[a] += value * pa;
+                for (b, pb) in projected.iter().enumerate() {
+                    matrix[a * size + b] += pa * pb;
+                }
+            }
+        }
+        let trace: f64 = (0..size).map(|a| matrix[a * size + a]).sum();
+        let floor = if trace > 0.0 { 1e-9 * trace } else { 1e-6 };
+        for a in 0..size {
+            matrix[a * size + a] += floor;
+        }
+        let mut rows = Vec::new();
+        let mut limits = Vec::new();
+        for (k, (x, [least, greatest])) in at.unknowns.iter().zip(task.control.bounds).enumerate() {
+            let mut unit = vec![0.0; n];
+            unit[k] = 1.0;
+            let row = onto(&unit);
+            rows.extend(&row);
+            limits.push((greatest - x) / scales[k]);
+            rows.extend(row.iter().map(|r| -r));
+            limits.push((x - least) / scales[k]);
+        }
+        let mut linear = Linear::default();
+        let first = self.target.places().len();
+        self.constraints.linearize(self.forward.robot(), evaluation, first, &mut linear);
+        let clearances = if clears { self.constraints.places().len() } else { 0 };
+        let from = linear.slack.len() - clearances;
+        for (number, (row, slack)) in linear.rows.chunks_exact(n).zip(&linear.slack).enumerate() {
+            let scaled: Vec<f64> = row.iter().zip(scales).map(|(r, s)| r * s).collect();
+            let mut row = onto(&scaled);
+            if number >= from {
+                // The least clearance t: t + rate ≤ slack.
+                row[count] = 1.0;
+            }
+            rows.extend(row);
+            limits.push(*slack);
+        }
+        let mut lower = vec![-radius; size];
+        let mut upper = vec![radius; size];
+        if clears {
+            gradient[count] = -1.0;
+            lower[count] = f64::NEG_INFINITY;
+            upper[count] = f64::INFINITY;
+        }
+        Model { directions: count, matrix, gradient, lower, upper, rows, limits }
+    }
+}
+
+/// A quadratic model of a preference.
+struct Model {
+    directions: usize,
+    matrix: Vec<f64>,
+    gradient: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    rows: Vec<f64>,
+    limits: Vec<f64>,
+}
+
+impl Model {
+    fn programme(&self) -> Programme<'_> {
+        Programme {
+            matrix: &self.matrix,
+            gradient: &self.gradient,
+            lower: &self.lower,
+            upper: &self.upper,
+            rows: &self.rows,
+            limits: &self.limits,
+        }
+    }
+}

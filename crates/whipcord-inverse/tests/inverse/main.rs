@@ -1,0 +1,6 @@
+//! Inverse problems of many robots: answers are checked by solves of their own.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
+
+mod planted;
+mod robots;

@@ -1,0 +1,247 @@
+//! Targets made by the same model from random commands: all of them can be reached.
+
+use std::time::Instant;
+
+use whipcord::{Actuation, Case, Loads, Model, ModelKind, Robot, Solution, Vec3};
+use whipcord_inverse::{
+    Actuator, CableLimits, CommandedBy, InverseSolver, Limits, Preference, ReachOptions,
+    ReachStatus, Target,
+};
+
+use crate::robots;
+
+/// Pseudo-random numbers in 0 … 1 (SplitMix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / 9_007_199_254_740_992.0
+    }
+
+    /// Tensions of which about every third is zero.
+    pub fn tensions(&mut self, cables: usize, greatest: f64) -> Vec<f64> {
+        (0..cables).map(|_| if self.next() < 0.35 { 0.0 } else { self.next() * greatest }).collect()
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    Tip,
+    Pose,
+    Axis,
+    Shape,
+}
+
+pub fn target_of(kind: Kind, solution: &Solution) -> Target {
+    let tip = *solution.disks.poses.last().unwrap();
+    match kind {
+        Kind::Tip => Target::Tip(tip.position),
+        Kind::Pose => Target::Pose(tip),
+        Kind::Axis => {
+            Target::Axis { point: None, direction: tip.rotation.rotate(Vec3::new(0.0, 0.0, 1.0)) }
+        }
+        Kind::Shape => Target::Shape(
+            solution.disks.poses.iter().map(|pose| pose.position).enumerate().skip(1).collect(),
+        ),
+    }
+}
+
+/// How many planted targets of how many were reached, with seconds and solves for each.
+struct Tally {
+    asked: usize,
+    reached: usize,
+    seconds: f64,
+    solves: usize,
+    worst: f64,
+    missed: Vec<usize>,
+}
+
+/// What is asked of a robot, so many times.
+struct Question<'a> {
+    kind: ModelKind,
+    robot: &'a Robot,
+    /// Greatest tension in N.
+    greatest: f64,
+    loads: &'a Loads,
+    of: Kind,
+    by: CommandedBy,
+    count: usize,
+}
+
+fn study(question: &Question<'_>, options: &ReachOptions) -> Tally {
+    let &Question { kind, robot, greatest, loads, of, by, count } = question;
+    let model = Model::new(kind, Default::default(), Actuation::Natural);
+    let cables = robot.cables().len();
+    let limits =
+        Limits::uniform(cables, CableLimits { tension: [0.0, greatest], ..CableLimits::default() });
+    let case = Case { loads: loads.clone(), ..Case::default() };
+    let mut solver = InverseSolver::new(&model, robot, &case, &limits, by).unwrap();
+    let mut random = Random(99);
+    let mut prepared = model.prepare(robot, loads).unwrap();
+    let mut tally =
+        Tally { asked: 0, reached: 0, seconds: 0.0, solves: 0, worst: 0.0, missed: Vec::new() };
+    for number in 0..count {
+        let tensions = random.tensions(cables, greatest);
+        let planted = match by {
+            CommandedBy::Motors => {
+                let commands: Vec<f64> =
+                    robot.motors().iter().map(|_| 2.0 * random.next() - 1.0).collect();
+                Case::with_motors(robot, &commands).unwrap()
+            }
+            _ => Case::with_tensions(&tensions),
+        };
+        let Ok(solution) = prepared.solve(&Case { loads: loads.clone(), ..planted }, None) else {
+            continue;
+        };
+        if solution.diagnostics.is_unstable()
+            || solution.cables.iter().any(|c| c.tension.is_some_and(|t| t > greatest))
+        {
+            continue;
+        }
+        let target = target_of(of, &solution);
+        tally.asked += 1;
+        let clock = Instant::now();
+        let answer = solver.reach(&target, options).unwrap();
+        let seconds = clock.elapsed().as_secs_f64();
+        if tally.asked > 1 {
+            tally.seconds += seconds;
+            tally.worst = tally.worst.max(seconds);
+        }
+        tally.solves += answer.solves;
+        if answer.status == ReachStatus::Reached {
+            tally.reached += 1;
+            // What the answer says of itself a solve of its case confirms.
+            let again = prepared.solve(&answer.case, None).unwrap();
+            let off = (again.disks.poses.last().unwrap().position
+                - solution.disks.poses.last().unwrap().position)
+                .norm();
+            if of != Kind::Axis {
+                assert!(off <= 1e-5 * robots::LENGTH, "{off}");
+            }
+            for cable in &again.cables {
+                assert!((0.0..=greatest).contains(&cable.tension.unwrap()));
+            }
+        } else {
+            tally.missed.push(number);
+        }
+    }
+    tally
+}
+
+#[allow(clippy::print_stdout, reason = "a study prints its results")]
+fn print(name: &str, of: Kind, tally: &Tally) {
+    let each = |total: f64| total / (tally.asked.max(2) - 1) as f64;
+    println!(
+        "{name}, {of:?}: {} of {}, {:.3} ms each, worst {:.1} ms, {:.1} solves; missed {:?}",
+        tally.reached,
+        tally.asked,
+        1e3 * each(tally.seconds),
+        1e3 * tally.worst,
+        tally.solves as f64 / tally.asked.max(1) as f64,
+        &tally.missed[..tally.missed.len().min(5)],
+    );
+}
+
+const FIRST: ReachOptions = ReachOptions {
+    tolerance: None,
+    prefer: Preference::First,
+    starts: 32,
+    solves: 4000,
+    clearance: None,
+    allows_unstable: false,
+};
+
+#[test]
+fn planted_targets_are_reached() {
+    for (name, robot, greatest) in robots::all() {
+        let cables = robot.cables().len();
+        let (kinds, by): (&[Kind], _) = match name {
+            "with motors" => (&[Kind::Tip], CommandedBy::Motors),
+            _ if cables >= 6 => {
+                (&[Kind::Tip, Kind::Pose, Kind::Axis, Kind::Shape], CommandedBy::Case)
+            }
+            _ => (&[Kind::Tip, Kind::Shape], CommandedBy::Case),
+        };
+        for &of in kinds {
+            let question = Question {
+                kind: ModelKind::Cosserat,
+                robot: &robot,
+                greatest,
+                loads: &Loads::default(),
+                of,
+                by,
+                count: 40,
+            };
+            let tally = study(&question, &FIRST);
+            print(name, of, &tally);
+            assert!(tally.asked >= 20);
+            assert_eq!(tally.reached, tally.asked, "{name} {of:?} {:?}", tally.missed);
+        }
+    }
+}
+
+#[test]
+#[ignore = "minutes"]
+fn study_of_planted_targets() {
+    let count = std::env::var("COUNT").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
+    for (name, robot, greatest) in robots::all() {
+        let by = if name == "with motors" { CommandedBy::Motors } else { CommandedBy::Case };
+        let loads = Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() };
+        for (loaded, loads) in [("", Loads::default()), (", loaded", loads)] {
+            for of in [Kind::Tip, Kind::Pose, Kind::Shape] {
+                let count = if loaded.is_empty() { count } else { count / 5 };
+                let question = Question {
+                    kind: ModelKind::Cosserat,
+                    robot: &robot,
+                    greatest,
+                    loads: &loads,
+                    of,
+                    by,
+                    count,
+                };
+                let tally = study(&question, &FIRST);
+                print(&format!("{name}{loaded}"), of, &tally);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_model_reaches_what_it_makes() {
+    let robot = robots::two_segments();
+    for kind in [
+        ModelKind::CosseratDisks,
+        ModelKind::PiecewiseConstantCurvature,
+        ModelKind::PseudoRigidBody,
+    ] {
+        for by in [CommandedBy::Tensions, CommandedBy::Shortenings] {
+            let question = Question {
+                kind,
+                robot: &robot,
+                greatest: 4.0,
+                loads: &Loads::default(),
+                of: Kind::Pose,
+                by,
+                count: 10,
+            };
+            let tally = study(&question, &FIRST);
+            print(kind.name(), Kind::Pose, &tally);
+            assert_eq!(tally.reached, tally.asked, "{kind} {by:?}");
+        }
+    }
+}
+
+#[test]
+fn the_actuators_are_what_the_case_commands() {
+    let robot = robots::with_motors();
+    let motors = [Actuator::Motor(0), Actuator::Motor(1)];
+    let of = |case: &Case, by| Actuator::of(&robot, case, ModelKind::Cosserat, by).unwrap();
+    assert_eq!(of(&Case::default(), CommandedBy::Case), motors);
+    let tensions = Case::with_tensions(&[1.0; 4]);
+    assert_eq!(of(&tensions, CommandedBy::Case), (0..4).map(Actuator::Tension).collect::<Vec<_>>());
+    assert_eq!(of(&tensions, CommandedBy::Motors), motors);
+}
