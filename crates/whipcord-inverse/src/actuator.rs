@@ -94,10 +94,17 @@ impl Actuator {
     }
 }
 
-/// The unknowns of an inverse problem with what bounds them. The unknown of a motor is the motion of its spool or drive behind gear and
-/// play: the robot's shape is a smooth function of it, where it is constant in the play of the command.
+/// The actuators of an inverse problem and its unknowns.
+///
+/// A motor has the motion of its spool or drive behind gear and play for a value: the robot's shape is a smooth function of it, where it is
+/// constant in the play of the command. Where every actuator shortens one cable of a robot without hole friction, the unknowns are the tensions, and
+/// shortenings are read off the shape: the shape is a smooth function of the tensions, and of the shortenings it is none where a cable
+/// goes slack.
 #[derive(Clone, Debug)]
 pub(crate) struct Actuators {
+    /// What is commanded.
+    pub asked: Vec<Actuator>,
+    /// The unknowns.
     pub list: Vec<Actuator>,
     /// Where the spool or drive of each motor of the robot was left by the steps before.
     outputs: Vec<f64>,
@@ -106,7 +113,8 @@ pub(crate) struct Actuators {
 }
 
 impl Actuators {
-    pub fn new(robot: &Robot, case: &Case, list: Vec<Actuator>) -> Self {
+    /// `knows_tensions` says whether the model can be driven by tensions.
+    pub fn new(robot: &Robot, case: &Case, asked: Vec<Actuator>, knows_tensions: bool) -> Self {
         let motors = robot.motors();
         let (mut outputs, mut commands) = (vec![0.0; motors.len()], vec![None; motors.len()]);
         let before = case.motors.len().saturating_sub(1);
@@ -120,14 +128,44 @@ impl Actuators {
                 }
             }
         }
-        Self { list, outputs, commands }
+        let single = |actuator: &Actuator| {
+            let mut cables = actuator.cables(robot);
+            let cable = cables.next().map(|(cable, _)| cable);
+            cable.filter(|_| cables.next().is_none())
+        };
+        let cables: Option<Vec<usize>> = asked.iter().map(single).collect();
+        let list = match cables {
+            Some(cables) if knows_tensions && !robot.has_history() => {
+                cables.into_iter().map(Actuator::Tension).collect()
+            }
+            _ => asked.clone(),
+        };
+        Self { asked, list, outputs, commands }
     }
 
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// The unknowns that the case commands, zero where it has no command.
+    /// Whether the unknowns are the values of the actuators.
+    pub fn are_direct(&self) -> bool {
+        self.asked == self.list
+    }
+
+    /// The values of the actuators, from the unknowns or from the shortenings of the cables.
+    pub fn values(&self, robot: &Robot, unknowns: &[f64], shortenings: &[f64]) -> Vec<f64> {
+        let of = |(actuator, x): (&Actuator, &f64)| match actuator {
+            Actuator::Tension(_) => *x,
+            Actuator::Shortening(_) | Actuator::Motor(_) if self.are_direct() => *x,
+            Actuator::Shortening(_) | Actuator::Motor(_) => {
+                let cable = actuator.cables(robot).next();
+                cable.map_or(0.0, |(cable, rate)| shortenings[cable] / rate)
+            }
+        };
+        self.asked.iter().zip(unknowns).map(of).collect()
+    }
+
+    /// The values of the actuators that the case commands, zero where it has no command.
     pub fn commanded(&self, robot: &Robot, case: &Case) -> Vec<f64> {
         let of = |actuator: &Actuator| match *actuator {
             Actuator::Tension(cable) => {
@@ -144,10 +182,10 @@ impl Actuators {
                 })
             }
         };
-        self.list.iter().map(of).collect()
+        self.asked.iter().map(of).collect()
     }
 
-    /// The command of an actuator for its unknown: the same, but of a motor the angle or travel that brings the drive there.
+    /// The command of an actuator for its value: the same, but of a motor the angle or travel that brings the drive there.
     pub fn command(&self, robot: &Robot, actuator: Actuator, unknown: f64) -> f64 {
         let Actuator::Motor(number) = actuator else { return unknown };
         let motor = &robot.motors()[number];
@@ -165,25 +203,18 @@ impl Actuators {
         motor.offset + motor.gear_ratio() * asked
     }
 
-    /// Writes the unknowns into the commands of the cables.
-    pub fn write(&self, robot: &Robot, unknowns: &[f64], commands: &mut [CableCommand]) {
-        for (actuator, &x) in self.list.iter().zip(unknowns) {
-            for (cable, rate) in actuator.cables(robot) {
-                commands[cable] = match actuator {
-                    Actuator::Tension(_) => {
-                        CableCommand { tension: Some(x.max(0.0)), shortening: None }
-                    }
-                    Actuator::Shortening(_) | Actuator::Motor(_) => CableCommand {
-                        tension: None,
-                        shortening: Some(Shortening::Length(rate * x)),
-                    },
-                };
+    /// Takes note that the actuators have these values: the next step starts there.
+    pub fn move_on(&mut self, robot: &Robot, values: &[f64]) {
+        for (actuator, x) in self.asked.clone().into_iter().zip(values) {
+            if let Actuator::Motor(number) = actuator {
+                self.commands[number] = Some(self.command(robot, actuator, *x));
+                self.outputs[number] = *x;
             }
         }
     }
 
-    /// Least and greatest value of each unknown that keep the limits of the commands.
-    pub fn bounds(&self, robot: &Robot, limits: &Limits) -> Vec<[f64; 2]> {
+    /// Least and greatest value of these actuators that keep the limits of their commands.
+    pub fn bounds(&self, list: &[Actuator], robot: &Robot, limits: &Limits) -> Vec<[f64; 2]> {
         let of = |actuator: &Actuator| match *actuator {
             Actuator::Tension(cable) => limits.cables[cable].tension,
             Actuator::Shortening(cable) => limits.cables[cable].shortening,
@@ -198,6 +229,27 @@ impl Actuators {
                 [at.min(a.min(b) + half), at.max(a.max(b) - half)]
             }
         };
-        self.list.iter().map(of).collect()
+        list.iter().map(of).collect()
+    }
+}
+
+/// Writes the values of actuators into the commands of the cables.
+pub(crate) fn write_commands(
+    list: &[Actuator],
+    robot: &Robot,
+    values: &[f64],
+    commands: &mut [CableCommand],
+) {
+    for (actuator, &x) in list.iter().zip(values) {
+        for (cable, rate) in actuator.cables(robot) {
+            commands[cable] = match actuator {
+                Actuator::Tension(_) => {
+                    CableCommand { tension: Some(x.max(0.0)), shortening: None }
+                }
+                Actuator::Shortening(_) | Actuator::Motor(_) => {
+                    CableCommand { tension: None, shortening: Some(Shortening::Length(rate * x)) }
+                }
+            };
+        }
     }
 }

@@ -3,10 +3,11 @@
 use whipcord::derivatives::{Change, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
-    CableCommand, Case, Model, Prepared, Robot, Solution, SolveError, StabilityAnalysis, Twist,
+    CableCommand, Case, Model, Obstacle, Prepared, Robot, Solution, SolveError, StabilityAnalysis,
+    Twist,
 };
 
-use crate::actuator::{Actuator, Actuators};
+use crate::actuator::{Actuator, Actuators, write_commands};
 
 /// A model of a robot that answers for the unknowns of an inverse problem.
 pub(crate) struct Forward {
@@ -14,8 +15,14 @@ pub(crate) struct Forward {
     /// With stability and all that the model asks of its answers.
     verifier: Prepared,
     pub actuators: Actuators,
-    /// What all solves have in common.
+    /// What all solves have in common, with the steps before where the robot remembers them.
     pub case: Case,
+    /// The answer to the step before, from which every trial is a step where obstacles rub or move.
+    origin: Option<Solution>,
+    /// What an answer depends on besides its commands.
+    memory: Remembers,
+    /// Whether the origin is the answer to a point of a path, from which the robot moves on.
+    is_following: bool,
     /// Whether answers have exact derivatives by commands.
     is_exact: bool,
     /// A change of each unknown that bends the robot by half a turn.
@@ -24,6 +31,25 @@ pub(crate) struct Forward {
     half_turn_tensions: Vec<f64>,
     /// How often the model was solved.
     pub solves: usize,
+}
+
+/// What an answer depends on besides its commands and loads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Remembers {
+    /// Nothing.
+    Nothing,
+    /// The answer to the step before, where obstacles rub or move.
+    LastAnswer,
+    /// The commands of all steps before, where cables rub in their holes or the backbone yields.
+    AllSteps,
+}
+
+/// Where a robot is on its way.
+pub(crate) struct Standing {
+    origin: Option<Solution>,
+    actuators: Actuators,
+    steps: usize,
+    is_following: bool,
 }
 
 /// An answer of the model with its derivatives by the unknowns.
@@ -52,15 +78,27 @@ impl Forward {
         let verifier = model.prepare(robot, &case.loads)?;
         let plain = model.clone().with_stability(StabilityAnalysis::Off);
         let prepared = plain.prepare(robot, &case.loads)?;
+        let memory = if robot.has_history() {
+            Remembers::AllSteps
+        } else if case.obstacles.iter().any(Obstacle::has_history) {
+            Remembers::LastAnswer
+        } else {
+            Remembers::Nothing
+        };
         let mut case = case.clone();
         case.motors.clear();
         case.commands.resize(robot.cables().len(), CableCommand::default());
+        let is_independent = core::mem::take(&mut case.independent);
+        let before = core::mem::take(&mut case.before);
         let mut forward = Self {
             model: prepared,
             verifier,
             scales: vec![1.0; actuators.len()],
             actuators,
             case,
+            origin: None,
+            memory,
+            is_following: false,
             is_exact: model.has_derivatives(robot),
             half_turn_tensions: Vec::new(),
             solves: 0,
@@ -70,6 +108,19 @@ impl Forward {
         forward.half_turn_tensions = forward.half_turns();
         forward.actuators.list = asked;
         forward.scales = forward.half_turns();
+        match memory {
+            _ if is_independent => {}
+            Remembers::Nothing => {}
+            Remembers::AllSteps => forward.case.before = before,
+            Remembers::LastAnswer => {
+                if let Some((last, earlier)) = before.split_last() {
+                    let (commands, before) = (last.clone(), earlier.to_vec());
+                    let left = Case { commands, before, ..forward.case.clone() };
+                    let end = forward.model.solve_to_the_end(&left).map_err(|(_, error)| error)?;
+                    forward.origin = Some(end);
+                }
+            }
+        }
         Ok(forward)
     }
 
@@ -107,7 +158,8 @@ impl Forward {
     }
 
     fn command(&mut self, unknowns: &[f64]) {
-        self.actuators.write(self.model.robot(), unknowns, &mut self.case.commands);
+        let robot = self.model.robot();
+        write_commands(&self.actuators.list, robot, unknowns, &mut self.case.commands);
     }
 
     /// The tension of a cable in N that bends the robot by about half a turn.
@@ -115,11 +167,71 @@ impl Forward {
         self.half_turn_tensions.get(cable).copied().unwrap_or(1.0)
     }
 
-    /// The answer as a solve of these commands gives it, from cold and with its stability.
-    pub fn verify(&mut self, unknowns: &[f64]) -> Result<Solution, SolveError> {
+    /// The answer as a solve of these commands gives it, with its stability: through the steps before and from rest, or from
+    /// the point before of a path, or from the shape that was found near it.
+    pub fn verify(&mut self, unknowns: &[f64], near: &Solution) -> Result<Solution, SolveError> {
         self.solves += 1;
-        self.command(unknowns);
-        self.verifier.solve(&self.case, None)
+        let values = self.values(unknowns, near);
+        let robot = self.model.robot();
+        write_commands(&self.actuators.asked, robot, &values, &mut self.case.commands);
+        let from = match self.memory {
+            Remembers::LastAnswer => self.origin.as_ref(),
+            Remembers::Nothing if self.is_following => Some(near),
+            Remembers::Nothing | Remembers::AllSteps => None,
+        };
+        self.verifier.solve(&self.case, from)
+    }
+
+    /// The values of the actuators in a solution.
+    pub fn values(&self, unknowns: &[f64], solution: &Solution) -> Vec<f64> {
+        self.actuators.values(self.model.robot(), unknowns, &self.shortenings(solution))
+    }
+
+    /// The unknowns that the case commands.
+    pub fn commanded(&mut self, case: &Case) -> Vec<f64> {
+        let values = self.actuators.commanded(self.model.robot(), case);
+        if self.actuators.are_direct() {
+            return values;
+        }
+        let robot = self.model.robot();
+        write_commands(&self.actuators.asked, robot, &values, &mut self.case.commands);
+        self.solves += 1;
+        let solution = self.model.solve(&self.case, None).ok();
+        let tension = |actuator: &Actuator| {
+            let cable = actuator.cables(self.model.robot()).next().map(|(cable, _)| cable);
+            let state = solution.as_ref().zip(cable).and_then(|(of, cable)| of.cables.get(cable));
+            state.and_then(|state| state.tension).unwrap_or(0.0)
+        };
+        self.actuators.list.iter().map(tension).collect()
+    }
+
+    /// Moves on from the answer to a point of a path.
+    pub fn move_on(&mut self, unknowns: &[f64], solution: &Solution) {
+        let values = self.values(unknowns, solution);
+        self.actuators.move_on(self.model.robot(), &values);
+        if self.memory == Remembers::AllSteps {
+            self.command(unknowns);
+            self.case.before.push(self.case.commands.clone());
+        }
+        self.origin = Some(solution.clone());
+        self.is_following = true;
+    }
+
+    /// Where the robot is: what [`Self::return_to`] takes it back to.
+    pub fn standing(&self) -> Standing {
+        Standing {
+            origin: self.origin.clone(),
+            actuators: self.actuators.clone(),
+            steps: self.case.before.len(),
+            is_following: self.is_following,
+        }
+    }
+
+    /// Takes the robot back.
+    pub fn return_to(&mut self, standing: Standing) {
+        let Standing { origin, actuators, steps, is_following } = standing;
+        self.case.before.truncate(steps);
+        (self.origin, self.actuators, self.is_following) = (origin, actuators, is_following);
     }
 
     /// The answer for these unknowns and its derivatives, from a neighbouring solution when given.
@@ -130,6 +242,12 @@ impl Forward {
         from: Option<&Solution>,
     ) -> Result<Evaluation, SolveError> {
         self.command(unknowns);
+        let origin = self.origin.clone();
+        let from = match self.memory {
+            Remembers::Nothing => from.or(origin.as_ref()),
+            Remembers::LastAnswer => origin.as_ref(),
+            Remembers::AllSteps => None,
+        };
         if self.is_exact {
             self.solves += 1;
             let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
@@ -181,7 +299,8 @@ impl Forward {
                 moved[k] += h;
                 self.command(&moved);
                 self.solves += 1;
-                self.model.solve(&self.case, Some(&solution))
+                let near = if self.memory == Remembers::Nothing { Some(&solution) } else { from };
+                self.model.solve(&self.case, near)
             };
             let rates = differentiate(solve, step)?;
             let at = |place: &Place| match *place {

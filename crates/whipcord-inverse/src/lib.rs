@@ -5,7 +5,7 @@
 //! where it is not. This crate opens no files and reads no clocks.
 //!
 //! ```
-//! use whipcord::{Actuation, Backbone, Cable, Case, Disks, Material, Model, ModelKind, Robot, Routing, Section, Vec3};
+//! use whipcord::{Actuation, Backbone, Cable, Case, Disks, Material, Model, ModelKind, Robot, Routing, Section, Statics, Vec3};
 //! use whipcord_inverse::{CableLimits, CommandedBy, InverseSolver, Limits, ReachOptions, ReachStatus, Target};
 //!
 //! let material = Material { young_modulus: Some(1.1e9), poisson_ratio: Some(0.3), ..Default::default() };
@@ -33,6 +33,7 @@ mod forward;
 mod limit;
 mod limits;
 mod options;
+mod path;
 mod reach;
 mod redundancy;
 mod search;
@@ -43,5 +44,6 @@ pub use error::{InverseError, TargetProblem};
 pub use limit::Limit;
 pub use limits::{CableLimits, Limits};
 pub use options::{Preference, ReachOptions, ReachStatus};
-pub use reach::{InverseSolver, Reached};
+pub use path::{Followed, Jump, JumpKind, PathPoint};
+pub use reach::{InverseSolver, Reached, SearchRange};
 pub use target::{Miss, Target, Tolerance};

@@ -29,11 +29,20 @@ pub enum Limit {
     Clearance(usize),
 }
 
-/// A constraint of the answer `value(x)` with its limit.
+/// A number of an answer that is limited.
+#[derive(Clone, Copy, Debug)]
+enum Quantity {
+    Tension(usize),
+    Shortening(usize),
+    Effort(usize),
+}
+
+/// A constraint `factor × quantity ≤ greatest` of an answer.
 #[derive(Clone, Copy, Debug)]
 struct Constraint {
     limit: Limit,
-    /// What the value must not exceed, after its sign is changed for a lower limit.
+    quantity: Quantity,
+    factor: f64,
     greatest: f64,
     /// What a violation is relative to.
     range: f64,
@@ -62,45 +71,61 @@ pub(crate) struct Clearance {
 const INSIDE: f64 = 1e-9;
 
 impl Constraints {
+    /// `asked` has the bounds of the values of the actuators, which are constraints where the unknowns are tensions.
     pub fn new(
         robot: &Robot,
         actuators: &Actuators,
+        asked: &[[f64; 2]],
         limits: &Limits,
         knows_tensions: bool,
         clearance: Option<Clearance>,
     ) -> Self {
         let mut list = Vec::new();
-        let is_actuator = |actuator: Actuator| actuators.list.contains(&actuator);
-        let mut both = |least: f64, greatest: f64, limits: [Limit; 2]| {
-            let range = match (least.is_finite(), greatest.is_finite()) {
-                (true, true) if greatest > least => greatest - least,
-                (_, true) => greatest.abs(),
-                _ => least.abs(),
+        let mut both =
+            |quantity: Quantity, factor: f64, [least, greatest]: [f64; 2], limits: [Limit; 2]| {
+                let range = match (least.is_finite(), greatest.is_finite()) {
+                    (true, true) if greatest > least => greatest - least,
+                    (_, true) => greatest.abs(),
+                    _ => least.abs(),
+                };
+                let range = if range > 0.0 && range.is_finite() { range } else { 1.0 };
+                if least.is_finite() {
+                    let (factor, greatest) = (-factor, -least);
+                    list.push(Constraint { limit: limits[0], quantity, factor, greatest, range });
+                }
+                if greatest.is_finite() {
+                    list.push(Constraint { limit: limits[1], quantity, factor, greatest, range });
+                }
             };
-            let range = if range > 0.0 && range.is_finite() { range } else { 1.0 };
-            if least.is_finite() {
-                list.push(Constraint { limit: limits[0], greatest: -least, range });
-            }
-            if greatest.is_finite() {
-                list.push(Constraint { limit: limits[1], greatest, range });
-            }
-        };
         for (cable, of) in limits.cables.iter().enumerate() {
-            if knows_tensions && !is_actuator(Actuator::Tension(cable)) {
+            if knows_tensions && !actuators.list.contains(&Actuator::Tension(cable)) {
                 // No tension is negative.
                 let least = if of.tension[0] > 0.0 { of.tension[0] } else { f64::NEG_INFINITY };
                 let limits = [Limit::LeastTension(cable), Limit::GreatestTension(cable)];
-                both(least, of.tension[1], limits);
+                both(Quantity::Tension(cable), 1.0, [least, of.tension[1]], limits);
             }
-            if !is_actuator(Actuator::Shortening(cable)) {
+            if !actuators.asked.contains(&Actuator::Shortening(cable)) {
                 let limits = [Limit::LeastShortening(cable), Limit::GreatestShortening(cable)];
-                both(of.shortening[0], of.shortening[1], limits);
+                both(Quantity::Shortening(cable), 1.0, of.shortening, limits);
+            }
+        }
+        if !actuators.are_direct() {
+            for (number, (actuator, bounds)) in actuators.asked.iter().zip(asked).enumerate() {
+                let limits = [Limit::LeastCommand(number), Limit::GreatestCommand(number)];
+                for (cable, rate) in actuator.cables(robot) {
+                    let quantity = match actuator {
+                        Actuator::Tension(_) => continue,
+                        Actuator::Shortening(_) | Actuator::Motor(_) => Quantity::Shortening(cable),
+                    };
+                    both(quantity, 1.0 / rate, *bounds, limits);
+                }
             }
         }
         if knows_tensions {
             for (number, motor) in robot.motors().iter().enumerate() {
                 if let Some(greatest) = motor.limits.effort {
-                    both(-greatest, greatest, [Limit::Effort(number); 2]);
+                    let limits = [Limit::Effort(number); 2];
+                    both(Quantity::Effort(number), 1.0, [-greatest, greatest], limits);
                 }
             }
         }
@@ -124,12 +149,11 @@ impl Constraints {
         into.slack.clear();
         into.rows.clear();
         for constraint in &self.list {
-            let Some(value) = signed_value(robot, constraint.limit, evaluation) else { continue };
-            into.slack.push((constraint.greatest - value) / constraint.range - INSIDE);
-            for k in 0..evaluation.motions.len() {
-                into.rows
-                    .push(signed_rate(robot, constraint.limit, evaluation, k) / constraint.range);
-            }
+            let Some(slack) = constraint.slack(robot, evaluation) else { continue };
+            into.slack.push(slack - INSIDE);
+            let rates =
+                (0..evaluation.motions.len()).map(|k| constraint.rate(robot, evaluation, k));
+            into.rows.extend(rates);
         }
         let Some(clearance) = &self.clearance else { return };
         for (station, _, distance, normal) in clearance.nearest(&evaluation.solution) {
@@ -153,8 +177,8 @@ impl Constraints {
             }
         };
         for constraint in &self.list {
-            if let Some(value) = signed_value(robot, constraint.limit, evaluation) {
-                note(constraint.limit, (constraint.greatest - value) / constraint.range);
+            if let Some(slack) = constraint.slack(robot, evaluation) {
+                note(constraint.limit, slack);
             }
         }
         if let Some(clearance) = &self.clearance {
@@ -192,36 +216,30 @@ impl Clearance {
     }
 }
 
-/// The value that a limit is for, with the sign changed for a lower one.
-fn signed_value(robot: &Robot, limit: Limit, evaluation: &Evaluation) -> Option<f64> {
-    match limit {
-        Limit::LeastTension(cable) => evaluation.tensions[cable].map(|tension| -tension),
-        Limit::GreatestTension(cable) => evaluation.tensions[cable],
-        Limit::LeastShortening(cable) => Some(-evaluation.shortenings[cable]),
-        Limit::GreatestShortening(cable) => Some(evaluation.shortenings[cable]),
-        Limit::Effort(motor) => {
-            robot.motors()[motor].effort(|cable| evaluation.tensions[cable]).map(f64::abs)
-        }
-        Limit::LeastCommand(_) | Limit::GreatestCommand(_) | Limit::Clearance(_) => None,
+impl Constraint {
+    /// What is left of the range; `None` of a model that does not know the quantity.
+    fn slack(&self, robot: &Robot, evaluation: &Evaluation) -> Option<f64> {
+        let value = match self.quantity {
+            Quantity::Tension(cable) => evaluation.tensions[cable],
+            Quantity::Shortening(cable) => Some(evaluation.shortenings[cable]),
+            Quantity::Effort(motor) => {
+                robot.motors()[motor].effort(|cable| evaluation.tensions[cable])
+            }
+        };
+        value.map(|value| (self.greatest - self.factor * value) / self.range)
     }
-}
 
-/// Its rate by an unknown.
-fn signed_rate(robot: &Robot, limit: Limit, evaluation: &Evaluation, unknown: usize) -> f64 {
-    let tensions = &evaluation.tension_rates[unknown];
-    let shortenings = &evaluation.shortening_rates[unknown];
-    match limit {
-        Limit::LeastTension(cable) => -tensions[cable],
-        Limit::GreatestTension(cable) => tensions[cable],
-        Limit::LeastShortening(cable) => -shortenings[cable],
-        Limit::GreatestShortening(cable) => shortenings[cable],
-        Limit::Effort(number) => {
-            let motor = &robot.motors()[number];
-            let effort = motor.effort(|cable| evaluation.tensions[cable]).unwrap_or(0.0);
-            let rate = motor.effort(|cable| Some(tensions[cable])).unwrap_or(0.0);
-            rate * effort.signum()
-        }
-        Limit::LeastCommand(_) | Limit::GreatestCommand(_) | Limit::Clearance(_) => 0.0,
+    /// The rate at which an unknown uses it up.
+    fn rate(&self, robot: &Robot, evaluation: &Evaluation, unknown: usize) -> f64 {
+        let tensions = &evaluation.tension_rates[unknown];
+        let rate = match self.quantity {
+            Quantity::Tension(cable) => tensions[cable],
+            Quantity::Shortening(cable) => evaluation.shortening_rates[unknown][cable],
+            Quantity::Effort(motor) => {
+                robot.motors()[motor].effort(|cable| Some(tensions[cable])).unwrap_or(0.0)
+            }
+        };
+        self.factor * rate / self.range
     }
 }
 

@@ -2,11 +2,11 @@
 
 use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Stations};
 
-use crate::actuator::{Actuator, Actuators, CommandedBy};
+use crate::actuator::{Actuator, Actuators, CommandedBy, write_commands};
 use crate::atlas::{Atlas, Survey};
 use crate::descent::{Control, Workspace};
 use crate::error::{InverseError, TargetProblem};
-use crate::forward::Forward;
+use crate::forward::{Evaluation, Forward};
 use crate::limit::{Clearance, Constraints, Limit};
 use crate::limits::{CableLimits, Limits};
 use crate::options::{Preference, ReachOptions, ReachStatus};
@@ -47,12 +47,38 @@ pub struct InverseSolver {
     case: Case,
     limits: Limits,
     forward: Forward,
-    bounds: Vec<[f64; 2]>,
-    /// Whether each bound was not given: least, greatest.
+    ranges: Ranges,
+    /// Whether each bound of an unknown was not given: least, greatest.
     assumed: Vec<[bool; 2]>,
     knows_tensions: bool,
     atlas: Option<Atlas>,
     workspace: Workspace,
+}
+
+/// A range that is searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SearchRange {
+    /// What varies.
+    pub actuator: Actuator,
+    /// Least and greatest, in N, m or rad.
+    pub range: [f64; 2],
+    /// Whether each of the two was assumed because no limit is given.
+    pub assumed: [bool; 2],
+}
+
+/// Least and greatest of the unknowns, and of the values of the actuators.
+#[derive(Clone, Debug)]
+pub(crate) struct Ranges {
+    pub unknowns: Vec<[f64; 2]>,
+    pub values: Vec<[f64; 2]>,
+}
+
+/// A target and how it is to be reached.
+struct Asked<'a> {
+    target: &'a Target,
+    lever: f64,
+    ranges: &'a Ranges,
+    options: &'a ReachOptions,
 }
 
 /// Rows of an atlas where the batch has vectors for them, and elsewhere.
@@ -60,6 +86,9 @@ const ROWS_OF_LANES: usize = 20_000;
 const ROWS: usize = 2_000;
 /// Stations between which obstacles are not looked for, of each part between two disks.
 const STATIONS: usize = 61;
+/// Steps along the null space to the preferred commands, and at a point of a path, where the points before have led near to them.
+const STEPS: usize = 40;
+const STEPS_ON_PATH: usize = 2;
 /// Evaluations of one start.
 const EVALUATIONS: usize = 80;
 /// Starts that end at the same nearest point before there is no doubt that it is one.
@@ -79,17 +108,22 @@ impl InverseSolver {
     ) -> Result<Self, InverseError> {
         limits.check(robot.cables().len())?;
         let list = Actuator::of(robot, case, model.kind(), by)?;
-        let actuators = Actuators::new(robot, case, list);
+        let knows_tensions =
+            !matches!(model.kind(), ModelKind::FourBar | ModelKind::ConstantCurvature);
+        let actuators = Actuators::new(robot, case, list, knows_tensions);
         let stations = match case.obstacles.is_empty() {
             true => Stations::Disks,
             false => Stations::Equal(STATIONS),
         };
         let model = model.at(stations.clone());
         let forward = Forward::new(&model, robot, case, actuators)?;
-        let knows_tensions =
-            !matches!(model.kind(), ModelKind::FourBar | ModelKind::ConstantCurvature);
+        let actuators = &forward.actuators;
+        let ranges = Ranges {
+            unknowns: actuators.bounds(&actuators.list, robot, limits),
+            values: actuators.bounds(&actuators.asked, robot, limits),
+        };
         let mut solver = Self {
-            bounds: forward.actuators.bounds(robot, limits),
+            ranges,
             assumed: Vec::new(),
             model,
             stations,
@@ -107,27 +141,26 @@ impl InverseSolver {
     /// The unknown commands, in the order of [`Reached::commands`].
     #[must_use]
     pub fn actuators(&self) -> &[Actuator] {
-        &self.forward.actuators.list
+        &self.forward.actuators.asked
     }
 
-    /// Least and greatest command of each actuator, and whether it was assumed because no limit is given.
+    /// What is searched: the ranges of the tensions where every actuator moves one cable, else of the commands.
     #[must_use]
-    pub fn command_limits(&self) -> Vec<[(f64, bool); 2]> {
+    pub fn search_ranges(&self) -> Vec<SearchRange> {
         let robot = self.forward.robot();
+        let actuators = &self.forward.actuators;
         let of = |((actuator, bounds), assumed): ((&Actuator, &[f64; 2]), &[bool; 2])| {
-            let at = |k: usize| {
-                (self.forward.actuators.command(robot, *actuator, bounds[k]), assumed[k])
-            };
-            let (a, b) = (at(0), at(1));
-            if a.0 <= b.0 { [a, b] } else { [b, a] }
+            let [a, b] = bounds.map(|bound| actuators.command(robot, *actuator, bound));
+            let (range, assumed) =
+                if a <= b { ([a, b], *assumed) } else { ([b, a], [assumed[1], assumed[0]]) };
+            SearchRange { actuator: *actuator, range, assumed }
         };
-        let list = self.actuators().iter();
-        list.zip(&self.bounds).zip(&self.assumed).map(of).collect()
+        actuators.list.iter().zip(&self.ranges.unknowns).zip(&self.assumed).map(of).collect()
     }
 
     /// Where no limit is given, commands up to those that alone bend the robot by a whole turn.
     fn assume_bounds(&mut self) {
-        for (bounds, scale) in self.bounds.iter_mut().zip(&self.forward.scales) {
+        for (bounds, scale) in self.ranges.unknowns.iter_mut().zip(&self.forward.scales) {
             let assumed = [!bounds[0].is_finite(), !bounds[1].is_finite()];
             if assumed[0] {
                 bounds[0] = (-2.0 * scale).min(bounds[1]);
@@ -137,6 +170,30 @@ impl InverseSolver {
             }
             self.assumed.push(assumed);
         }
+        if self.forward.actuators.are_direct() {
+            self.ranges.values.clone_from(&self.ranges.unknowns);
+        }
+    }
+
+    /// The unknowns that the case commands.
+    pub(crate) fn commanded(&mut self) -> Vec<f64> {
+        self.forward.commanded(&self.case)
+    }
+
+    pub(crate) const fn forward(&self) -> &Forward {
+        &self.forward
+    }
+
+    pub(crate) const fn forward_mut(&mut self) -> &mut Forward {
+        &mut self.forward
+    }
+
+    pub(crate) const fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    pub(crate) const fn ranges(&self) -> &Ranges {
+        &self.ranges
     }
 
     /// Commands for a target, first from those of the case.
@@ -149,9 +206,9 @@ impl InverseSolver {
         target: &Target,
         options: &ReachOptions,
     ) -> Result<Reached, InverseError> {
-        let start = self.forward.actuators.commanded(self.forward.robot(), &self.case);
-        let bounds = self.bounds.clone();
-        self.reach_from(&start, None, &bounds, target, options)
+        let start = self.commanded();
+        let ranges = self.ranges.clone();
+        self.reach_from(&start, None, &ranges, target, options).map(|(answer, _)| answer)
     }
 
     /// [`Self::reach`] from these unknowns and the shape that they lead to, within these bounds.
@@ -159,10 +216,10 @@ impl InverseSolver {
         &mut self,
         start: &[f64],
         from: Option<&Solution>,
-        bounds: &[[f64; 2]],
+        ranges: &Ranges,
         target: &Target,
         options: &ReachOptions,
-    ) -> Result<Reached, InverseError> {
+    ) -> Result<(Reached, Vec<f64>), InverseError> {
         target.check(self.forward.robot().disks().count())?;
         let length = self.forward.robot().backbone().length;
         let tolerance = options.tolerance.unwrap_or_else(|| Tolerance::of_length(length));
@@ -171,7 +228,8 @@ impl InverseSolver {
             return Err(InverseError::Target(TargetProblem::Tolerance));
         }
         let lever = tolerance.position / tolerance.angle;
-        let constraints = self.constraints(options);
+        let constraints = self.constraints(ranges, options);
+        let bounds = &ranges.unknowns;
         let first_solve = self.forward.solves;
         let mut search = Search {
             target,
@@ -236,8 +294,12 @@ impl InverseSolver {
                         robot: search.forward.robot(),
                         case: &self.case,
                         actuators: &search.forward.actuators.list,
-                        bounds: &self.bounds,
-                        tensions: &sampled_tensions(&self.limits, &self.bounds, search.forward),
+                        bounds: &self.ranges.unknowns,
+                        tensions: &sampled_tensions(
+                            &self.limits,
+                            &self.ranges.unknowns,
+                            search.forward,
+                        ),
                         rows: atlas_rows(&self.model, &self.case),
                     })?),
                 };
@@ -255,34 +317,41 @@ impl InverseSolver {
         let redundancy = Redundancy::of(&best.evaluation, target, lever, &scales);
         if best.is_reached && redundancy.is_some() && options.prefer != Preference::First {
             let control = Control { bounds, scales: &scales, evaluations: EVALUATIONS };
-            let task = redundancy::Task { prefer: options.prefer, start, control: &control };
+            let steps = if from.is_some() { STEPS_ON_PATH } else { STEPS };
+            let task = redundancy::Task { prefer: options.prefer, start, control: &control, steps };
             if let Some(better) = search.improve(&best, &task, &mut self.workspace, options)? {
                 best = better;
             }
         }
-        self.answer(best, target, lever, starts, first_solve, bounds, options)
+        let unknowns = best.unknowns.clone();
+        let asked = Asked { target, lever, ranges, options };
+        Ok((self.answer(best, &asked, starts, first_solve), unknowns))
     }
 
-    #[allow(clippy::too_many_arguments, reason = "all of them are numbers of one search")]
     fn answer(
         &self,
         best: Candidate,
-        target: &Target,
-        lever: f64,
+        asked: &Asked<'_>,
         starts: usize,
         first_solve: usize,
-        bounds: &[[f64; 2]],
-        options: &ReachOptions,
-    ) -> Result<Reached, InverseError> {
+    ) -> Reached {
+        let &Asked { target, lever, ranges, options } = asked;
         let forward = &self.forward;
         let robot = forward.robot();
-        let (mut active_limits, _) = self.constraints(options).active(robot, &best.evaluation);
-        for (k, (x, [least, greatest])) in best.unknowns.iter().zip(bounds).enumerate() {
+        let (mut active_limits, _) =
+            self.constraints(ranges, options).active(robot, &best.evaluation);
+        for (k, (x, [least, greatest])) in best.unknowns.iter().zip(&ranges.unknowns).enumerate() {
             let near = 1e-9 * forward.scales[k];
+            let limits = match forward.actuators.list[k] {
+                Actuator::Tension(cable) if !forward.actuators.are_direct() => {
+                    [Limit::LeastTension(cable), Limit::GreatestTension(cable)]
+                }
+                _ => [Limit::LeastCommand(k), Limit::GreatestCommand(k)],
+            };
             if x - least <= near {
-                active_limits.push(Limit::LeastCommand(k));
+                active_limits.push(limits[0]);
             } else if greatest - x <= near {
-                active_limits.push(Limit::GreatestCommand(k));
+                active_limits.push(limits[1]);
             }
         }
         let status = match (best.is_reached, best.is_minimum) {
@@ -290,31 +359,57 @@ impl InverseSolver {
             (false, true) => ReachStatus::Nearest,
             (false, false) => ReachStatus::Undecided,
         };
-        let list = &forward.actuators.list;
-        let commands: Vec<f64> = list
+        let values = forward.values(&best.unknowns, &best.solution);
+        let commands: Vec<f64> = self
+            .actuators()
             .iter()
-            .zip(&best.unknowns)
-            .map(|(actuator, x)| forward.actuators.command(robot, *actuator, *x))
+            .zip(&values)
+            .map(|(actuator, value)| forward.actuators.command(robot, *actuator, *value))
             .collect();
         let redundancy = Redundancy::of(&best.evaluation, target, lever, &forward.scales);
-        Ok(Reached {
+        Reached {
             status,
-            case: self.case_with(&commands, &best.unknowns),
+            case: self.case_with(&commands, &values),
             commands,
             solution: best.solution,
             miss: best.miss,
             lower_bound: None,
             active_limits,
-            null_space: redundancy.map(|of| of.null_space(&forward.scales)).unwrap_or_default(),
+            null_space: redundancy
+                .map(|of| self.null_space(&of, &best.evaluation))
+                .unwrap_or_default(),
             starts,
             solves: forward.solves - first_solve,
-        })
+        }
+    }
+
+    /// Directions of the commands, in their units.
+    fn null_space(&self, redundancy: &Redundancy, evaluation: &Evaluation) -> Vec<Vec<f64>> {
+        let robot = self.forward.robot();
+        let actuators = &self.forward.actuators;
+        let command = |direction: Vec<f64>| {
+            let rates: Vec<f64> = (0..robot.cables().len())
+                .map(|cable| {
+                    let rates = evaluation.shortening_rates.iter().zip(&direction);
+                    rates.map(|(rate, change)| rate[cable] * change).sum()
+                })
+                .collect();
+            let values = actuators.values(robot, &direction, &rates);
+            let gear = |(actuator, value): (&Actuator, f64)| match *actuator {
+                Actuator::Motor(number) => robot.motors()[number].gear_ratio() * value,
+                Actuator::Tension(_) | Actuator::Shortening(_) => value,
+            };
+            actuators.asked.iter().zip(values).map(gear).collect()
+        };
+        redundancy.null_space(&self.forward.scales).into_iter().map(command).collect()
     }
 
     /// The case of the solver with these commands in its last step.
-    fn case_with(&self, commands: &[f64], unknowns: &[f64]) -> Case {
+    fn case_with(&self, commands: &[f64], values: &[f64]) -> Case {
         let mut forward_case = self.forward.case.clone();
-        self.forward.actuators.write(self.forward.robot(), unknowns, &mut forward_case.commands);
+        forward_case.before.clone_from(&self.case.before);
+        let robot = self.forward.robot();
+        write_commands(self.actuators(), robot, values, &mut forward_case.commands);
         forward_case.motors.clone_from(&self.case.motors);
         let motors = self.forward.robot().motors().len();
         if motors > 0 {
@@ -334,7 +429,7 @@ impl InverseSolver {
         forward_case
     }
 
-    fn constraints(&self, options: &ReachOptions) -> Constraints {
+    fn constraints(&self, ranges: &Ranges, options: &ReachOptions) -> Constraints {
         let robot = self.forward.robot();
         let clearance =
             options.clearance.filter(|_| !self.case.obstacles.is_empty()).map(|margin| {
@@ -358,6 +453,7 @@ impl InverseSolver {
         Constraints::new(
             robot,
             &self.forward.actuators,
+            &ranges.values,
             &self.limits,
             self.knows_tensions,
             clearance,

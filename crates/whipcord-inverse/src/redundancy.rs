@@ -57,10 +57,10 @@ pub(crate) struct Task<'a> {
     /// The commands that changes count from.
     pub start: &'a [f64],
     pub control: &'a Control<'a>,
+    /// Steps along the null space.
+    pub steps: usize,
 }
 
-/// Steps along the null space.
-const STEPS: usize = 40;
 /// A step of this size in scaled unknowns is none.
 const LEAST_STEP: f64 = 1e-7;
 
@@ -85,7 +85,7 @@ impl Search<'_> {
         let mut solver = QuadraticProgramme::default();
         let mut step = Vec::new();
         let spent = self.forward.solves;
-        for _ in 0..STEPS {
+        for _ in 0..task.steps {
             let allowed = options.solves / 2;
             if self.forward.solves - spent > allowed {
                 break;

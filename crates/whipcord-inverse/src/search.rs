@@ -89,7 +89,7 @@ impl Search<'_> {
         found: Descent<Evaluation>,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
-        let solution = self.forward.verify(&found.unknowns)?;
+        let solution = self.forward.verify(&found.unknowns, &found.state.solution)?;
         let miss = self.target.miss(&solution);
         let mut evaluation = found.state;
         evaluation.solution = solution.clone();

@@ -57,7 +57,8 @@ impl Obstacle {
     }
 
     /// Whether its pose in an answer follows from the steps before: it rubs, or it can move.
-    pub(crate) fn has_history(&self) -> bool {
+    #[must_use]
+    pub fn has_history(&self) -> bool {
         self.has_friction() || self.movable.is_some()
     }
 
