@@ -109,10 +109,17 @@ pub(crate) fn friction_with_branches(model: ModelKind, robot: &Robot) -> Result<
     hole_friction(model, robot, what, advice)
 }
 
-/// Refuses obstacles around a robot with hole friction.
-pub(crate) fn friction_among_obstacles(model: ModelKind, robot: &Robot) -> Result<(), SolveError> {
-    let what = "friction at the holes, among obstacles";
-    let advice = "what the holes hold depends on the way, and so do the contacts: set the friction of the cables to 0, or remove the obstacles";
+/// Refuses derivatives of a robot with hole friction among obstacles.
+pub(crate) fn friction_with_derivatives_among_obstacles(
+    model: ModelKind,
+    robot: &Robot,
+    case: &Case,
+) -> Result<(), SolveError> {
+    if case.obstacles.is_empty() {
+        return Ok(());
+    }
+    let what = "derivatives with friction at the holes, among obstacles";
+    let advice = "take finite differences of solutions, set the friction of the cables to 0, or remove the obstacles";
     hole_friction(model, robot, what, advice)
 }
 

@@ -3,6 +3,7 @@
 use whipcord_numerics::Vec3;
 
 use super::homotopy::Homotopy;
+use super::model::is_near;
 use super::scene::{DistanceBound, Scene};
 use super::step_length::STRIDE;
 use crate::case::Case;
@@ -98,6 +99,33 @@ pub(crate) fn solve_free(
         ahead.push((middle, between));
     }
     Ok(Some(answer))
+}
+
+/// The answers to the first steps of a case of a robot whose cables rub in their holes, from those among obstacles and whether anything had touched on the way to
+/// each: where nothing had, that without obstacles, whose substeps are as fine as they need be.
+pub(crate) fn rubbing_or_free(
+    case: &Case,
+    found: Vec<(Solution, bool)>,
+    mut solve_free: impl FnMut(&Case) -> Result<Solution, SolveError>,
+) -> impl Iterator<Item = Result<Solution, (usize, SolveError)>> {
+    found.into_iter().enumerate().map(move |(n, (solution, has_touched))| {
+        let step = if case.independent { case.step(case.before.len()) } else { case.step(n) };
+        let Some(step) = step.filter(|_| !has_touched) else { return Ok(solution) };
+        match solve_free(&Case { obstacles: Vec::new(), ..step }) {
+            Ok(free) if is_near(&free, &solution) => Ok(free),
+            Err(error @ SolveError::Cancelled { .. }) => Err((n, error)),
+            _ => Ok(solution),
+        }
+    })
+}
+
+/// The last answer of a solve of several steps.
+pub(crate) fn last_of(
+    solve: impl FnOnce(&mut dyn FnMut(Solution)) -> Result<(), (usize, SolveError)>,
+) -> Result<Solution, SolveError> {
+    let mut last = Err(SolveError::NoDerivatives);
+    solve(&mut |solution| last = Ok(solution)).map_err(|(_, error)| error)?;
+    last
 }
 
 /// Whether a shape is known; an error where the solve was ended from outside.

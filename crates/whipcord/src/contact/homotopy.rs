@@ -7,19 +7,29 @@ use crate::shape::Solution;
 #[derive(Clone, Debug)]
 pub(super) struct Homotopy<'a> {
     from: Vec<CableCommand>,
-    /// Whether the loads act from the start.
-    loaded: bool,
+    /// From where on the way all of the loads act, and from where the commands change.
+    loaded_at: f64,
+    actuated_from: f64,
     to: &'a Case,
 }
 
 impl<'a> Homotopy<'a> {
-    /// From the robot at rest.
+    /// From the robot at rest, whose loads and commands grow together.
     pub fn from_rest(to: &'a Case) -> Self {
         let rest = |command: &CableCommand| CableCommand {
             tension: command.tension.map(|_| 0.0),
             shortening: command.shortening.map(|_| Shortening::Length(0.0)),
         };
-        Self { from: to.commands.iter().map(rest).collect(), loaded: false, to }
+        let from = to.commands.iter().map(rest).collect();
+        Self { from, loaded_at: 1.0, actuated_from: 0.0, to }
+    }
+
+    /// The same where cables rub in their holes: the loads are put on first.
+    pub fn from_rest_loaded_first(to: &'a Case) -> Self {
+        let is_light = to.loads == Loads::default();
+        let middle =
+            if is_light && to.obstacles.iter().all(|o| o.movable.is_none()) { 0.0 } else { 0.5 };
+        Self { loaded_at: middle, actuated_from: middle, ..Self::from_rest(to) }
     }
 
     /// From the answer to a case with the same loads.
@@ -31,17 +41,28 @@ impl<'a> Homotopy<'a> {
                 .map(|_| Shortening::Length(cable.initial_length - cable.length)),
         };
         let from = to.commands.iter().zip(&answer.cables).map(before).collect();
-        Self { from, loaded: true, to }
+        Self::loaded(from, to)
+    }
+
+    /// From commands under the same loads.
+    pub fn from_commands(from: &[CableCommand], to: &'a Case) -> Self {
+        Self::loaded(from.to_vec(), to)
+    }
+
+    const fn loaded(from: Vec<CableCommand>, to: &'a Case) -> Self {
+        Self { from, loaded_at: 0.0, actuated_from: 0.0, to }
     }
 
     /// The part of the loads that acts on the way.
     pub fn load_factor(&self, way: f64) -> f64 {
-        if self.loaded { 1.0 } else { way }
+        if way >= self.loaded_at { 1.0 } else { way / self.loaded_at }
     }
 
     /// The case so far on the way, from 0 to 1, without obstacles; `initial` are the initial lengths of the
     /// cables in m.
     pub fn at(&self, way: f64, initial: &[f64]) -> Case {
+        let load = self.load_factor(way);
+        let way = ((way - self.actuated_from) / (1.0 - self.actuated_from)).max(0.0);
         let between = |(k, (from, to)): (usize, (&CableCommand, &CableCommand))| CableCommand {
             tension: to.tension.map(|to| mix(from.tension.unwrap_or(0.0), to, way)),
             shortening: to.shortening.map(|to| {
@@ -53,11 +74,7 @@ impl<'a> Homotopy<'a> {
         let pairs = self.from.iter().zip(&self.to.commands).enumerate();
         Case {
             commands: pairs.map(between).collect(),
-            loads: if self.loaded || way == 1.0 {
-                self.to.loads.clone()
-            } else {
-                scaled(&self.to.loads, way)
-            },
+            loads: if load == 1.0 { self.to.loads.clone() } else { scaled(&self.to.loads, load) },
             base: self.to.base,
             before: Vec::new(),
             motors: Vec::new(),

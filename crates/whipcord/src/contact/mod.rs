@@ -57,11 +57,11 @@ mod step_length;
 mod two_bodies;
 
 pub(crate) use dense_output::DenseOutput;
-pub(crate) use free_path::{Unobstructed, solve_free};
+pub(crate) use free_path::{Unobstructed, last_of, rubbing_or_free, solve_free};
 pub(crate) use holding::Holding;
 pub(crate) use model::{is_same_shape, with_pushes};
-pub(crate) use path::{solve, solve_holding};
+pub(crate) use path::{solve, solve_holding, solve_rubbing};
 pub(crate) use pushed_places::PushedPlaces;
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{PushedRod, RodAdapter, on_few_steps_or_more, watched};
-pub(crate) use rod_response::RodResponse;
+pub(crate) use rod_response::{RodHoles, RodResponse};

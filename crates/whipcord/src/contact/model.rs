@@ -92,6 +92,11 @@ pub(crate) trait Compliant {
     /// pushes stay as they are.
     fn stands_alone(&mut self) -> bool;
 
+    /// Whether anything has touched a robot whose cables rub in their holes at an equilibrium that was kept.
+    fn has_touched(&self) -> bool {
+        true
+    }
+
     /// Keeps the last equilibrium, to go back to.
     fn keep(&mut self);
 
@@ -123,9 +128,20 @@ pub(crate) fn with_pushes(case: &Case, pushes: &[Push]) -> Case {
 
 /// Shapes that are no farther apart than this, as a part of the length, are one.
 const SAME_SHAPE: f64 = 1e-4;
+/// The same where cables rub.
+const NEAR_SHAPE: f64 = 1e-2;
 
 /// Whether an answer without obstacles is the one that was kept clear of them: of several equilibria it may be another.
 pub(crate) fn is_same_shape(free: &Solution, kept_clear: &Solution) -> bool {
+    are_within(free, kept_clear, SAME_SHAPE)
+}
+
+/// The same of robots whose cables rub: the steps on the way among obstacles are coarser.
+pub(crate) fn is_near(free: &Solution, kept_clear: &Solution) -> bool {
+    are_within(free, kept_clear, NEAR_SHAPE)
+}
+
+fn are_within(free: &Solution, kept_clear: &Solution, part: f64) -> bool {
     let length = kept_clear.disks.arc_length.last().copied().unwrap_or(0.0);
-    free.disks.distances(&kept_clear.disks).fold(0.0, f64::max) <= SAME_SHAPE * length
+    free.disks.distances(&kept_clear.disks).fold(0.0, f64::max) <= part * length
 }

@@ -15,10 +15,10 @@ use super::pairs::Pairs;
 use super::scene::{Present, Scene};
 use super::step::{NoStep, Scratch, turned};
 use super::step_length::{STRIDE, StepLength};
-use crate::case::Case;
+use crate::case::{CableCommand, Case};
 use crate::error::{Obstruction, SolveError};
 use crate::obstacle::Obstacle;
-use crate::robot::Robot;
+use crate::robot::{Cable, Robot};
 use crate::shape::{Part, Solution, Wrench};
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
@@ -41,6 +41,8 @@ const FOUND_AGAIN: f64 = 1e-9;
 const INSERTED: f64 = 1.02;
 /// The longest step on the way of a robot that touches: eq. (6) misses two directions that turn unstable in one.
 const LONGEST_STEP: f64 = 0.2;
+/// That of a robot whose cables rub in their holes: what sticks at the end of a step has its length beyond the hole from where that began.
+const RUBBING_STEP: f64 = 1.0 / 32.0;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-3;
 /// How far ahead on the way a robot comes to rest that has lost its equilibrium.
@@ -115,6 +117,8 @@ pub(super) struct PathTracker<'a, M> {
     /// Whether the way begins at a known answer that the model, under other loads, does not quite stand at: what its contacts
     /// have slid counts from there.
     pub(super) is_off_answer: bool,
+    /// On the way.
+    longest_step: f64,
 }
 
 /// What is known of the contacts, besides where the model is kept.
@@ -161,24 +165,72 @@ pub(crate) fn solve_holding(
     case: &Case,
     warm_start: Option<&Solution>,
 ) -> Result<(Solution, Holding), SolveError> {
-    if warm_start.is_none()
-        && !case.before.is_empty()
-        && !case.independent
-        && case.obstacles.iter().any(Obstacle::has_history)
-    {
-        // Friction remembers the steps before the last.
-        let mut last: Option<(Solution, Holding)> = None;
-        for step in case.single_steps() {
-            let before = last.as_ref().map(|(solution, _)| solution);
-            last = Some(solve_holding(model, robot, &step, before)?);
-        }
-        return last.ok_or(SolveError::NoDerivatives);
+    let remembers = has_friction(robot) || case.obstacles.iter().any(Obstacle::has_history);
+    if warm_start.is_some() || case.before.is_empty() || case.independent || !remembers {
+        return solve_step(model, robot, case, (warm_start, None));
     }
+    // Friction remembers the steps before the last.
+    let mut last = Err(SolveError::NoDerivatives);
+    let followed = follow_steps(model, robot, case, |_, answer| last = Ok(answer));
+    followed.map_err(|(_, error)| error)?;
+    last
+}
+
+/// The answers to all steps of actuation of a case whose cables rub in their holes, from rest on, and whether anything had touched on
+/// the way to each.
+///
+/// # Errors
+/// The number of the first step without an answer, from 0, and why it has none.
+pub(crate) fn solve_rubbing<M: Compliant>(
+    model: &mut M,
+    robot: &Robot,
+    case: &Case,
+    mut each: impl FnMut((Solution, bool)),
+) -> Result<(), (usize, SolveError)> {
+    follow_steps(model, robot, case, |model, (solution, _)| each((solution, model.has_touched())))
+}
+
+fn has_friction(robot: &Robot) -> bool {
+    robot.cables().iter().any(Cable::has_friction)
+}
+
+/// Solves the steps of actuation of a case, each from where the one before ends.
+fn follow_steps<M: Compliant>(
+    model: &mut M,
+    robot: &Robot,
+    case: &Case,
+    mut each: impl FnMut(&M, (Solution, Holding)),
+) -> Result<(), (usize, SolveError)> {
+    let mut last: Option<(Solution, Vec<CableCommand>)> = None;
+    for (n, step) in case.leading_steps().enumerate() {
+        let from = match &last {
+            Some((solution, commands)) => (Some(solution), Some(&commands[..])),
+            None => (None, None),
+        };
+        let (solution, holding) =
+            solve_step(model, robot, &step, from).map_err(|error| (n, error))?;
+        last = Some((solution.clone(), step.commands));
+        each(model, (solution, holding));
+    }
+    Ok(())
+}
+
+/// The answer to one step of actuation, from the robot at rest, or from an answer that was led to by commands where these are known.
+fn solve_step(
+    model: &mut impl Compliant,
+    robot: &Robot,
+    case: &Case,
+    (warm_start, commands): (Option<&Solution>, Option<&[CableCommand]>),
+) -> Result<(Solution, Holding), SolveError> {
+    let rubs = has_friction(robot);
     let to_base = case.base.inverse();
     let warm_start = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
-    let homotopy = match warm_start {
-        Some(answer) => Homotopy::from_answer(answer, case),
-        None => Homotopy::from_rest(case),
+    let homotopy = match (warm_start, commands) {
+        // What the holes remember was led to by these.
+        (Some(_), Some(commands)) if rubs => Homotopy::from_commands(commands, case),
+        (Some(answer), _) => Homotopy::from_answer(answer, case),
+        (None, _) if rubs => Homotopy::from_rest_loaded_first(case),
+        (None, _) => Homotopy::from_rest(case),
     };
     let pairs = Pairs::new(robot, model.watched());
     let (force_scale, length) = (model.force_scale(), robot.backbone().length);
@@ -203,6 +255,7 @@ pub(crate) fn solve_holding(
         reached: 0.0,
         slipped_at: None,
         is_off_answer: false,
+        longest_step: if rubs { RUBBING_STEP } else { 1.0 },
     };
     let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
     let at = |way: f64| homotopy.at(way, &initial);
@@ -371,7 +424,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
-        let (mut way, mut step) = (0.0, 1.0_f64);
+        let (mut way, mut step) = (0.0, self.longest_step);
         self.reached = 0.0;
         let mut jumps = Jumps::default();
         let watched = self.model.watched().len();
@@ -401,7 +454,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                     if way == 1.0 {
                         return Ok(());
                     }
-                    step *= 2.0;
+                    step = (2.0 * step).min(self.longest_step);
                     if self.is_touching() {
                         step = step.min(LONGEST_STEP);
                     }

@@ -11,7 +11,7 @@ use crate::case::Case;
 use crate::derivatives::Derivatives;
 use crate::error::{Obstruction, SolveError};
 use crate::parameter::Parameter;
-use crate::robot::Robot;
+use crate::robot::{Cable, Robot};
 use crate::shape::{NoStability, Solution, Wrench};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 
@@ -118,8 +118,11 @@ pub(crate) trait PushedRod: Default {
     /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
     fn stands(&mut self) -> bool;
 
-    /// Keeps where it stands.
-    fn keep(&self, kept: &mut Self::Kept);
+    /// Keeps where it stands, which is in equilibrium.
+    fn keep(&mut self, kept: &mut Self::Kept);
+
+    /// Whether it stands at an equilibrium with what its holes remember, so that no answer says where it stands.
+    fn has_history(&self) -> bool;
 
     /// Goes back to where it was kept.
     fn go_back(&mut self, kept: &Self::Kept);
@@ -158,6 +161,11 @@ pub(crate) struct RodAdapter<'a, R: PushedRod> {
     centres: Vec<Vec3>,
     kept: R::Kept,
     steps: usize,
+    /// Whether a cable rubs in its holes.
+    rubs: bool,
+    /// Whether anything has touched on the way.
+    has_touched: bool,
+    is_pushed: bool,
 }
 
 impl<'a, R: PushedRod> RodAdapter<'a, R> {
@@ -186,6 +194,9 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
             centres: vec![Vec3::ZERO; count],
             kept: R::Kept::default(),
             steps,
+            rubs: robot.cables().iter().any(Cable::has_friction),
+            has_touched: false,
+            is_pushed: false,
         };
         adapter.found.refinement().steps = steps;
         if options.stations.arc_lengths(robot).len() <= FEW_STATIONS {
@@ -302,12 +313,16 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn start_from(&mut self, answer: &Solution) {
+        if self.found.has_history() {
+            return;
+        }
         self.found = R::default();
         self.found.refinement().steps = self.steps;
         self.warm = Some(answer.clone());
     }
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
+        self.is_pushed = pushes.iter().any(|push| push.wrench != Wrench::default());
         let pushes = by_place(&self.robot.disks().arc_lengths, pushes);
         self.case = with_pushes(case, &pushes);
         let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
@@ -348,10 +363,19 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn stands_alone(&mut self) -> bool {
+        // A tangent that cannot be taken apart is about to change its sign: it has not yet.
+        if self.rubs && self.found.linearise(self.robot, &self.case).is_err() {
+            return true;
+        }
         self.found.stands()
     }
 
+    fn has_touched(&self) -> bool {
+        self.has_touched || self.is_pushed
+    }
+
     fn keep(&mut self) {
+        self.has_touched |= self.is_pushed;
         self.found.keep(&mut self.kept);
     }
 
@@ -365,6 +389,10 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn solve_free(&mut self, case: &Case) -> Result<Solution, SolveError> {
+        if self.rubs {
+            // What the holes remember of the way would be lost.
+            return Err(SolveError::NoDerivatives);
+        }
         R::solve_free(self.robot, self.options, case, None)
     }
 
@@ -372,6 +400,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
         let mut solution = self.found.solution(&self.case)?.ok_or(SolveError::NoDerivatives)?;
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
         if !touching
+            && !self.rubs
             && let Ok(free) = R::solve_free(self.robot, self.options, case, Some(&solution))
             && is_same_shape(&free, &solution)
         {

@@ -3,7 +3,16 @@
 use whipcord_numerics::Vec3;
 
 use super::pushed_places::PushedPlaces;
-use crate::derivatives::{Derivatives, Motion, unit_wrench};
+use crate::derivatives::{Derivatives, Motion, OpenChange, unit_wrench};
+use crate::statics::command::Command;
+use crate::statics::friction::{Holes, Passages, PushedHoles, Response};
+
+/// The holes of a rod whose cables rub.
+pub(crate) struct RodHoles<'a> {
+    pub state: &'a mut PushedHoles,
+    pub holes: &'a Holes,
+    pub commands: &'a [Command],
+}
 
 /// The linearised rod.
 #[derive(Clone, Debug)]
@@ -15,11 +24,76 @@ pub(crate) struct RodResponse {
     nodes: PushedPlaces<usize>,
     /// How everything moves with each component of a wrench on each of these nodes.
     by_push: Vec<Motion>,
+    /// Where cables rub.
+    open: Option<OpenResponse>,
+}
+
+/// The response at constant tensions of all strands.
+#[derive(Clone, Debug)]
+struct OpenResponse {
+    closing: OpenChange,
+    by_push: Vec<OpenChange>,
+    by_strand: Vec<OpenChange>,
+}
+
+impl OpenResponse {
+    /// A motion at constant tensions, with these changes of the tensions.
+    fn completed(&self, motion: &Motion, tensions: Vec<f64>) -> Motion {
+        let mut motion = motion.clone();
+        for (strand, &tension) in self.by_strand.iter().zip(&tensions) {
+            motion.add(tension, &strand.motion);
+        }
+        Motion { tensions, ..motion }
+    }
+
+    /// Lengths and angles by the tensions and by closing the gaps, and by each component of the pushes.
+    fn fill(&self, response: &mut Response, by_wrench: &mut Vec<Passages>) {
+        let n = self.by_strand.len();
+        let columns = || self.by_strand.iter().chain([&self.closing]);
+        let rows = |of: usize, into: &mut Vec<f64>| {
+            into.clear();
+            into.extend((0..n).flat_map(|p| columns().map(move |column| column.outputs[of + p])));
+        };
+        rows(0, &mut response.lengths);
+        rows(n, &mut response.turns);
+        by_wrench.clear();
+        by_wrench.extend(self.by_push.iter().map(|OpenChange { outputs, .. }| Passages {
+            lengths: outputs[..n].to_vec(),
+            turns: outputs[n..].to_vec(),
+        }));
+    }
 }
 
 impl RodResponse {
     pub fn new(derivatives: Derivatives, closing: Motion) -> Self {
-        Self { derivatives, closing, nodes: PushedPlaces::default(), by_push: Vec::new() }
+        let (nodes, by_push) = (PushedPlaces::default(), Vec::new());
+        Self { derivatives, closing, nodes, by_push, open: None }
+    }
+
+    /// Of a rod whose cables rub.
+    pub fn rubbing(derivatives: Derivatives, closing: OpenChange) -> Self {
+        let by_strand = derivatives.strand_responses().collect();
+        let open = Some(OpenResponse { closing, by_push: Vec::new(), by_strand });
+        Self { open, ..Self::new(derivatives, Motion::default()) }
+    }
+
+    /// Eliminates the tensions of the strands of a rod whose cables rub, with pushes at these nodes. Whether the equations of the holes
+    /// change an odd number of directions from stable to unstable; `None` where they are singular.
+    pub fn eliminate(&mut self, of_pushes: &[usize], at: RodHoles<'_>) -> Option<bool> {
+        let Self { derivatives, closing, nodes, by_push, open } = self;
+        let open = open.as_mut()?;
+        nodes.set(of_pushes);
+        let components = nodes.places().iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
+        let respond = |(node, i): (usize, usize)| derivatives.open_response(node, unit_wrench(i));
+        open.by_push = components.map(respond).collect();
+        let RodHoles { state, holes, commands } = at;
+        let odd = state.linearise(holes, commands, |response, by| open.fill(response, by))?;
+        let mut columns = state.columns().iter();
+        *closing = open.completed(&open.closing.motion, columns.next()?.clone());
+        by_push.clear();
+        let pairs = open.by_push.iter().zip(columns);
+        by_push.extend(pairs.map(|(push, column)| open.completed(&push.motion, column.clone())));
+        Some(odd)
     }
 
     /// How the nodes of pushes move with each component of each of them, by rows, and how with the step that is left.
@@ -29,12 +103,14 @@ impl RodResponse {
         compliance: &mut Vec<f64>,
         drift: &mut Vec<f64>,
     ) {
-        let Self { derivatives, closing, nodes, by_push } = self;
-        nodes.set(of_pushes);
-        by_push.clear();
-        let components = nodes.places().iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
-        by_push
-            .extend(components.map(|(node, i)| derivatives.contact_response(node, unit_wrench(i))));
+        let Self { derivatives, closing, nodes, by_push, open } = self;
+        if open.is_none() {
+            nodes.set(of_pushes);
+            by_push.clear();
+            let components = nodes.places().iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
+            let respond = |(node, i)| derivatives.contact_response(node, unit_wrench(i));
+            by_push.extend(components.map(respond));
+        }
         let twist = |motion: &Motion, place: usize| motion.nodes[nodes.places()[place]].twist();
         nodes.compliance(
             |wrench, place| twist(&by_push[wrench], place),
@@ -57,5 +133,18 @@ impl RodResponse {
             motion.add(change, column);
         }
         motion
+    }
+
+    /// The same of a rod whose cables rub, in the cases of the holes that agree with it.
+    pub fn step_rubbing(&self, changes: &[[f64; 6]], at: RodHoles<'_>) -> Motion {
+        let Some(open) = &self.open else { return self.step(changes) };
+        let totals = self.nodes.totals(changes);
+        let mut motion = open.closing.motion.clone();
+        for (column, change) in open.by_push.iter().zip(&totals) {
+            motion.add(*change, &column.motion);
+        }
+        let RodHoles { state, holes, commands } = at;
+        let tensions = state.follow(holes, commands, &totals);
+        open.completed(&motion, tensions)
     }
 }

@@ -13,6 +13,9 @@ use crate::parameter::Parameter;
 use crate::refusal;
 use crate::shape::Solution;
 
+/// Steps from base to tip at least where cables rub, whose tension is constant in each.
+const FRICTION_STEPS: usize = 48;
+
 impl Cosserat {
     /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
     pub(super) fn solve_among_obstacles(
@@ -21,6 +24,9 @@ impl Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Solution, SolveError> {
+        if self.has_friction() {
+            return contact::last_of(|each| self.rub_among_obstacles(case, workspace, each));
+        }
         if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
             return Ok(solution);
         }
@@ -28,6 +34,36 @@ impl Cosserat {
         contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
             contact::solve(&mut self.adapter(steps), &self.robot, case, warm_start)
         })
+    }
+
+    /// With friction of the cables: the answers to all steps of actuation, from rest on.
+    pub(super) fn rub_among_obstacles(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        mut each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        self.check_among_obstacles(case).map_err(|error| (0, error))?;
+        let needed = self.strength(case, workspace).steps().max(FRICTION_STEPS);
+        let (mut found, mut number) = (Vec::new(), 0);
+        let followed = contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
+            found.clear();
+            let mut adapter = self.adapter(steps);
+            let each = |of_step| found.push(of_step);
+            let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, each);
+            followed.map_err(|(n, error)| {
+                number = n;
+                error
+            })
+        });
+        contact::rubbing_or_free(case, found, |alone| self.solve(alone, None, workspace))
+            .try_for_each(|solution| solution.map(&mut each))?;
+        followed.map_err(|error| (number, error))
+    }
+
+    fn check_among_obstacles(&self, case: &Case) -> Result<(), SolveError> {
+        case.check(&self.robot)?;
+        refusal::bending_friction_among_obstacles(ModelKind::Cosserat, &self.robot)
     }
 
     /// The same, with the derivatives of the answer and the contacts that hold it.
@@ -38,6 +74,8 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
+        let kind = ModelKind::Cosserat;
+        refusal::friction_with_derivatives_among_obstacles(kind, &self.robot, case)?;
         if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
             let alone = Case { obstacles: Vec::new(), ..case.clone() };
             return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
@@ -58,9 +96,7 @@ impl Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<Option<Solution>, SolveError> {
-        case.check(&self.robot)?;
-        refusal::friction_among_obstacles(ModelKind::Cosserat, &self.robot)?;
-        refusal::bending_friction_among_obstacles(ModelKind::Cosserat, &self.robot)?;
+        self.check_among_obstacles(case)?;
         let watched = contact::watched(&self.robot);
         let initial_lengths = self.initial_lengths();
         let mut free = FreeRod { model: self, workspace, watched, initial_lengths };

@@ -9,13 +9,16 @@ use std::sync::Arc;
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::chain::{Chain, Task};
+use super::friction::{Friction, ResponseScratch};
 use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
 use super::prepared::{Cosserat, Workspace};
 use super::state::{Direction, Node, State};
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{DenseOutput, PushedRod, Refinement, RodResponse};
-use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StepGap};
+use crate::contact::{DenseOutput, PushedRod, Refinement, RodHoles, RodResponse};
+use crate::derivatives::{
+    Cables, Derivatives, NoDerivatives, OpenStrands, Solved, StepGap, Strands, Varying,
+};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
@@ -23,6 +26,7 @@ use crate::section::Fault;
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::elimination::Change;
+use crate::statics::friction::{History, PushedHoles};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
@@ -49,6 +53,10 @@ pub(super) struct ContactResponse {
     pub gap: f64,
     linear: Option<RodResponse>,
     refinement: Refinement,
+    /// Where cables rub, and whether the equations of their holes change the parity of (6).
+    holes: PushedHoles,
+    odd: bool,
+    response: ResponseScratch,
 }
 
 /// What it is to be kept for, to go back to.
@@ -58,6 +66,7 @@ pub(super) struct Kept {
     state: State,
     trajectory: Trajectory,
     shape: DenseOutput,
+    holes: PushedHoles,
 }
 
 /// Where its nodes are.
@@ -70,9 +79,37 @@ struct ContactGrid {
     halvings: usize,
     stations: Vec<f64>,
     pushes: Vec<f64>,
+    /// Where cables rub, and their tensions in each step by those of their nodes.
+    friction: Option<Friction>,
+    profile: Vec<f64>,
 }
 
 impl ContactResponse {
+    /// The state of the holes on a grid, after that on another where there was one.
+    fn regrid_holes(&mut self, contact_grid: &ContactGrid, before: Option<&ContactGrid>) {
+        let Some(Friction { nodes, holes }) = &contact_grid.friction else { return };
+        let Some((before, old)) = before.and_then(|at| Some((at, at.friction.as_ref()?))) else {
+            self.holes.reset(holes);
+            return;
+        };
+        let (grid, from) = (&contact_grid.grid, (&old.nodes, &before.grid));
+        let tensions = nodes.carried_steps(grid, from, self.holes.tensions());
+        let History { beyond, slip_states, .. } = self.holes.history();
+        let changed = beyond.iter().zip(&old.holes.at_rest).map(|(now, rest)| now - rest);
+        let changed = nodes.carried_starts(grid, from, &changed.collect::<Vec<f64>>());
+        let beyond = changed.iter().zip(&holes.at_rest).map(|(by, rest)| rest + by).collect();
+        let slip_states = nodes.carried_steps(grid, from, slip_states);
+        self.holes.carry(tensions, beyond, slip_states);
+    }
+
+    /// Lengths and angles of the passages of cables that rub where it has shot, and what the equations of the holes leave.
+    fn measure_holes(&mut self, contact_grid: &ContactGrid) -> f64 {
+        let Some(Friction { nodes, holes }) = &contact_grid.friction else { return 0.0 };
+        let at = self.holes.at_mut();
+        self.response.measure(&contact_grid.grid, nodes, &self.trajectory, at);
+        self.holes.assess(holes, &self.workspace.commands)
+    }
+
     /// How much the answer to a case would change in m if each of its steps were halved, estimated from one shot in such steps
     /// from the base: where that ends elsewhere, and what the rod gives way by under the wrench that it leaves at the tip.
     fn change_on_halved_steps(&self, contact_grid: &ContactGrid, case: &Case) -> Option<f64> {
@@ -128,6 +165,17 @@ impl ContactResponse {
         let start =
             |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
         let starts: Vec<Wrench> = nodes.iter().map(start).collect();
+        let strands = contact_grid.friction.as_ref().map(|friction| {
+            let nodes = &friction.nodes;
+            let strand = |k: usize, cable: usize| nodes.strand(k, cable);
+            let links = Strands::of_links(nodes.cables(), nodes.count(), grid.len(), strand);
+            let strands = links.with_shares(nodes.shares_of_profile(grid, &contact_grid.profile));
+            (strands, nodes.slopes(grid, self.response.slopes()))
+        });
+        let open = strands.as_ref().map(|(strands, slopes)| {
+            let varying = Varying { tensions: &self.chain.varying, strands, slopes };
+            OpenStrands { strands, varying: Some(varying) }
+        });
         let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
         let base_force = scratch.applied.base_force() + starts[0].force;
         let solved = Solved {
@@ -143,10 +191,11 @@ impl ContactResponse {
             base_wrench: Wrench { force: base_force, ..starts[0] },
             starts: &known,
             strains: self.trajectory.strains(),
-            are_strains_met: true,
+            are_strains_met: open.is_none(),
             history: &[],
             nodes: &grid.stations,
             sliding: None,
+            open,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {
             NoDerivatives::Fault(fault) => {
@@ -203,7 +252,12 @@ impl PushedRod for ContactResponse {
                 Some(before)
             }
         };
-        let Some(contact_grid) = &self.contact_grid else { return Ok(()) };
+        let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
+        let contact_grid = &*contact_grid;
+        let rubs = contact_grid.friction.is_some();
+        if let Some(before) = &before {
+            self.regrid_holes(contact_grid, before.as_deref());
+        }
         contact_grid.model.accept(case, &mut self.workspace)?;
         self.workspace.meter.start(&options.cancel, Budget::UNLIMITED);
         let Workspace { scratch, commands, meter, .. } = &mut self.workspace;
@@ -238,7 +292,7 @@ impl PushedRod for ContactResponse {
             }
         }
         self.trajectory.steps_left = usize::MAX;
-        if let Some(answer) = warm {
+        if let Some(answer) = warm.filter(|_| !rubs) {
             match near(answer, contact_grid, &scratch.applied, &mut self.trajectory) {
                 Some(state) => {
                     self.chain.state = state;
@@ -251,7 +305,7 @@ impl PushedRod for ContactResponse {
         let task = Task {
             grid,
             loads: &scratch.applied,
-            commands,
+            commands: if rubs { &[] } else { commands },
             length: robot.backbone().length,
             tolerance: options.greatest_residual(),
             meter,
@@ -261,10 +315,18 @@ impl PushedRod for ContactResponse {
                 *tension = *given;
             }
         }
+        if let Some(Friction { nodes, .. }) = &contact_grid.friction {
+            self.chain.state.tensions.clone_from_slice(self.holes.at_base());
+            let (tensions, varying) = (self.holes.tensions(), &mut self.chain.varying);
+            nodes.expand(grid, tensions, &contact_grid.profile, varying);
+        }
         let is_free = |node: usize| is_new.get(node).is_some_and(|is_new| *is_new);
-        let looked = self.chain.shoot_through(&task, &mut self.trajectory, false, is_free);
+        let looked = self.chain.shoot_through(&task, &mut self.trajectory, rubs, is_free);
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
         self.trajectory.measure(grid);
+        if rubs {
+            self.gap = self.gap.max(self.measure_holes(contact_grid));
+        }
         self.shape.ends = grid.ends();
         self.chain.poses(&mut self.shape.poses);
         self.shape.strains.clear();
@@ -305,11 +367,20 @@ impl PushedRod for ContactResponse {
         if self.linear.is_some() {
             return Ok(());
         }
-        let Some(contact_grid) = &self.contact_grid else { return Ok(()) };
+        let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
+        let contact_grid = &*contact_grid;
         let taut = self.taut(contact_grid);
         let derivatives = self.derivatives(contact_grid, (robot, case), &taut, &[])?;
         let tensions = &self.chain.state.tensions;
         let gaps: Vec<StepGap> = self.chain.gaps().collect();
+        if let Some(Friction { holes, .. }) = &contact_grid.friction {
+            let closing = derivatives.open_closing(&gaps, &[]);
+            let linear = self.linear.insert(RodResponse::rubbing(derivatives, closing));
+            let (state, commands) = (&mut self.holes, &self.workspace.commands[..]);
+            let odd = linear.eliminate(&[], RodHoles { state, holes, commands });
+            self.odd = odd.ok_or(SolveError::NoDerivatives)?;
+            return Ok(());
+        }
         let commands = self.workspace.commands.iter().enumerate();
         let slackness: Vec<f64> = commands
             .map(|(i, command)| command.slackness(tensions[i], self.trajectory.lengths[i]))
@@ -348,15 +419,35 @@ impl PushedRod for ContactResponse {
             return;
         };
         let nodes: Vec<usize> = places.map(|at| contact_grid.node(at)).collect();
+        if let Some(Friction { holes, .. }) = &contact_grid.friction {
+            let (state, commands) = (&mut self.holes, &self.workspace.commands[..]);
+            match linear.eliminate(&nodes, RodHoles { state, holes, commands }) {
+                Some(odd) => self.odd = odd,
+                // Nothing finite comes of it.
+                None => return drift.push(f64::NAN),
+            }
+        }
         linear.compliance(&nodes, compliance, drift);
     }
 
     fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64 {
-        let Some(linear) = &self.linear else { return part };
-        let motion = linear.step(changes);
+        let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &self.linear) else {
+            return part;
+        };
+        let mut motion = match &contact_grid.friction {
+            None => linear.step(changes),
+            Some(Friction { holes, .. }) => {
+                let (state, commands) = (&mut self.holes, &self.workspace.commands[..]);
+                linear.step_rubbing(changes, RodHoles { state, holes, commands })
+            }
+        };
         let most = motion.nodes.iter().map(|node| node.turn.norm()).fold(0.0, f64::max);
         let part = if part * most > LONGEST { LONGEST / most } else { part };
         let state = &self.chain.state;
+        if contact_grid.friction.is_some() {
+            self.holes.advance(&motion.tensions, part);
+            motion.tensions = vec![0.0; state.tensions.len()];
+        }
         let has_followers = self.workspace.scratch.applied.any_follower_force();
         let nodes = state.nodes.iter().zip(&motion.nodes).enumerate();
         let nodes = nodes.map(|(k, (node, change))| {
@@ -395,11 +486,28 @@ impl PushedRod for ContactResponse {
             tolerance: contact_grid.model.options.greatest_residual(),
             meter: &self.workspace.meter,
         };
+        if let Some(Friction { nodes, .. }) = &contact_grid.friction {
+            let at = (nodes, &contact_grid.profile[..]);
+            let task = Task { commands: &[], ..task };
+            let samples = &self.trajectory.samples;
+            let is_known = self.response.eliminate(&task, at, &mut self.chain, samples);
+            return !is_known || self.chain.elimination.is_negative() == self.odd;
+        }
         let negative = self.chain.is_determinant_negative(&task, &mut self.trajectory);
         !negative.unwrap_or(false)
     }
 
-    fn keep(&self, kept: &mut Kept) {
+    fn has_history(&self) -> bool {
+        self.contact_grid.as_ref().is_some_and(|contact_grid| contact_grid.friction.is_some())
+    }
+
+    fn keep(&mut self, kept: &mut Kept) {
+        if let Some(Friction { holes, .. }) =
+            self.contact_grid.as_ref().and_then(|at| at.friction.as_ref())
+        {
+            self.holes.keep(holes, &self.workspace.commands);
+            kept.holes.clone_from(&self.holes);
+        }
         kept.contact_grid.clone_from(&self.contact_grid);
         kept.state.clone_from(&self.chain.state);
         kept.trajectory.clone_from(&self.trajectory);
@@ -409,6 +517,10 @@ impl PushedRod for ContactResponse {
     fn go_back(&mut self, kept: &Kept) {
         self.linear = None;
         self.contact_grid.clone_from(&kept.contact_grid);
+        if self.has_history() {
+            self.holes.clone_from(&kept.holes);
+            self.holes.go_back();
+        }
         self.chain.state.clone_from(&kept.state);
         self.trajectory.clone_from(&kept.trajectory);
         self.shape.clone_from(&kept.shape);
@@ -433,8 +545,8 @@ impl PushedRod for ContactResponse {
     /// The answer at stations of the model, where it stands.
     fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError> {
         let Some(contact_grid) = &self.contact_grid else { return Ok(None) };
-        let ContactGrid { model, grid, .. } = &**contact_grid;
-        let scratch = &mut self.workspace.scratch;
+        let ContactGrid { model, grid, friction, .. } = &**contact_grid;
+        let Workspace { scratch, commands, .. } = &mut self.workspace;
         scratch.poses.clone_from(&self.shape.poses);
         scratch.lengths.clone_from(&self.trajectory.lengths);
         scratch.tensions.clone_from(&self.chain.state.tensions);
@@ -442,7 +554,17 @@ impl PushedRod for ContactResponse {
         scratch.base_wrench =
             Wrench { force: scratch.applied.base_force() + base.force, moment: base.moment };
         let found = Found { iterations: 0, residual: self.gap, lost_at: None };
-        model.solution(grid, case, &mut self.workspace, found, self.refinement.error).map(Some)
+        if let Some(Friction { holes, .. }) = friction {
+            self.holes.keep(holes, commands);
+            scratch.tensions.clone_from(&self.holes.history().base);
+        }
+        let error = self.refinement.error;
+        let mut solution = model.solution(grid, case, &mut self.workspace, found, error)?;
+        if let Some(friction) = friction {
+            let History { tensions, slip_states, .. } = self.holes.history();
+            model.write_friction(grid, friction, (tensions, slip_states), &mut solution);
+        }
+        Ok(Some(solution))
     }
 }
 
@@ -474,14 +596,13 @@ impl ContactGrid {
             0 => model.grid.clone(),
             _ => Grid::refined(robot, &model.layout, steps, halvings)?,
         };
-        Ok(Self {
-            model,
-            grid,
-            steps,
-            halvings,
-            stations: stations.to_vec(),
-            pushes: pushes.to_vec(),
-        })
+        let friction = model.has_friction().then(|| model.friction_on(&grid));
+        let profile = friction
+            .as_ref()
+            .map(|friction| friction.nodes.flat_profile(&grid))
+            .unwrap_or_default();
+        let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
+        Ok(Self { model, grid, steps, halvings, stations, pushes, friction, profile })
     }
 
     /// The node of a station or a push.

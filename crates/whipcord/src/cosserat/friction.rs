@@ -5,6 +5,7 @@ use whipcord_numerics::Vec3;
 
 use super::chain::{Chain, Task};
 use super::continuation::raise_load;
+use super::loaded::Trajectory;
 use super::problem::{Problem, StabilityCheck};
 use super::scratch::{Scratch, Start};
 use super::sensitivity::{Tensions, Unknowns};
@@ -271,17 +272,7 @@ impl PassageResponse for FrictionRod<'_> {
                 return Err(fault);
             }
         };
-        at.lengths.clear();
-        at.lengths.resize(nodes.count(), 0.0);
-        at.turns.clear();
-        at.turns.resize(nodes.count(), 0.0);
-        self.memory.slopes.clear();
-        self.memory.slopes.resize(nodes.count(), TurnSlope::default());
-        for (cable, excess) in grid.shooting.rest_excess.iter().enumerate() {
-            at.lengths[nodes.of_cable(cable).start] -= excess;
-        }
-        nodes.add_lengths(grid, trajectory.strains(), &mut at.lengths);
-        nodes.turns(grid, trajectory, &mut at.turns, &mut self.memory.slopes);
+        self.memory.measure(grid, nodes, trajectory, at);
         Ok(gap)
     }
 
@@ -392,6 +383,27 @@ impl PassageResponse for FrictionRod<'_> {
 }
 
 impl ResponseScratch {
+    /// Lengths and angles of all passages where a shot with samples has gone.
+    pub fn measure(
+        &mut self,
+        grid: &Grid,
+        nodes: &TensionNodes,
+        trajectory: &Trajectory,
+        at: &mut Passages,
+    ) {
+        at.lengths.clear();
+        at.lengths.resize(nodes.count(), 0.0);
+        at.turns.clear();
+        at.turns.resize(nodes.count(), 0.0);
+        self.slopes.clear();
+        self.slopes.resize(nodes.count(), TurnSlope::default());
+        for (cable, excess) in grid.shooting.rest_excess.iter().enumerate() {
+            at.lengths[nodes.of_cable(cable).start] -= excess;
+        }
+        nodes.add_lengths(grid, trajectory.strains(), &mut at.lengths);
+        nodes.turns(grid, trajectory, &mut at.turns, &mut self.slopes);
+    }
+
     /// How the turns change with the directions of the cables, where they were measured last.
     pub fn slopes(&self) -> &[TurnSlope] {
         &self.slopes
@@ -399,7 +411,7 @@ impl ResponseScratch {
 
     /// Eliminates the chain that was shot last, with all tensions for what its steps share, and keeps what lengths and turns are
     /// by the unknowns of each step; `false` where it is singular.
-    fn eliminate(
+    pub fn eliminate(
         &mut self,
         task: &Task<'_>,
         (nodes, profile): (&TensionNodes, &[f64]),

@@ -166,6 +166,7 @@ impl Cosserat {
             are_strains_met: false,
             history: &[],
             nodes: &grid.stations,
+            open: None,
             sliding: Some(SlidingAnswer {
                 holes: &friction.holes,
                 standing,

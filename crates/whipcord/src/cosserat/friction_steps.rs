@@ -84,7 +84,8 @@ impl Cosserat {
         self.write_answer(&grid, last, workspace, (found, error), verdict, solution);
         let Workspace { friction: memory, progress, .. } = workspace;
         if let Some(Level { history, .. }) = memory.levels.get(progress.level) {
-            self.write_friction(&grid, &friction, history, solution);
+            let holes = (&history.tensions[..], &history.slip_states[..]);
+            self.write_friction(&grid, &friction, holes, solution);
         }
         Ok(())
     }
@@ -274,11 +275,11 @@ impl Cosserat {
     }
 
     /// Writes tensions and slip of the cables with friction.
-    fn write_friction(
+    pub(super) fn write_friction(
         &self,
         grid: &Grid,
         friction: &Friction,
-        history: &History<State>,
+        (tensions, slip_states): (&[f64], &[SlipState]),
         solution: &mut Solution,
     ) {
         for (place, &cable) in self.layout.order.iter().enumerate() {
@@ -294,11 +295,11 @@ impl Cosserat {
                 ends.insert(0, 0);
             }
             for pair in ends.windows(2) {
-                let of = |k: usize| history.tensions[friction.nodes.at(place, k)];
+                let of = |k: usize| tensions[friction.nodes.at(place, k)];
                 let length = |k: usize| grid.steps[k].length;
                 let mean = (pair[0]..pair[1]).map(|k| length(k) * of(k)).sum::<f64>();
                 spans.push(mean / (pair[0]..pair[1]).map(length).sum::<f64>());
-                states.push(history.slip_states[friction.nodes.at(place, pair[0])]);
+                states.push(slip_states[friction.nodes.at(place, pair[0])]);
             }
         }
     }
@@ -318,6 +319,10 @@ impl Cosserat {
         if self.robot.has_bending_friction() && case.obstacles.is_empty() && !case.independent {
             case.check(&self.robot).map_err(|error| (0, error.into()))?;
             return self.solve_steps_with_bending_friction(case, workspace, each);
+        }
+        if self.has_friction() && !case.obstacles.is_empty() && !case.independent {
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            return self.rub_among_obstacles(case, workspace, each);
         }
         let steps: Vec<Case> = case.single_steps().collect();
         let remembers = self.has_friction() && case.obstacles.is_empty() && !case.independent;

@@ -257,6 +257,7 @@ impl Cosserat {
             history,
             nodes: &grid.stations,
             sliding: None,
+            open: None,
         })
     }
 

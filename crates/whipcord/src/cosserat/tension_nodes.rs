@@ -154,6 +154,67 @@ impl TensionNodes {
         (tensions, states)
     }
 
+    /// What is known at the starts of the steps of cables on another grid, and 0 where they end, at those of this one: by the cubic through
+    /// four neighbours.
+    pub fn carried_starts(
+        &self,
+        grid: &Grid,
+        (other, from): (&Self, &Grid),
+        known: &[f64],
+    ) -> Vec<f64> {
+        self.carried_from(grid, other, |old, nodes, k| {
+            let start = |grid: &Grid, k: usize| match grid.steps.get(k) {
+                Some(step) => step.start,
+                None => grid.steps[k - 1].start + grid.steps[k - 1].length,
+            };
+            if !nodes.varies {
+                return known[old.first];
+            }
+            let (s, count) = (start(grid, k), old.steps + 1);
+            let value = |j: usize| if j < old.steps { known[old.first + j] } else { 0.0 };
+            let after = (0..count).find(|&j| start(from, j) >= s).unwrap_or(count - 1);
+            let first = after.saturating_sub(2).min(count.saturating_sub(4));
+            let near = first..count.min(first + 4);
+            let part = |i: usize| {
+                let others = near.clone().filter(|&j| j != i);
+                let of = |j: usize| (s - start(from, j)) / (start(from, i) - start(from, j));
+                value(i) * others.map(of).product::<f64>()
+            };
+            near.clone().map(part).sum()
+        })
+    }
+
+    /// What is known in the steps of cables on another grid, in those of this one that begin in them.
+    pub fn carried_steps<T: Copy>(
+        &self,
+        grid: &Grid,
+        (other, from): (&Self, &Grid),
+        known: &[T],
+    ) -> Vec<T> {
+        self.carried_from(grid, other, |old, nodes, k| {
+            if !nodes.varies {
+                return known[old.first];
+            }
+            let middle = grid.steps[k].start + 0.5 * grid.steps[k].length;
+            let behind = from.steps[..old.steps].partition_point(|step| step.start <= middle);
+            known[old.first + behind.saturating_sub(1)]
+        })
+    }
+
+    fn carried_from<T>(
+        &self,
+        grid: &Grid,
+        other: &Self,
+        value: impl Fn(&CableNodes, &CableNodes, usize) -> T,
+    ) -> Vec<T> {
+        debug_assert!(self.cables.iter().all(|nodes| nodes.steps <= grid.len()));
+        let value = &value;
+        let pairs = self.cables.iter().zip(&other.cables);
+        pairs
+            .flat_map(|(nodes, old)| (0..nodes.count()).map(move |k| value(old, nodes, k)))
+            .collect()
+    }
+
     /// By how much `Dᵢ` changed at all nodes of this grid, from the changes on the grid whose steps were halved to it: at the nodes between
     /// two of these by the cubic through four, where the cable sticks at all of them.
     pub fn halved_rest(&self, grid: &Grid, coarse: &[f64], states: &[SlipState]) -> Vec<f64> {

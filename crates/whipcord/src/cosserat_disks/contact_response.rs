@@ -8,7 +8,7 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::chain::Chain;
 use super::layout::Mesh;
-use super::loaded_span::Gap;
+use super::loaded_span::{Gap, Slope};
 use super::model::CosseratDisks;
 use super::node::Node;
 use super::task::Task;
@@ -16,9 +16,10 @@ use super::unloaded::From;
 use super::workspace::Workspace;
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{DenseOutput, PushedRod, Refinement, RodResponse};
+use crate::contact::{DenseOutput, PushedRod, Refinement, RodHoles, RodResponse};
 use crate::derivatives::{
-    Cables, Derivatives, Motion, NoDerivatives, NodeChange, Solved, StepGap, StraightCables,
+    Cables, Derivatives, Motion, NoDerivatives, NodeChange, OpenStrands, Solved, StepGap,
+    StraightCables,
 };
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -26,8 +27,10 @@ use crate::robot::Robot;
 use crate::section::{BodyWrench, Fault};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
+use crate::statics::friction::{History, Holes, Passages, PushedHoles};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
+use crate::statics::passages::Passage;
 use crate::statics::path::Step;
 use crate::statics::refinement::Coarse;
 use crate::stations::Stations;
@@ -47,6 +50,9 @@ pub(super) struct ContactResponse {
     gap: f64,
     linear: Option<RodResponse>,
     refinement: Refinement,
+    /// Where cables rub, and whether the equations of their holes change the parity of (6).
+    holes: PushedHoles,
+    odd: bool,
 }
 
 /// What it is to be kept for, to go back to.
@@ -98,7 +104,10 @@ impl ContactMesh {
         let model = CosseratDisks::new(robot, &case.loads, &options)?;
         let mesh = model.frame().mesh(steps, halvings)?;
         let passages = model.frame().spans.iter().flat_map(|span| &span.passages);
-        let groups = passages.map(|passage| passage.cable).collect();
+        let rubs = model.has_friction();
+        // Where cables rub, every passage has a tension of its own.
+        let group = |(p, passage): (usize, &Passage)| if rubs { p } else { passage.cable };
+        let groups = passages.enumerate().map(group).collect();
         let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
         Ok(Self { model, mesh, steps, halvings, stations, pushes, groups })
     }
@@ -122,7 +131,7 @@ impl ContactMesh {
             load: 1.0,
             step: Step::Close,
             groups: &self.groups,
-            commands: if by_length { commands } else { &[] },
+            commands: if by_length && !self.model.has_friction() { commands } else { &[] },
             derivatives: false,
             tolerance: options.greatest_residual(),
             meter: workspace.meter(),
@@ -136,9 +145,14 @@ impl ContactResponse {
         let (frame, mesh) = (contact_mesh.model.frame(), &contact_mesh.mesh);
         let cables = self.workspace.commands().len();
         let rest = vec![0.0; contact_mesh.groups.len()];
+        let mut tensions = cables;
+        if let Some(holes) = &contact_mesh.model.holes {
+            self.holes.reset(holes);
+            tensions = rest.len();
+        }
         let unloaded = self.workspace.unloaded_mut();
         unloaded.sweep(frame, mesh, &rest, From::Nothing, false)?;
-        self.chain.pull(&contact_mesh.groups, &vec![0.0; cables]);
+        self.chain.pull(&contact_mesh.groups, &vec![0.0; tensions]);
         self.chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
         Ok(())
     }
@@ -208,6 +222,9 @@ impl ContactResponse {
             let started = self.start_at_rest(contact_mesh);
             started.map_err(|fault| self.fault(contact_mesh, fault))?;
         }
+        if let Some(holes) = &contact_mesh.model.holes {
+            return self.looked_rubbing(contact_mesh, holes);
+        }
         if let Some(answer) = warm {
             self.start_near(contact_mesh, answer);
         }
@@ -224,8 +241,47 @@ impl ContactResponse {
         Ok(())
     }
 
+    /// The same of a rod whose cables rub.
+    fn looked_rubbing(
+        &mut self,
+        contact_mesh: &ContactMesh,
+        holes: &Holes,
+    ) -> Result<(), SolveError> {
+        self.chain.slopes.resize(contact_mesh.groups.len(), Slope::default());
+        self.chain.pull(&contact_mesh.groups, self.holes.tensions());
+        let task = contact_mesh.task(&self.workspace);
+        let measured = self.chain.measure(&task);
+        if measured.is_ok() {
+            let Passages { lengths, turns } = self.holes.at_mut();
+            lengths.clone_from(&self.chain.lengths);
+            turns.resize(lengths.len(), 0.0);
+            for passages in &holes.of_cable {
+                self.chain.turn(&task, passages, turns);
+            }
+        }
+        self.chain.slopes.clear();
+        let gap = measured.map_err(|fault| self.fault(contact_mesh, fault))?;
+        self.gap = gap.max(self.holes.assess(holes, self.workspace.commands()));
+        self.place(&contact_mesh.mesh);
+        Ok(())
+    }
+
+    /// Eliminates the tensions of the passages of a rod whose cables rub, with pushes at these nodes.
+    fn eliminate(&mut self, contact_mesh: &ContactMesh, nodes: &[usize]) -> Result<(), SolveError> {
+        let Self { linear, holes: state, workspace, odd, .. } = self;
+        let (Some(linear), Some(holes)) = (linear, &contact_mesh.model.holes) else {
+            return Ok(());
+        };
+        let at = RodHoles { state, holes, commands: workspace.commands() };
+        *odd = linear.eliminate(nodes, at).ok_or(SolveError::NoDerivatives)?;
+        Ok(())
+    }
+
     /// Which cables are taut.
     fn taut(&self, contact_mesh: &ContactMesh) -> Vec<bool> {
+        if contact_mesh.model.has_friction() {
+            return vec![true; self.workspace.commands().len()];
+        }
         let frame = contact_mesh.model.frame();
         let units = [frame.scales(&contact_mesh.mesh).force, frame.rod.backbone().length];
         let (tensions, lengths) = (&self.chain.tensions, &self.chain.lengths);
@@ -251,7 +307,14 @@ impl ContactResponse {
         // Lengths before actuation hang on parameters alone.
         let rest = (!parameters.is_empty()).then(|| frame.rest_mesh()).transpose()?;
         let rest = rest.as_ref().map(|mesh| (&mesh.grid, frame.straight_spans(mesh)));
-        let spans = frame.straight_spans(mesh);
+        let mut spans = frame.straight_spans(mesh);
+        let rubbing = model.holes.as_ref().map(|holes| frame.strands(holes));
+        if rubbing.is_some() {
+            for (straight, span) in spans.iter_mut().zip(&frame.spans) {
+                let range = span.first..span.first + span.passages.len();
+                straight.tensions = Some(&chain.pulled[range]);
+            }
+        }
         let straight = StraightCables {
             spans: &spans,
             rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
@@ -268,7 +331,7 @@ impl ContactResponse {
             grid: &mesh.grid,
             loads,
             commands,
-            tensions: &chain.tensions,
+            tensions: if rubbing.is_some() { self.holes.at_base() } else { &chain.tensions },
             taut,
             poses: &self.shape.poses,
             base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
@@ -278,6 +341,7 @@ impl ContactResponse {
             history: &[],
             nodes,
             sliding: None,
+            open: rubbing.as_ref().map(|strands| OpenStrands { strands, varying: None }),
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {
             NoDerivatives::Parameter(error) => error.into(),
@@ -311,6 +375,11 @@ impl ContactResponse {
             let to_base = |x: Vec3| node.rotation.rotate(x);
             Wrench { force: to_base(linear), moment: to_base(angular) }
         });
+        if contact_mesh.model.has_friction() {
+            let unbalanced: Vec<Wrench> = lacks.collect();
+            let closing = derivatives.open_closing(&gaps, &unbalanced);
+            return Ok(RodResponse::rubbing(derivatives, closing));
+        }
         let slackness: Vec<f64> = commands
             .iter()
             .enumerate()
@@ -385,6 +454,10 @@ impl PushedRod for ContactResponse {
             && let Some(contact_mesh) = &self.contact_mesh
         {
             self.linear = Some(self.linearised(contact_mesh, robot, case)?);
+            if contact_mesh.model.has_friction() {
+                let contact_mesh = Arc::clone(contact_mesh);
+                self.eliminate(&contact_mesh, &[])?;
+            }
         }
         Ok(())
     }
@@ -416,6 +489,14 @@ impl PushedRod for ContactResponse {
             return;
         };
         let nodes: Vec<usize> = places.map(|at| contact_mesh.node(at)).collect();
+        if let Some(holes) = &contact_mesh.model.holes {
+            let (state, commands) = (&mut self.holes, self.workspace.commands());
+            match linear.eliminate(&nodes, RodHoles { state, holes, commands }) {
+                Some(odd) => self.odd = odd,
+                // Nothing finite comes of it.
+                None => return drift.push(f64::NAN),
+            }
+        }
         linear.compliance(&nodes, compliance, drift);
     }
 
@@ -423,7 +504,13 @@ impl PushedRod for ContactResponse {
         let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &self.linear) else {
             return part;
         };
-        let Motion { nodes, disks, tensions } = linear.step(changes);
+        let Motion { nodes, disks, tensions } = match &contact_mesh.model.holes {
+            None => linear.step(changes),
+            Some(holes) => {
+                let (state, commands) = (&mut self.holes, self.workspace.commands());
+                linear.step_rubbing(changes, RodHoles { state, holes, commands })
+            }
+        };
         let most = disks.iter().map(|disk| disk.turn.norm()).fold(0.0, f64::max);
         let part = if part * most > LONGEST { LONGEST / most } else { part };
         let has_followers = self.workspace.loads().any_follower_force();
@@ -441,6 +528,11 @@ impl PushedRod for ContactResponse {
                 *node = node.moved(part, &change, &NodeChange::default(), false);
             }
         }
+        if contact_mesh.model.has_friction() {
+            self.holes.advance(&tensions, part);
+            self.chain.pull(&contact_mesh.groups, self.holes.tensions());
+            return part;
+        }
         let mut pulled = self.chain.tensions.clone();
         for (tension, change) in pulled.iter_mut().zip(&tensions) {
             *tension = (*tension + part * change).max(0.0);
@@ -452,11 +544,18 @@ impl PushedRod for ContactResponse {
     fn stands(&mut self) -> bool {
         let Some(contact_mesh) = &self.contact_mesh else { return true };
         let task = contact_mesh.task(&self.workspace);
-        let negative = self.chain.is_determinant_negative(&task);
-        !negative.unwrap_or(false)
+        let negative = self.chain.is_determinant_negative(&task).unwrap_or(false);
+        negative == (contact_mesh.model.has_friction() && self.odd)
     }
 
-    fn keep(&self, kept: &mut Kept) {
+    fn has_history(&self) -> bool {
+        self.contact_mesh.as_ref().is_some_and(|contact_mesh| contact_mesh.model.has_friction())
+    }
+
+    fn keep(&mut self, kept: &mut Kept) {
+        if let Some(holes) = self.contact_mesh.as_ref().and_then(|at| at.model.holes.as_ref()) {
+            self.holes.keep(holes, self.workspace.commands());
+        }
         kept.contact_mesh.clone_from(&self.contact_mesh);
         kept.nodes.clone_from(&self.chain.nodes);
         kept.tensions.clone_from(&self.chain.tensions);
@@ -468,6 +567,7 @@ impl PushedRod for ContactResponse {
         self.contact_mesh.clone_from(&kept.contact_mesh);
         self.chain.nodes.clone_from(&kept.nodes);
         self.shape.clone_from(&kept.shape);
+        self.holes.go_back();
         if let Some(contact_mesh) = &self.contact_mesh {
             self.chain.pull(&contact_mesh.groups, &kept.tensions);
         }
@@ -493,7 +593,17 @@ impl PushedRod for ContactResponse {
         let force = self.workspace.loads().base_force() + base.force;
         let base_wrench = Wrench { force, moment: base.moment };
         let Chain { tensions, lengths, .. } = &self.chain;
-        self.workspace.adopt(&self.shape.poses, tensions, lengths, base_wrench);
+        match &contact_mesh.model.holes {
+            None => self.workspace.adopt(&self.shape.poses, tensions, lengths, base_wrench),
+            Some(holes) => {
+                self.holes.keep(holes, self.workspace.commands());
+                let mut of_cables = Vec::new();
+                holes.cable_lengths(lengths, &mut of_cables);
+                let History { base, tensions, slip_states, .. } = self.holes.history();
+                self.workspace.adopt(&self.shape.poses, base, &of_cables, base_wrench);
+                self.workspace.adopt_holes(tensions, slip_states);
+            }
+        }
         let found = Found { iterations: 0, residual: self.gap, lost_at: None };
         let ContactMesh { model, mesh, .. } = &**contact_mesh;
         let cases = core::slice::from_ref(case);

@@ -163,7 +163,7 @@ impl PassageResponse for Rubbing<'_> {
 impl Chain {
     /// The angles in the holes of a cable where the chain was measured last, and how they change with the directions of its
     /// passages.
-    fn turn(&mut self, task: &Task<'_>, passages: &[usize], turns: &mut [f64]) {
+    pub(super) fn turn(&mut self, task: &Task<'_>, passages: &[usize], turns: &mut [f64]) {
         for (place, &p) in passages.iter().enumerate() {
             let coming = match place.checked_sub(1) {
                 None => Vec3::Z,

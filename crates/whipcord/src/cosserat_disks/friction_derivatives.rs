@@ -7,7 +7,7 @@ use super::node::Node;
 use super::{CosseratDisks, Workspace};
 use crate::case::Case;
 use crate::derivatives::{
-    Cables, Derivatives, NoDerivatives, SlidingAnswer, Solved, StraightCables, Strands,
+    Cables, Derivatives, NoDerivatives, SlidingAnswer, Solved, StraightCables,
 };
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -145,12 +145,7 @@ impl CosseratDisks {
         };
         let cables = standing.base.len();
         let order: Vec<usize> = (0..cables).collect();
-        let strand = |link: usize, cable: usize| {
-            let span = self.frame().spans.get(link)?;
-            let place = span.passages.iter().position(|passage| passage.cable == cable)?;
-            Some(span.first + place)
-        };
-        let strands = Strands::of_links(cables, holes.count(), spans.len(), strand);
+        let strands = self.frame().strands(holes);
         let solved = Solved {
             robot: &self.robot,
             case,
@@ -171,6 +166,7 @@ impl CosseratDisks {
             are_strains_met: false,
             history: &[],
             nodes: if is_last { &mesh.grid.stations } else { &[] },
+            open: None,
             sliding: Some(SlidingAnswer {
                 holes,
                 standing,

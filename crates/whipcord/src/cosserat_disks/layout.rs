@@ -8,7 +8,7 @@ use super::between_disks::Span;
 use super::chord::Chord;
 use super::repeated_spans::{self, RepeatedSpan};
 use crate::case::Loads;
-use crate::derivatives::StraightSpan;
+use crate::derivatives::{StraightSpan, Strands};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Robot;
@@ -152,6 +152,16 @@ impl Frame {
     pub fn rest_mesh(&self) -> Result<Mesh, SolveError> {
         const HALVINGS: usize = 3;
         self.mesh(1, HALVINGS)
+    }
+
+    /// The passages as strands of the cables, from span to span.
+    pub fn strands(&self, holes: &Holes) -> Strands {
+        let strand = |link: usize, cable: usize| {
+            let span = self.spans.get(link)?;
+            let place = span.passages.iter().position(|passage| passage.cable == cable)?;
+            Some(span.first + place)
+        };
+        Strands::of_links(holes.of_cable.len(), holes.count(), self.spans.len(), strand)
     }
 
     /// The cables between the disks, on the steps of a mesh.

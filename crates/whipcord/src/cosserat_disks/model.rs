@@ -255,6 +255,10 @@ impl CosseratDisks {
             return Ok(());
         }
         if !case.obstacles.is_empty() {
+            if self.holes.is_some() && !case.independent {
+                workspace.meter.start(&self.options.cancel, self.options.budget);
+                return self.rub_among_obstacles(case, workspace, each);
+            }
             let mut last = None;
             for (n, step) in case.single_steps().enumerate() {
                 let solution =
@@ -399,6 +403,7 @@ impl CosseratDisks {
             history,
             nodes: if self.robot.has_bending_friction() { &all } else { &mesh.grid.stations },
             sliding: None,
+            open: None,
         })
     }
 

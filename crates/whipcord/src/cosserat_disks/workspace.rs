@@ -8,7 +8,7 @@ use super::problem::Neighbour;
 use super::scratch::Scratch;
 use super::unloaded::Unloaded;
 use crate::budget::Meter;
-use crate::shape::Wrench;
+use crate::shape::{SlipState, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::{Course, History};
 use crate::statics::loads::AppliedLoads;
@@ -97,6 +97,15 @@ impl Workspace {
         scratch.lengths.clear();
         scratch.lengths.extend_from_slice(lengths);
         scratch.base_wrench = base_wrench;
+    }
+
+    /// The same of the tensions and the slip states of the passages of cables that rub.
+    pub(super) fn adopt_holes(&mut self, tensions: &[f64], slip_states: &[SlipState]) {
+        let history = &mut self.scratch.history;
+        history.tensions.clear();
+        history.tensions.extend_from_slice(tensions);
+        history.slip_states.clear();
+        history.slip_states.extend_from_slice(slip_states);
     }
 
     /// Keeps what the answer on a coarse mesh is compared by.

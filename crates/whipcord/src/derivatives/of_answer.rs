@@ -52,6 +52,16 @@ pub(crate) struct Solved<'a> {
     pub nodes: &'a [usize],
     /// Where cables rub.
     pub sliding: Option<SlidingAnswer<'a>>,
+    /// Where cables rub, but the tensions of their strands are not those of an answer: nothing is held but these.
+    pub open: Option<OpenStrands<'a>>,
+}
+
+/// Strands whose tensions are changed from outside.
+#[derive(Clone, Copy)]
+pub(crate) struct OpenStrands<'a> {
+    pub strands: &'a Strands,
+    /// Where cables rub all along their curves.
+    pub varying: Option<Varying<'a>>,
 }
 
 /// The holes of an answer whose cables rub, and its strands, which are their passages.
@@ -78,7 +88,11 @@ impl Solved<'_> {
             starts: self.starts,
             strains: self.strains,
             are_strains_met: self.are_strains_met,
-            varying: self.sliding.as_ref().and_then(|sliding| sliding.varying),
+            varying: match (&self.sliding, &self.open) {
+                (Some(sliding), _) => sliding.varying,
+                (None, Some(open)) => open.varying,
+                (None, None) => None,
+            },
         }
     }
 }
@@ -92,9 +106,10 @@ impl Derivatives {
         let rest = of_robot.straight.and_then(|straight| straight.rest);
         let rest = rest.map(|(grid, spans)| at_rest(grid, spans, tensions)).transpose()?;
         let poses = solved.poses;
-        let strands = match &solved.sliding {
-            Some(sliding) => sliding.strands.clone(),
-            None => Strands::of_cables(of_robot.order.len()),
+        let strands = match (&solved.sliding, &solved.open) {
+            (Some(sliding), _) => sliding.strands.clone(),
+            (None, Some(open)) => open.strands.clone(),
+            (None, None) => Strands::of_cables(of_robot.order.len()),
         };
         let setting = Setting {
             strands: &strands,
@@ -169,6 +184,7 @@ impl Derivatives {
         };
         derivatives.cables = solved.taut.iter().enumerate().map(end).collect();
         match &solved.sliding {
+            None if solved.open.is_some() => {}
             None => derivatives.hold()?,
             Some(sliding) => {
                 let source = |partial: &Partial| partial.hole_source(&setting, sliding.holes);

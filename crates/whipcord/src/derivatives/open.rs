@@ -59,7 +59,35 @@ impl Motion {
     }
 }
 
+/// How all nodes move while the tensions of all strands stay, and what the strands' lengths and angles change by.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OpenChange {
+    pub motion: Motion,
+    pub outputs: Vec<f64>,
+}
+
+impl From<Raw> for OpenChange {
+    fn from(Raw { nodes, disks, lengths, .. }: Raw) -> Self {
+        Self { motion: Motion { nodes, disks, tensions: Vec::new() }, outputs: lengths }
+    }
+}
+
 impl Derivatives {
+    /// How everything moves with a wrench at a node, the tensions of all strands held.
+    pub(crate) fn open_response(&self, node: usize, wrench: Wrench) -> OpenChange {
+        self.respond(None, Some((node, wrench))).into()
+    }
+
+    /// How everything moves with the tension of each strand, by its number.
+    pub(crate) fn strand_responses(&self) -> impl Iterator<Item = OpenChange> + '_ {
+        self.by_tension.iter().map(|raw| raw.clone().into())
+    }
+
+    /// The step that closes the gaps while the tensions of all strands stay; as [`Self::closing`] has it.
+    pub(crate) fn open_closing(&self, gaps: &[StepGap], unbalanced: &[Wrench]) -> OpenChange {
+        self.closing_at_tensions(gaps, unbalanced).into()
+    }
+
     /// The step that closes the gaps, takes the tension off cables that are not taut, and takes those that
     /// are by these slacknesses in m to their lengths. `unbalanced` is what (d7) lacks at the near disk of each span, of
     /// cables that run straight between disks: rod and cables less what acts there.
@@ -71,6 +99,15 @@ impl Derivatives {
         taut: &[bool],
         slackness: &[f64],
     ) -> Motion {
+        let raw = self.closing_at_tensions(gaps, unbalanced);
+        let release = |place: usize| match self.commands[place] {
+            Command::Length { .. } if !taut[place] => -tensions[place],
+            _ => 0.0,
+        };
+        self.complete(raw, (0..tensions.len()).map(release).collect(), slackness)
+    }
+
+    fn closing_at_tensions(&self, gaps: &[StepGap], unbalanced: &[Wrench]) -> Raw {
         let start = |k: usize| {
             unbalanced
                 .get(k)
@@ -88,20 +125,17 @@ impl Derivatives {
         if let Some(spans) = self.linear.spans() {
             for k in 0..self.links() {
                 let [_, by_moment, by_force] = start(k);
-                for (place, length) in raw.lengths.iter_mut().enumerate() {
-                    let [_, moment, force] = &self.maps.length_by_state[k * tensions.len() + place];
-                    *length += moment.dot(by_moment) + force.dot(by_force);
+                for row in 0..self.maps.rows {
+                    let Some(output) = self.strands.output(k, row) else { continue };
+                    let [_, moment, force] = &self.maps.length_by_state[k * self.maps.rows + row];
+                    raw.lengths[output] += moment.dot(by_moment) + force.dot(by_force);
                 }
             }
             raw.disks = core::mem::take(&mut raw.nodes);
             let acting = |k: usize, node: usize| spans.inside(k, node).apply(start(k));
             spans.expand(&raw.disks, acting, &mut raw.nodes);
         }
-        let release = |place: usize| match self.commands[place] {
-            Command::Length { .. } if !taut[place] => -tensions[place],
-            _ => 0.0,
-        };
-        self.complete(raw, (0..tensions.len()).map(release).collect(), slackness)
+        raw
     }
 
     /// How everything moves with a wrench at a node, all commands held.

@@ -10,6 +10,7 @@ use crate::error::SolveError;
 use crate::shape::{NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::friction::{Course, History, Slides, step};
+use crate::statics::loads::check as check_loads;
 use crate::statics::outcome::Failure;
 use crate::warm_start::WarmStart;
 
@@ -78,6 +79,11 @@ impl Linkage {
         workspace.forget();
         if self.keeps_history(case) {
             return self.bend_in_steps(case, workspace, each);
+        }
+        if self.has_friction() && !case.obstacles.is_empty() && !case.independent {
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
+            return self.rub_among_obstacles(case, workspace, each);
         }
         for n in 0..=case.before.len() {
             let Some(step) = case.step(n) else { break };

@@ -3,8 +3,10 @@
 use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::contact_response::{ContactResponse, DrivenCables};
+use super::holes_in_contact::HolesInContact;
 use super::motion::Coordinates;
 use super::statics::{Effort, FEW_ITERATIONS};
+use super::task::Task;
 use super::{Linkage, Workspace};
 use crate::cancel::Cancel;
 use crate::case::Case;
@@ -14,8 +16,9 @@ use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::refusal;
-use crate::shape::{NoStability, Solution};
+use crate::shape::{NoStability, Solution, Wrench};
 use crate::statics::command::Command;
+use crate::statics::friction::History;
 use crate::statics::loads::check as check_loads;
 use crate::statics::options::StabilityAnalysis;
 
@@ -73,6 +76,9 @@ impl Linkage {
         if !self.knows_forces {
             refusal::movable_objects(self.kind, case)?;
         }
+        if self.has_friction() {
+            return contact::last_of(|each| self.rub_among_obstacles(case, workspace, each));
+        }
         let watched = Watched::new(self);
         let mut free = FreeChain { model: self, workspace, watched: &watched.places };
         if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
@@ -80,6 +86,29 @@ impl Linkage {
         }
         let mut adapter = ContactAdapter::new(self, watched, workspace);
         contact::solve(&mut adapter, &self.robot, case, warm_start)
+    }
+
+    /// With friction at the holes: the answers to all steps of actuation, from rest on.
+    pub(super) fn rub_among_obstacles(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        mut each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        if !self.knows_forces {
+            refusal::movable_objects(self.kind, case).map_err(|error| (0, error))?;
+        }
+        let mut adapter = ContactAdapter::new(self, Watched::new(self), workspace);
+        let mut found = Vec::new();
+        let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, |of_step| {
+            found.push(of_step);
+        });
+        contact::rubbing_or_free(case, found, |alone| {
+            workspace.forget();
+            self.solve_alone(alone, None, workspace)
+        })
+        .try_for_each(|solution| solution.map(&mut each))?;
+        followed
     }
 }
 
@@ -183,7 +212,11 @@ struct ContactAdapter<'a> {
     found: ContactResponse,
     /// Whether that is of where it stands.
     is_linear: bool,
+    /// Whether anything pushes it where it last looked.
+    is_pushed: bool,
     kept: State,
+    /// Where cables rub in their holes.
+    holes: Option<HolesInContact<'a>>,
 }
 
 impl<'a> ContactAdapter<'a> {
@@ -205,7 +238,9 @@ impl<'a> ContactAdapter<'a> {
             known: None,
             found: ContactResponse::default(),
             is_linear: false,
+            is_pushed: false,
             kept: State::default(),
+            holes: model.friction.as_ref().map(HolesInContact::new),
         };
         adapter.reset();
         adapter
@@ -229,11 +264,25 @@ impl<'a> ContactAdapter<'a> {
     /// What is left of the equations where it stands, and the poses there.
     fn measure(&mut self) -> Result<(), SolveError> {
         let Workspace { scratch, loads, commands, tensions, meter, .. } = &mut *self.workspace;
-        let task = self.model.task(loads, tensions, meter);
+        let pulled = self.holes.as_ref().map(|holes| holes.tensions().to_vec());
+        let task = self.model.task(loads, pulled.as_deref().unwrap_or(tensions), meter);
+        let task = match &self.holes {
+            Some(holes) => Task { sections: &holes.rubbing.sections, ..task },
+            None => task,
+        };
         let residual = scratch.chain.evaluate(&task);
         if !residual.is_finite() {
             let failure = scratch.failure(&task, 1.0, Effort { residual, ..Effort::default() });
+            let failure = match &self.holes {
+                Some(holes) => holes.rubbing.of_cables(failure),
+                None => failure,
+            };
             return Err(self.model.explain(failure, commands));
+        }
+        if let Some(holes) = &mut self.holes {
+            self.residual = residual.max(holes.measure(&scratch.chain, &task, commands));
+            self.place();
+            return Ok(());
         }
         let units = self.units();
         let Workspace { scratch, commands, tensions, .. } = &*self.workspace;
@@ -269,6 +318,15 @@ impl<'a> ContactAdapter<'a> {
     fn linearise(&mut self, pushes: &[f64]) -> Result<(), SolveError> {
         let units = self.units();
         let Workspace { scratch, loads, commands, tensions, meter, .. } = &mut *self.workspace;
+        if let Some(holes) = &mut self.holes {
+            let pulled = holes.tensions().to_vec();
+            let task = self.model.task(loads, &pulled, meter);
+            let task = Task { sections: &holes.rubbing.sections, ..task };
+            let at = (&task, &mut scratch.chain);
+            self.found.linearise_rubbing(self.model, at, (holes, commands), &self.disks, pushes)?;
+            self.is_linear = true;
+            return Ok(());
+        }
         let lengths = &scratch.chain.lengths;
         let of_cable =
             |(i, command): (usize, &Command)| command.is_active(i, tensions, lengths, units);
@@ -312,7 +370,9 @@ impl Compliant for ContactAdapter<'_> {
     fn effort(&self) -> f64 {
         // A coordinate costs a third of a step of a rod, and to look at a watched place a tenth.
         let coordinates = self.model.division.coordinates() * self.model.sections.len();
-        (coordinates as f64 / 3.0 + 0.1 * self.watched.places.len() as f64) / 100.0
+        // A tension about as much as a coordinate.
+        let tensions = self.holes.as_ref().map_or(0, |holes| holes.tensions().len());
+        ((coordinates + tensions) as f64 / 3.0 + 0.1 * self.watched.places.len() as f64) / 100.0
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {
@@ -324,10 +384,15 @@ impl Compliant for ContactAdapter<'_> {
         scratch.chain.rest(&self.model.sections);
         tensions.clear();
         tensions.resize(self.model.rest_lengths.len(), 0.0);
+        self.holes.iter_mut().for_each(HolesInContact::reset);
         self.place();
     }
 
     fn start_from(&mut self, answer: &Solution) {
+        if self.holes.as_ref().is_some_and(|holes| holes.has_started) {
+            // It stands there, with what the holes remember.
+            return;
+        }
         self.reset();
         let Workspace { scratch, tensions, .. } = &mut *self.workspace;
         self.model.start_from(answer, scratch);
@@ -344,6 +409,7 @@ impl Compliant for ContactAdapter<'_> {
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         self.is_linear = false;
+        self.is_pushed = pushes.iter().any(|push| push.wrench != Wrench::default());
         self.case = contact::with_pushes(case, pushes);
         self.model.accept(&self.case, self.workspace)?;
         let Workspace { commands, tensions, .. } = &mut *self.workspace;
@@ -387,8 +453,12 @@ impl Compliant for ContactAdapter<'_> {
         if !self.is_linear {
             self.linearise(&[])?;
         }
-        let Workspace { scratch, tensions, .. } = &mut *self.workspace;
-        let taken = self.found.advance(&mut scratch.chain, tensions, changes, part);
+        let Workspace { scratch, tensions, commands, .. } = &mut *self.workspace;
+        let chain = &mut scratch.chain;
+        let taken = match &mut self.holes {
+            None => self.found.advance(chain, tensions, changes, part),
+            Some(holes) => self.found.advance_rubbing(chain, (holes, commands), changes, part),
+        };
         self.is_linear = false;
         Ok(taken)
     }
@@ -398,8 +468,16 @@ impl Compliant for ContactAdapter<'_> {
         (!self.is_linear && self.linearise(&[]).is_err()) || self.found.stands
     }
 
+    fn has_touched(&self) -> bool {
+        self.is_pushed || self.holes.as_ref().is_some_and(|holes| holes.has_touched)
+    }
+
     fn keep(&mut self) {
-        let Workspace { scratch, tensions, .. } = &*self.workspace;
+        let Workspace { scratch, tensions, commands, .. } = &*self.workspace;
+        if let Some(holes) = &mut self.holes {
+            holes.keep(commands);
+            holes.has_touched |= self.is_pushed;
+        }
         self.kept.q.clone_from(&scratch.chain.q);
         self.kept.tensions.clone_from(tensions);
         self.kept.disks.clone_from(&self.disks);
@@ -413,11 +491,16 @@ impl Compliant for ContactAdapter<'_> {
         let Workspace { scratch, tensions, .. } = &mut *self.workspace;
         scratch.chain.q.clone_from(&self.kept.q);
         tensions.clone_from(&self.kept.tensions);
+        self.holes.iter_mut().for_each(HolesInContact::go_back);
         self.is_linear = false;
         self.place();
     }
 
     fn solve_free(&mut self, case: &Case) -> Result<Solution, SolveError> {
+        if self.holes.is_some() {
+            // What the holes remember of the way would be lost.
+            return Err(SolveError::NoDerivatives);
+        }
         self.is_linear = false;
         self.model.solve_alone(case, None, self.workspace)
     }
@@ -430,8 +513,17 @@ impl Compliant for ContactAdapter<'_> {
             (_, false) => NoStability::Undetermined,
         };
         let effort = Effort { residual: self.residual, ..Effort::default() };
+        if let Some(holes) = &mut self.holes {
+            let Workspace { scratch, commands, tensions, friction, .. } = &mut *self.workspace;
+            holes.keep(commands);
+            holes.cable_lengths(&mut scratch.chain.lengths);
+            let History { tensions: pulled, slip_states, base, .. } = holes.history();
+            tensions.clone_from(base);
+            friction.history.tensions.clone_from(pulled);
+            friction.history.slip_states.clone_from(slip_states);
+        }
         let solution = self.model.solution(case, effort, Err(absent), self.workspace);
-        if touching {
+        if touching || self.holes.is_some() {
             return Ok(solution);
         }
         let free = self.model.solve_alone(case, Some(&solution), self.workspace);

@@ -4,6 +4,7 @@ use whipcord_numerics::{Pose, Twist};
 
 use super::Linkage;
 use super::chain::Chain;
+use super::holes_in_contact::HolesInContact;
 use super::pivots::positive_pivots;
 use super::places::Places;
 use super::task::Task;
@@ -97,16 +98,37 @@ impl ContactResponse {
             own.iter_mut().zip(changes).for_each(|(tension, change)| *tension += change);
             places.twists(chain, task, response, twists);
         }
-        // The cables' part of each motion.
-        let mut by_cable = Vec::with_capacity(at);
-        for cable in 0..count {
-            by_cable.clear();
-            places.twists(chain, task, 1 + cable, &mut by_cable);
-            for (side, own) in tensions.chunks(count).enumerate() {
-                let moved = twists[side * at..(side + 1) * at].iter_mut();
-                moved.zip(&by_cable).for_each(|(sum, by)| *sum = *sum + *by * own[cable]);
-            }
+        add_cables(&places, (task, chain), tensions, twists);
+        Ok(())
+    }
+
+    /// The same of a chain whose cables rub: with the tensions of all passages, which the equations of the holes decide on.
+    pub fn linearise_rubbing(
+        &mut self,
+        model: &Linkage,
+        (task, chain): (&Task<'_>, &mut Chain),
+        (holes, commands): (&mut HolesInContact<'_>, &[Command]),
+        disks: &[Pose],
+        pushes: &[f64],
+    ) -> Result<(), SolveError> {
+        let Self { pushed, twists, tensions, .. } = self;
+        pushed.set(pushes);
+        let places = Places::new(model, &chain.q, disks, pushed.places());
+        chain.linearise(task);
+        let negative =
+            chain.eliminate_pushed(task, &places.pushed()).ok_or(SolveError::NoDerivatives)?;
+        let odd = holes.linearise(task, chain, commands, 6 * pushed.places().len());
+        let odd = odd.ok_or(SolveError::NoDerivatives)?;
+        self.stands = negative.is_multiple_of(2) != odd;
+        tensions.clear();
+        twists.clear();
+        let count = task.tensions.len();
+        for (k, column) in holes.columns().iter().enumerate() {
+            tensions.extend_from_slice(column);
+            let side = if k == 0 { 0 } else { count + k };
+            places.twists(chain, task, side, twists);
         }
+        add_cables(&places, (task, chain), tensions, twists);
         Ok(())
     }
 
@@ -135,18 +157,56 @@ impl ContactResponse {
         part: f64,
     ) -> f64 {
         let count = tensions.len();
-        let mut weights = vec![1.0];
-        weights.extend(self.pushed.totals(changes));
+        let totals = self.pushed.totals(changes);
         let mut pulls = vec![0.0; count];
-        for (weight, own) in weights.iter().zip(self.tensions.chunks(count.max(1))) {
+        for (weight, own) in [1.0].iter().chain(&totals).zip(self.tensions.chunks(count.max(1))) {
             pulls.iter_mut().zip(own).for_each(|(sum, own)| *sum += weight * own);
         }
-        // The step, the tensions of the cables, the components of the wrenches: as the chain has them.
-        weights.splice(1..1, pulls.iter().copied());
-        let part = chain.advance(&weights, part);
+        let part = chain.advance(&weights(&pulls, &totals), part);
         for (tension, pull) in tensions.iter_mut().zip(&pulls) {
             *tension = (*tension + part * pull).max(0.0);
         }
         part
+    }
+
+    /// The same of a chain whose cables rub.
+    pub fn advance_rubbing(
+        &self,
+        chain: &mut Chain,
+        (holes, commands): (&mut HolesInContact<'_>, &[Command]),
+        changes: &[[f64; 6]],
+        part: f64,
+    ) -> f64 {
+        let totals = self.pushed.totals(changes);
+        let pulls = holes.follow(commands, &totals);
+        let part = chain.advance(&weights(&pulls, &totals), part);
+        holes.advance(&pulls, part);
+        part
+    }
+}
+
+/// The step, the tensions of the cables, the components of the wrenches: as the chain has them.
+fn weights(pulls: &[f64], totals: &[f64]) -> Vec<f64> {
+    [1.0].iter().chain(pulls).chain(totals).copied().collect()
+}
+
+/// Adds to each motion the part of the cables, whose tensions change like this with it.
+fn add_cables(
+    places: &Places<'_>,
+    (task, chain): (&Task<'_>, &Chain),
+    tensions: &[f64],
+    twists: &mut [Twist],
+) {
+    let count = task.tensions.len();
+    let at = twists.len() * count / tensions.len().max(1);
+    let mut by_cable = Vec::with_capacity(at);
+    for cable in 0..count {
+        by_cable.clear();
+        places.twists(chain, task, 1 + cable, &mut by_cable);
+        for (own, moved) in tensions.chunks(count).zip(twists.chunks_mut(at.max(1))) {
+            for (sum, by) in moved.iter_mut().zip(&by_cable) {
+                *sum = *sum + *by * own[cable];
+            }
+        }
     }
 }

@@ -40,6 +40,7 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
+        refusal::friction_with_derivatives_among_obstacles(self.kind, &self.robot, case)?;
         if let Some(rubbing) = &self.friction {
             return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
         }

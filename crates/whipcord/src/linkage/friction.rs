@@ -91,6 +91,22 @@ impl Rubbing {
         let holes = Holes::new(robot, pieces, length, compliance);
         Self { holes, sections, strands, rest: lengths }
     }
+
+    /// The failure of a chain with passages for cables, as one of the cables.
+    pub fn of_cables(&self, failure: Failure) -> Failure {
+        of_cables(&self.holes, failure)
+    }
+}
+
+fn of_cables(holes: &Holes, failure: Failure) -> Failure {
+    match failure {
+        Failure::Folds { cable: passage, arc_length, tension, last_load } => {
+            let is_of = |passages: &Vec<usize>| passages.contains(&passage);
+            let cable = holes.of_cable.iter().position(is_of).unwrap_or_default();
+            Failure::Folds { cable, arc_length, tension, last_load }
+        }
+        other => other,
+    }
 }
 
 /// The chain as what answers the tensions of all passages.
@@ -103,24 +119,6 @@ pub(super) struct RubbingChain<'a> {
     pub before: &'a mut Vec<Coordinates>,
     pub step: &'a mut Vec<Coordinates>,
     pub turned: &'a mut Turned,
-}
-
-impl RubbingChain<'_> {
-    /// The cable of a passage.
-    fn cable_of(&self, passage: usize) -> usize {
-        let is_of = |passages: &Vec<usize>| passages.contains(&passage);
-        self.holes.of_cable.iter().position(is_of).unwrap_or_default()
-    }
-
-    fn of_cables(&self, failure: Failure) -> Failure {
-        match failure {
-            Failure::Folds { cable, arc_length, tension, last_load } => {
-                let cable = self.cable_of(cable);
-                Failure::Folds { cable, arc_length, tension, last_load }
-            }
-            other => other,
-        }
-    }
 }
 
 impl PassageResponse for RubbingChain<'_> {
@@ -137,7 +135,7 @@ impl PassageResponse for RubbingChain<'_> {
     fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
         let task = Task { tensions, ..self.task };
         let settled = self.scratch.converge(&task, self.tolerance);
-        settled.map(|_| ()).map_err(|failure| self.of_cables(failure))
+        settled.map(|_| ()).map_err(|failure| of_cables(self.holes, failure))
     }
 
     fn measure(&mut self, tensions: &[f64], at: &mut Passages) -> Result<f64, Fault> {
@@ -161,31 +159,7 @@ impl PassageResponse for RubbingChain<'_> {
         if chain.eliminate(&task, how).is_none() {
             return false;
         }
-        let n = tensions.len();
-        let wide = n + 1;
-        for rows in [&mut response.lengths, &mut response.turns] {
-            rows.clear();
-            rows.resize(n * wide, 0.0);
-        }
-        // The first side closes the residual, which is the last column.
-        for side in 0..wide {
-            let column = side.checked_sub(1).unwrap_or(n);
-            chain.add_lengths(&task, side, |p, by| response.lengths[p * wide + column] += by);
-            let mut p = 0;
-            for (k, section) in task.sections.iter().enumerate() {
-                let own = chain.response(&task, side, k);
-                let before = k.checked_sub(1).map(|k| chain.response(&task, side, k));
-                for _ in &section.passages {
-                    let product = |by: &Coordinates, response: &[f64]| -> f64 {
-                        by.iter().zip(response).map(|(by, change)| by * change).sum()
-                    };
-                    let mut turned = product(&self.turned.own[p], own);
-                    turned += before.map_or(0.0, |q| product(&self.turned.before[p], q));
-                    response.turns[p * wide + column] = turned;
-                    p += 1;
-                }
-            }
-        }
+        self.turned.responses(chain, &task, response);
         true
     }
 
@@ -223,7 +197,7 @@ impl PassageResponse for RubbingChain<'_> {
 
     fn failure(&self, _: Fault, tensions: &[f64]) -> Failure {
         let task = Task { tensions, ..self.task };
-        self.of_cables(self.scratch.failure(&task, 0.0, Effort::default()))
+        of_cables(self.holes, self.scratch.failure(&task, 0.0, Effort::default()))
     }
 }
 
@@ -242,6 +216,47 @@ impl Turned {
                 if let Some(before) = k.checked_sub(1) {
                     row[before * count..k * count].copy_from_slice(&self.before[p][..count]);
                 }
+                p += 1;
+            }
+        }
+    }
+
+    /// The responses of the last elimination to the tensions, and to closing the residual.
+    pub(super) fn responses(&self, chain: &Chain, task: &Task<'_>, response: &mut Response) {
+        let n = task.tensions.len();
+        let wide = n + 1;
+        for rows in [&mut response.lengths, &mut response.turns] {
+            rows.clear();
+            rows.resize(n * wide, 0.0);
+        }
+        // The first side closes the residual, which is the last column.
+        for side in 0..wide {
+            let column = side.checked_sub(1).unwrap_or(n);
+            chain.add_lengths(task, side, |p, by| response.lengths[p * wide + column] += by);
+            self.by_response(chain, task, side, |p, by| {
+                response.turns[p * wide + column] = by;
+            });
+        }
+    }
+
+    /// How the angle in the near hole of every passage changes with a response of the last elimination.
+    pub(super) fn by_response(
+        &self,
+        chain: &Chain,
+        task: &Task<'_>,
+        side: usize,
+        mut tell: impl FnMut(usize, f64),
+    ) {
+        let product = |by: &Coordinates, response: &[f64]| -> f64 {
+            by.iter().zip(response).map(|(by, change)| by * change).sum()
+        };
+        let mut p = 0;
+        for (k, section) in task.sections.iter().enumerate() {
+            let own = chain.response(task, side, k);
+            let before = k.checked_sub(1).map(|k| chain.response(task, side, k));
+            for _ in &section.passages {
+                let turned = before.map_or(0.0, |q| product(&self.before[p], q));
+                tell(p, product(&self.own[p], own) + turned);
                 p += 1;
             }
         }

@@ -19,6 +19,7 @@ mod energy;
 mod friction;
 mod friction_derivatives;
 mod held;
+mod holes_in_contact;
 mod layout;
 mod loads;
 mod local;
@@ -249,7 +250,6 @@ impl Linkage {
         case.check(&self.robot)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
         if !case.obstacles.is_empty() {
-            refusal::friction_among_obstacles(self.kind, &self.robot)?;
             refusal::bending_friction_among_obstacles(self.kind, &self.robot)?;
             let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
             *solution = workspace.meter.checked(outcome)?;

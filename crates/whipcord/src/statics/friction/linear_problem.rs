@@ -73,3 +73,25 @@ pub(super) fn linear_system(
         }
     }
 }
+
+/// The right-hand side of something else that changes the lengths of the passages and the angles so while the tensions stay.
+pub(super) fn right_side(
+    law: &Law<'_>,
+    here: Iterate<'_>,
+    modes: &[Mode],
+    (lengths, turns): (&[f64], &[f64]),
+    into: &mut [f64],
+) {
+    let kappa = law.holes.compliance;
+    for (cable, passages) in law.holes.of_cable.iter().enumerate() {
+        let mut beyond = 0.0;
+        for (place, &p) in passages.iter().enumerate().rev() {
+            beyond += lengths[p];
+            into[p] = match law.row((cable, place), modes[p], here).0 {
+                Row::Slack => 0.0,
+                Row::Held => -beyond,
+                Row::Slides { by_turn, incoming, .. } => kappa * by_turn * incoming * turns[p],
+            };
+        }
+    }
+}

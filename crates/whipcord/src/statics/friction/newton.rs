@@ -46,13 +46,13 @@ pub(crate) struct FrictionScratch {
     pub(super) end: Station,
     pub(super) events: Events,
     kept: Vec<f64>,
-    modes: Vec<Mode>,
+    pub(super) modes: Vec<Mode>,
     /// After the linear step.
     after: [Vec<f64>; 3],
-    response: Response,
-    matrix: Vec<f64>,
-    changes: Vec<f64>,
-    system: ReplacedRows,
+    pub(super) response: Response,
+    pub(super) matrix: Vec<f64>,
+    pub(super) changes: Vec<f64>,
+    pub(super) system: ReplacedRows,
 }
 
 impl FrictionScratch {
@@ -133,8 +133,13 @@ impl FrictionScratch {
         model: &mut M,
         law: &Law<'_>,
     ) -> Result<(f64, f64), crate::section::Fault> {
+        let gap = model.measure(&self.tensions, &mut self.at)?;
+        Ok((gap, self.assess(law)))
+    }
+
+    /// What is left of the equations of the holes at the lengths and angles as they are, as a fraction of the length.
+    pub(super) fn assess(&mut self, law: &Law<'_>) -> f64 {
         let Self { tensions, at, beyond, slip_states, modes, .. } = self;
-        let gap = model.measure(tensions, at)?;
         law.holes.beyond_into(&at.lengths, tensions, beyond);
         slip_states.resize(tensions.len(), SlipState::Sticks);
         modes.resize(tensions.len(), Mode::Free);
@@ -147,7 +152,7 @@ impl FrictionScratch {
             // A NaN must not pass for an equation that is met.
             greatest = if left.is_finite() { greatest.max(left) } else { f64::INFINITY };
         }
-        Ok((gap, greatest))
+        greatest
     }
 
     /// The linear step of shape and tensions from where they were measured last, and how much of it may be taken; `None`
@@ -156,6 +161,12 @@ impl FrictionScratch {
         if !model.respond(&self.tensions, &mut self.response) {
             return None;
         }
+        self.solve(law)?;
+        model.prepare(&self.changes)
+    }
+
+    /// The linear step of the tensions by the response as it is, in cases that agree with it; `None` where there is none.
+    pub(super) fn solve(&mut self, law: &Law<'_>) -> Option<()> {
         // What changes from one case to another is few rows.
         self.system.forget();
         for change in 0..MOST_CHANGES[1] {
@@ -164,7 +175,7 @@ impl FrictionScratch {
                 break;
             }
         }
-        model.prepare(&self.changes)
+        Some(())
     }
 
     /// Solves the linear problem of the Newton step in the cases as they are.

@@ -12,7 +12,7 @@ use crate::statics::lengths::Effort;
 use crate::statics::outcome::{Failure, Open};
 
 /// Of the backbone's length: less is no sliding.
-const SLIDES: f64 = 1e-11;
+pub(super) const SLIDES: f64 = 1e-11;
 
 /// The way from one state to the commands of a step.
 pub(super) struct Way<'a> {

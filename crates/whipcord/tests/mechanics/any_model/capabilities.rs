@@ -159,6 +159,15 @@ fn contact_with_friction(kind: ModelKind) -> Result<(), SolveError> {
     Ok(())
 }
 
+fn contact_with_friction_at_holes(kind: ModelKind) -> Result<(), SolveError> {
+    let rubbing = with_cable(|cable| cable.friction = Some(0.3));
+    let case = among(Case::with_tensions(&[4.0]), vec![wall(0.05)]);
+    let [with, without] = [rubbing, finger(9)].map(|robot| solve(kind, &robot, &case));
+    let forces = [with?, without?].map(|solution| solution.contacts[0].force.unwrap());
+    assert!(forces[0] > 0.0 && forces[0] < 0.99 * forces[1], "{forces:?}");
+    Ok(())
+}
+
 fn derivatives_of(kind: ModelKind, robot: &Robot, case: &Case) -> Result<(), SolveError> {
     let mut prepared = model(kind).prepare(robot, &case.loads)?;
     let solution = prepared.solve(case, None)?;
@@ -199,7 +208,7 @@ fn batches(kind: ModelKind) -> Result<(), SolveError> {
 
 type Question = fn(ModelKind) -> Result<(), SolveError>;
 
-const QUESTIONS: [(&str, Question); 16] = [
+const QUESTIONS: [(&str, Question); 17] = [
     ("dead loads", dead_loads),
     ("follower loads", follower_loads),
     ("distributed loads", distributed_loads),
@@ -212,6 +221,7 @@ const QUESTIONS: [(&str, Question); 16] = [
     ("stability", stability),
     ("branches and limit points", branches),
     ("contact with friction", contact_with_friction),
+    ("contact with friction at holes", contact_with_friction_at_holes),
     ("derivatives by commands, loads and parameters", derivatives),
     ("derivatives with friction at holes", derivatives_with_friction),
     ("derivatives in contact", derivatives_in_contact),

@@ -12,7 +12,7 @@ mod critical_loads;
 mod driven;
 mod equilibrium;
 mod gradients;
-mod hole_friction;
+pub mod hole_friction;
 mod independent_steps;
 mod limits;
 mod locked;

@@ -187,15 +187,3 @@ fn what_touches_nothing_is_solved_alone() {
     assert_eq!(alone.disks, among_far.disks);
     assert_eq!(alone.diagnostics.iterations, among_far.diagnostics.iterations);
 }
-
-/// Holes that rub remember the way, as contacts do.
-#[test]
-fn friction_at_the_holes_is_refused_among_obstacles() {
-    let bare = finger(9);
-    let cable = Cable { friction: Some(0.1), ..bare.cables()[0].clone() };
-    let robot = Robot::new(bare.backbone().clone(), bare.disks().clone(), vec![cable]).unwrap();
-    let case = among(Case::with_tensions(&[3.0]), vec![wall(0.05)]);
-    let error = solve_from(ModelKind::CosseratDisks, &robot, &case, None).unwrap_err();
-    let SolveError::Unsupported { path, .. } = &error else { panic!("{error}") };
-    assert_eq!(path, "cables[0].friction");
-}

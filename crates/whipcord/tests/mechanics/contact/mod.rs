@@ -11,6 +11,7 @@ mod four_bar;
 mod free_path;
 mod friction;
 mod grasp;
+mod hole_friction;
 mod limits;
 mod movable;
 mod overlap;

@@ -1,0 +1,160 @@
+//! The holes of a robot among obstacles: the tensions of all passages while the forces of contacts change.
+//!
+//! The steps on the way to an equilibrium in contact are the substeps here: each of them satisfies eq. (2) from where the last one
+//! ended. The tensions are further unknowns of the same Newton's method, which an iteration eliminates: what remains is the response
+//! of the robot and its cables to the wrenches.
+
+use whipcord_numerics::DenseLu;
+
+use super::holes::{History, Holes};
+use super::law::{Iterate, Law, Mode};
+use super::linear_problem::right_side;
+use super::newton::FrictionScratch;
+use super::response::{Passages, Response};
+use super::way::SLIDES;
+use crate::shape::SlipState;
+use crate::statics::command::Command;
+
+/// What the holes leave counts so many times as much as what contacts do: tensions are to be known more nearly.
+const EXACT: f64 = 30.0;
+
+/// The state of the holes, and of the last equilibrium.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PushedHoles {
+    scratch: FrictionScratch,
+    history: History<()>,
+    /// Whether the state was assessed since the last equilibrium.
+    is_assessed: bool,
+    /// How lengths and angles change with each component of the wrenches.
+    by_wrench: Vec<Passages>,
+    /// How the tensions change with these, after the step that is left.
+    columns: Vec<Vec<f64>>,
+    lu: DenseLu,
+}
+
+impl PushedHoles {
+    /// The robot at rest.
+    pub fn reset(&mut self, holes: &Holes) {
+        self.history = History::at_rest(holes);
+        self.scratch.tensions.clone_from(&self.history.tensions);
+        self.is_assessed = false;
+    }
+
+    /// The same state with other passages: their tensions, the lengths beyond their near holes at the last equilibrium and how they
+    /// slid to it.
+    pub fn carry(&mut self, tensions: Vec<f64>, beyond: Vec<f64>, slip_states: Vec<SlipState>) {
+        self.scratch.tensions.clone_from(&tensions);
+        (self.history.tensions, self.history.beyond) = (tensions, beyond);
+        self.history.slip_states = slip_states;
+    }
+
+    /// Tension of every passage in N.
+    pub fn tensions(&self) -> &[f64] {
+        &self.scratch.tensions
+    }
+
+    /// Tension of every cable below the base at the last equilibrium.
+    pub fn at_base(&self) -> &[f64] {
+        &self.history.base
+    }
+
+    /// Lengths and angles of all passages at the state of the robot, to be filled.
+    pub const fn at_mut(&mut self) -> &mut Passages {
+        &mut self.scratch.at
+    }
+
+    /// The last equilibrium, where its slip is that of the last step.
+    pub const fn history(&self) -> &History<()> {
+        &self.history
+    }
+
+    pub fn lengths(&self) -> &[f64] {
+        &self.scratch.at.lengths
+    }
+
+    /// What the equations of the holes leave, as a fraction of the length, times [`EXACT`].
+    pub fn assess(&mut self, holes: &Holes, commands: &[Command]) -> f64 {
+        self.is_assessed = true;
+        let before = &self.history.beyond;
+        EXACT * self.scratch.assess(&Law { holes, commands, before })
+    }
+
+    /// Eliminates the tensions: from the response of lengths and angles to them and to closing the equilibrium, and to each component of the wrenches.
+    /// Whether the equations of the holes change an odd number of directions from stable to unstable; `None` where they are singular.
+    pub fn linearise(
+        &mut self,
+        holes: &Holes,
+        commands: &[Command],
+        fill: impl FnOnce(&mut Response, &mut Vec<Passages>),
+    ) -> Option<bool> {
+        let Self { scratch, history, by_wrench, columns, lu, .. } = self;
+        fill(&mut scratch.response, by_wrench);
+        let law = Law { holes, commands, before: &history.beyond };
+        scratch.solve(&law)?;
+        let FrictionScratch { tensions, at, beyond, modes, matrix, changes, .. } = &*scratch;
+        let n = tensions.len();
+        lu.factor(n, matrix).ok()?;
+        columns.resize_with(1 + by_wrench.len(), Vec::new);
+        columns[0].clone_from(changes);
+        let here = Iterate { tensions, beyond, turns: &at.turns };
+        for (column, by) in columns[1..].iter_mut().zip(&*by_wrench) {
+            column.resize(n, 0.0);
+            right_side(&law, here, modes, (&by.lengths, &by.turns), column);
+            lu.solve(column);
+        }
+        if !columns.iter().flatten().all(|x| x.is_finite()) {
+            return None;
+        }
+        // Where the length beyond a hole is given, it falls with the tension.
+        let held = modes.iter().filter(|mode| matches!(mode, Mode::Held | Mode::Sticks)).count();
+        Some(lu.is_determinant_negative() != (held % 2 == 1))
+    }
+
+    /// How the tensions change with the step that is left, then with each component of the wrenches.
+    pub fn columns(&self) -> &[Vec<f64>] {
+        &self.columns
+    }
+
+    /// How the tensions change with the step that is left and these changes of the wrenches together, in cases of the holes that agree with it.
+    pub fn follow(&mut self, holes: &Holes, commands: &[Command], changes: &[f64]) -> Vec<f64> {
+        let Self { scratch, history, by_wrench, columns, .. } = self;
+        let n = scratch.tensions.len();
+        let response = &mut scratch.response;
+        for (by, change) in by_wrench.iter().zip(changes) {
+            let rows = response.lengths.chunks_exact_mut(n + 1).zip(&by.lengths);
+            let rows = rows.chain(response.turns.chunks_exact_mut(n + 1).zip(&by.turns));
+            rows.for_each(|(row, by)| row[n] += by * change);
+        }
+        let law = Law { holes, commands, before: &history.beyond };
+        if scratch.solve(&law).is_some() {
+            return scratch.changes.clone();
+        }
+        let mut sum = columns[0].clone();
+        for (column, change) in columns[1..].iter().zip(changes) {
+            sum.iter_mut().zip(column).for_each(|(sum, by)| *sum += change * by);
+        }
+        sum
+    }
+
+    /// Takes a part of a change of the tensions.
+    pub fn advance(&mut self, changes: &[f64], part: f64) {
+        for (tension, change) in self.scratch.tensions.iter_mut().zip(changes) {
+            *tension = (*tension + part * change).max(0.0);
+        }
+    }
+
+    /// Takes the state, which is in equilibrium, for the one that the next step starts from.
+    pub fn keep(&mut self, holes: &Holes, commands: &[Command]) {
+        if core::mem::take(&mut self.is_assessed) {
+            let FrictionScratch { tensions, beyond, at, .. } = &self.scratch;
+            let state = (&tensions[..], &beyond[..], &at.turns[..]);
+            self.history.advance(holes, commands, state, SLIDES * holes.length, ());
+        }
+    }
+
+    /// Goes back to the last equilibrium.
+    pub fn go_back(&mut self) {
+        self.is_assessed = false;
+        self.scratch.tensions.clone_from(&self.history.tensions);
+    }
+}
