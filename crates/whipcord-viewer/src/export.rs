@@ -11,8 +11,8 @@ use crate::bench::Bench;
 use crate::error::ViewError;
 use crate::grid::Grid;
 use crate::page::{Page, page};
-use crate::protocol::{Command, Request, Scene};
-use crate::scene::{begin_with, scene};
+use crate::protocol::{Command, Pose, Request, Scene};
+use crate::scene::{begin_with, pose, scene};
 
 /// Most bytes of an exported page.
 pub const MOST_BYTES: usize = 5_000_000;
@@ -26,6 +26,8 @@ const TOUCHES: usize = 8;
 /// Bytes of a strain and of a cable in a frame.
 const STRAIN_BYTES: usize = 12;
 const CABLE_BYTES: usize = 12;
+/// Numbers of the pose of a movable object.
+const POSE_NUMBERS: usize = 7;
 /// At so many places between frames the interpolation is held against solves.
 const TRIALS: usize = 100;
 
@@ -56,6 +58,10 @@ struct Recorded {
     /// Of each touch, as 32-bit floats: obstacle, arc length in m, point in m, normal, force in N (negative where there is
     /// none), friction in N, and whether it sticks (negative where nothing rubs).
     contacts: String,
+    /// The movable objects, by their numbers among the obstacles.
+    objects: Vec<usize>,
+    /// Of each of these in each frame, as 32-bit floats: position in m, quaternion (w, x, y, z).
+    object_poses: String,
     /// Of all frames.
     solved: usize,
     greatest_residual: f64,
@@ -125,7 +131,12 @@ fn record(
     }
     let pieces = scene.stations.len() - 1;
     let touching = if scene.obstacles.is_empty() { 0 } else { 4 * TOUCH_NUMBERS * TOUCHES };
-    let bytes = pieces * STRAIN_BYTES + scene.cables.len() * CABLE_BYTES + 2 + touching;
+    let moving = file.case.obstacles.iter().filter(|obstacle| obstacle.movable.is_some()).count();
+    let bytes = pieces * STRAIN_BYTES
+        + scene.cables.len() * CABLE_BYTES
+        + 4 * POSE_NUMBERS * moving
+        + 2
+        + touching;
     let most = (MOST_OF_FRAMES / presets.len() / bytes).min(MOST_FRAMES);
     let grid = Grid::new(&scene.initial.commands, |slider| scene.reach(slider), most);
     let each = grid.frames() + TRIALS;
@@ -199,6 +210,7 @@ fn frames(
     }
     let valid: Vec<u8> = all.iter().map(|frame| u8::from(frame.is_some())).collect();
     let (contact_counts, contacts) = contacts(&all);
+    let (objects, object_poses) = objects(scene, &all);
     let first = all.iter().flatten().next();
     Recorded {
         model: preset.name().to_owned(),
@@ -211,6 +223,8 @@ fn frames(
         valid: base64(&valid),
         contact_counts: base64(&contact_counts),
         contacts: base64(&contacts),
+        objects,
+        object_poses: base64(&object_poses),
         solved: all.iter().flatten().count(),
         greatest_residual: all.iter().flatten().map(|s| s.diagnostics.residual).fold(0.0, f64::max),
         trials: trials(&mut bench, scene, grid, preset, &rounded, &lengths, one_more),
@@ -236,6 +250,25 @@ fn contacts(all: &[Option<Solution>]) -> (Vec<u8>, Vec<u8>) {
         }
     }
     (counts, packed)
+}
+
+/// The movable objects, and where each is in each frame: where there is no solution, where it is in the file.
+fn objects(scene: &Scene, all: &[Option<Solution>]) -> (Vec<usize>, Vec<u8>) {
+    let first = all.iter().flatten().next();
+    let numbers: Vec<usize> =
+        first.iter().flat_map(|frame| &frame.objects).map(|object| object.obstacle).collect();
+    let mut packed = Vec::with_capacity(4 * POSE_NUMBERS * numbers.len() * all.len());
+    for frame in all {
+        for &number in &numbers {
+            let mut of_frame = frame.iter().flat_map(|frame| &frame.objects);
+            let Pose { position, orientation } = of_frame
+                .find(|object| object.obstacle == number)
+                .map_or(scene.obstacles[number].pose, |object| pose(&object.pose));
+            let numbers = position.iter().chain(&orientation);
+            numbers.for_each(|&number| packed.extend((number as f32).to_le_bytes()));
+        }
+    }
+    (numbers, packed)
 }
 
 fn solve(

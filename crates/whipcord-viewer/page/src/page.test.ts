@@ -5,7 +5,7 @@ import { linear, modelColour, parse } from "./colours";
 import { course, place, rotate, spans, strainsOf, tensions, tipFrame } from "./geometry";
 import interpolation from "./interpolation.json";
 import { extent, ticks } from "./plots";
-import { around, contacts, move } from "./recorded";
+import { around, contacts, move, objects } from "./recorded";
 import { decode, encode, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { Sharpness } from "./sharpness";
@@ -217,6 +217,20 @@ describe("an exported page", () => {
     expect(found.map((frame) => frame.length)).toEqual([0, 2, 0]);
     expect(found[1]![0]).toEqual({ obstacle: 1, arc_length: 0.5, point: [1, 2, 3], normal: [0, 0, 1], force: 4, friction: [0.5, 0, 0], sticks: true });
     expect(found[1]![1]).toMatchObject({ force: null, friction: null, sticks: false });
+  });
+
+  it("interpolates movable objects", () => {
+    const half = Math.SQRT1_2;
+    // Two objects in two frames: one moves and turns a quarter about z, the other stays, with either quaternion of its orientation.
+    const poses = new Float32Array([0, 0, 0, 1, 0, 0, 0, 5, 5, 5, 0, 1, 0, 0, 2, 4, 6, half, 0, 0, half, 5, 5, 5, 0, -1, 0, 0]);
+    const [moved, stays] = objects([1, 4], poses, [[0, 0.5], [1, 0.5]]);
+    expect(moved!.obstacle).toBe(1);
+    expect(moved!.pose.position).toEqual([1, 2, 3]);
+    expect(moved!.pose.orientation[0]).toBeCloseTo(Math.cos(Math.PI / 8), 6);
+    expect(moved!.pose.orientation[3]).toBeCloseTo(Math.sin(Math.PI / 8), 6);
+    expect(stays).toEqual({ obstacle: 4, pose: { position: [5, 5, 5], orientation: [0, 1, 0, 0] } });
+    // At a frame itself it is where that has it.
+    expect(objects([1, 4], poses, [[1, 1]])[0]!.pose.position).toEqual([2, 4, 6]);
   });
 
   it("adds strains up to a circle", () => {

@@ -23,6 +23,8 @@ interface RecordedModel {
   valid: string;
   contact_counts: string;
   contacts: string;
+  objects: number[];
+  object_poses: string;
   solved: number;
   greatest_residual: number;
   trials: { count: number; median: number; greatest: number };
@@ -34,6 +36,7 @@ interface Frames {
   cables: Float32Array;
   valid: Uint8Array;
   contacts: Contact[][];
+  objects: Float32Array;
 }
 
 function bytes(base64: string): ArrayBuffer {
@@ -126,6 +129,30 @@ export function contacts(counts: Uint8Array, numbers: Float32Array): Contact[][]
   );
 }
 
+/** Numbers of the pose of a movable object. */
+const POSE = 7;
+
+/**
+ * The movable objects between frames: the mean of their positions, and of their quaternions, which are alike in neighbouring frames. The first
+ * frame that counts says which of the two quaternions of an orientation is meant.
+ */
+export function objects(numbers: readonly number[], poses: Float32Array, weights: Weights): Solved["objects"] {
+  return numbers.map((obstacle, k) => {
+    const position: Vector = [0, 0, 0];
+    const turn: Quaternion = [0, 0, 0, 0];
+    const at = (frame: number): Float32Array => poses.subarray(POSE * (frame * numbers.length + k), POSE * (frame * numbers.length + k + 1));
+    const first = at(weights[0]![0]).subarray(3);
+    for (const [frame, weight] of weights) {
+      const pose = at(frame);
+      const alike = pose.subarray(3).reduce((sum, x, i) => sum + x * first[i]!, 0) < 0 ? -weight : weight;
+      for (let i = 0; i < 3; i++) position[i]! += weight * pose[i]!;
+      for (let i = 0; i < 4; i++) turn[i]! += alike * pose[3 + i]!;
+    }
+    const size = Math.hypot(...turn);
+    return { obstacle, pose: { position, orientation: turn.map((x) => x / size) as Quaternion } };
+  });
+}
+
 /** The pose reached by moving with a constant body twist, linear and angular: the exponential of SE(3). */
 export function move({ position, orientation }: Pose, linear: Vector, angular: Vector): Pose {
   const x = angular[0] ** 2 + angular[1] ** 2 + angular[2] ** 2;
@@ -173,6 +200,7 @@ export class Recorded implements Source {
       cables: new Float32Array(bytes(recorded.cables)),
       valid: new Uint8Array(bytes(recorded.valid)),
       contacts: contacts(new Uint8Array(bytes(recorded.contact_counts)), new Float32Array(bytes(recorded.contacts))),
+      objects: new Float32Array(bytes(recorded.object_poses)),
     }));
     // As a server does: after the page has been set up.
     queueMicrotask(() => {
@@ -199,7 +227,7 @@ export class Recorded implements Source {
     return { status: "solved", ...this.#mix(frames, weights) };
   }
 
-  #mix({ recorded, strains, cables, contacts }: Frames, weights: Weights): Solved {
+  #mix({ recorded, strains, cables, contacts, objects: placed }: Frames, weights: Weights): Solved {
     const { scene } = this.#recording;
     const pieces = scene.stations.length - 1;
     const count = scene.cables.length;
@@ -237,7 +265,7 @@ export class Recorded implements Source {
       // Those of the nearest frame: contact comes and goes, and has no mean.
       contacts: contacts[nearest]!,
       grasps: [],
-      objects: [],
+      objects: objects(recorded.objects, placed, weights),
       residual: recorded.greatest_residual,
       iterations: 0,
       stability: null,
@@ -264,7 +292,7 @@ export function describe({ scene, axes, models }: Recording): string {
     );
   });
   const moving = fixed === 0 ? "" : ` The sliders of the last ${fixed} cables or motors do not move.`;
-  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame, and movable objects stay where they are at rest.";
+  const contact = scene.obstacles.length === 0 ? "" : " Contacts are those of the nearest frame; movable objects are interpolated.";
   return (
     `A page without a server, by whipcord ${scene.version}: ${positions} positions of each slider. ${words.join(". ")}.` +
     `${moving} Loads are those of the file.${contact} Compliance is not in it.`

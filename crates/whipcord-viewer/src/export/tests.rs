@@ -142,6 +142,27 @@ fn touches_are_those_of_the_frames() {
 }
 
 #[test]
+fn movable_objects_are_where_the_frames_have_them() {
+    let file = example("contact/ball-against-wall.toml");
+    let scene = scene(&file);
+    let preset: ModelPreset = scene.initial.models[0].parse().unwrap();
+    let solved = solve(&mut Bench::new(file), &scene, preset, scene.initial.commands.clone());
+    let solved = solved.unwrap();
+    let (numbers, packed) = objects(&scene, &[None, Some(solved.clone())]);
+    let expected: Vec<usize> = solved.objects.iter().map(|object| object.obstacle).collect();
+    assert!(!numbers.is_empty() && numbers == expected);
+    let packed = floats(&base64(&packed));
+    let (at_rest, moved) = packed.split_at(7 * numbers.len());
+    for (k, object) in solved.objects.iter().enumerate() {
+        let placed = [scene.obstacles[numbers[k]].pose, pose(&object.pose)];
+        for (found, placed) in [at_rest, moved].into_iter().zip(placed) {
+            let own = placed.position.iter().chain(&placed.orientation);
+            assert!(found[7 * k..].iter().zip(own).all(|(found, own)| (found - own).abs() < 1e-6));
+        }
+    }
+}
+
+#[test]
 fn what_is_too_large_for_a_page_is_refused() {
     let file = example("table1/case-3.toml");
     let mut recording = record(&file, &[ModelPreset::usual(ModelKind::FourBar)], drop).unwrap();
