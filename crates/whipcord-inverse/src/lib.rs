@@ -27,6 +27,8 @@
 
 mod actuator;
 mod atlas;
+mod certificate;
+mod curvature;
 mod descent;
 mod error;
 mod forward;
@@ -40,6 +42,7 @@ mod search;
 mod target;
 
 pub use actuator::{Actuator, CommandedBy};
+pub use certificate::NoProof;
 pub use error::{InverseError, TargetProblem};
 pub use limit::Limit;
 pub use limits::{CableLimits, Limits};

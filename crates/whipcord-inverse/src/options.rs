@@ -15,6 +15,8 @@ pub struct ReachOptions {
     pub solves: usize,
     /// Least distance of the robot from obstacles in m; `None` lets it touch them.
     pub clearance: Option<f64>,
+    /// Boxes of tensions that may be looked at to prove that a target that was not reached cannot be; `None` proves nothing.
+    pub proof: Option<usize>,
     /// Whether an unstable equilibrium is an answer.
     pub allows_unstable: bool,
 }
@@ -41,6 +43,7 @@ impl Default for ReachOptions {
             starts: 32,
             solves: 4000,
             clearance: Some(0.0),
+            proof: None,
             allows_unstable: false,
         }
     }

@@ -1,9 +1,11 @@
 //! Commands that bring a robot to a target.
 
-use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Stations};
+use whipcord::derivatives::Place;
+use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Stations, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, write_commands};
 use crate::atlas::{Atlas, Survey};
+use crate::certificate::{Goal, NoProof, least_distance};
 use crate::descent::{Control, Workspace};
 use crate::error::{InverseError, TargetProblem};
 use crate::forward::{Evaluation, Forward};
@@ -29,6 +31,8 @@ pub struct Reached {
     pub miss: Miss,
     /// No command within the limits brings the tip nearer to the target than this, in m, where that is proven.
     pub lower_bound: Option<f64>,
+    /// Why there is no proof, where one was asked for.
+    pub no_proof: Option<NoProof>,
     /// The limits that the answer meets.
     pub active_limits: Vec<Limit>,
     /// Orthonormal directions of the commands, in units of a change that bends the robot by half a turn, that do not move what the target is for: each by actuators, in N, m or rad.
@@ -325,7 +329,13 @@ impl InverseSolver {
         }
         let unknowns = best.unknowns.clone();
         let asked = Asked { target, lever, ranges, options };
-        Ok((self.answer(best, &asked, starts, first_solve), unknowns))
+        let mut answer = self.answer(best, &asked, starts, first_solve);
+        if let Some(boxes) = options.proof
+            && answer.status != ReachStatus::Reached
+        {
+            self.prove(&mut answer, &asked, tolerance, boxes)?;
+        }
+        Ok((answer, unknowns))
     }
 
     fn answer(
@@ -374,6 +384,7 @@ impl InverseSolver {
             solution: best.solution,
             miss: best.miss,
             lower_bound: None,
+            no_proof: None,
             active_limits,
             null_space: redundancy
                 .map(|of| self.null_space(&of, &best.evaluation))
@@ -381,6 +392,95 @@ impl InverseSolver {
             starts,
             solves: forward.solves - first_solve,
         }
+    }
+
+    /// Proves that a target cannot be reached, or says why there is no proof.
+    fn prove(
+        &mut self,
+        answer: &mut Reached,
+        asked: &Asked<'_>,
+        tolerance: Tolerance,
+        boxes: usize,
+    ) -> Result<(), InverseError> {
+        /// Part of the distance that was found at which a proof ends.
+        const TIGHT: f64 = 0.9;
+        let outcome = match self.provable(asked, &answer.solution) {
+            Err(reason) => Err(reason),
+            Ok((mut goal, tensions)) => {
+                goal.distance *= TIGHT;
+                if goal.distance <= tolerance.position {
+                    Err(NoProof::Near)
+                } else {
+                    let list: Vec<Actuator> = (0..tensions.len()).map(Actuator::Tension).collect();
+                    let first = self.forward.solves;
+                    let unknowns = core::mem::replace(&mut self.forward.actuators.list, list);
+                    // A robot that keeps clear of obstacles has the shape that it has without them.
+                    let obstacles = core::mem::take(&mut self.forward.case.obstacles);
+                    let found = least_distance(&mut self.forward, &goal, &tensions, boxes);
+                    self.forward.case.obstacles = obstacles;
+                    self.forward.actuators.list = unknowns;
+                    answer.solves += self.forward.solves - first;
+                    found?
+                }
+            }
+        };
+        match outcome {
+            Ok((bound, _)) => {
+                answer.lower_bound = Some(bound);
+                let is_proven = bound > tolerance.position;
+                if is_proven {
+                    answer.status = ReachStatus::UnreachableProven;
+                } else {
+                    answer.status = ReachStatus::Undecided;
+                    answer.no_proof = Some(NoProof::Boxes);
+                }
+            }
+            Err(reason) => {
+                answer.status = ReachStatus::Undecided;
+                answer.no_proof = Some(reason);
+            }
+        }
+        Ok(())
+    }
+
+    /// The point and the tensions of a proof: of a shape the point that is farthest from where it should be.
+    fn provable(
+        &self,
+        asked: &Asked<'_>,
+        solution: &Solution,
+    ) -> Result<(Goal, Vec<[f64; 2]>), NoProof> {
+        let robot = self.forward.robot();
+        let disks = &robot.disks().arc_lengths;
+        let poses = &solution.disks.poses;
+        let tip = poses.len() - 1;
+        let points = match asked.target {
+            Target::Tip(point) => vec![(tip, *point)],
+            Target::Pose(pose) => vec![(tip, pose.position)],
+            Target::Axis { point, .. } => point.iter().map(|point| (tip, *point)).collect(),
+            Target::Shape(points) => points.clone(),
+        };
+        let distance = |(disk, point): &(usize, Vec3)| (poses[*disk].position - *point).norm();
+        let farthest = points.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let &(disk, point) = farthest.ok_or(NoProof::NoPoint)?;
+        if self.model.kind() != ModelKind::Cosserat {
+            return Err(NoProof::Model);
+        }
+        if !self.case.loads.is_none() {
+            return Err(NoProof::Loads);
+        }
+        if robot.has_history() {
+            return Err(NoProof::History);
+        }
+        if !self.case.obstacles.is_empty() && asked.options.clearance.is_none() {
+            return Err(NoProof::Obstacles);
+        }
+        let tensions: Vec<[f64; 2]> = self.limits.cables.iter().map(|of| of.tension).collect();
+        if tensions.iter().any(|[_, greatest]| !greatest.is_finite()) {
+            return Err(NoProof::TensionLimits);
+        }
+        let distance = distance(&(disk, point));
+        let goal = Goal { place: Place::Disk(disk), arc_length: disks[disk], point, distance };
+        Ok((goal, tensions))
     }
 
     /// Directions of the commands, in their units.

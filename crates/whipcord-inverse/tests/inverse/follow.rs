@@ -44,6 +44,7 @@ const CLOSE: ReachOptions = ReachOptions {
     starts: 32,
     solves: 4000,
     clearance: None,
+    proof: None,
     allows_unstable: false,
 };
 

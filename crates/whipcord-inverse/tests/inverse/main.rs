@@ -4,4 +4,5 @@
 
 mod follow;
 mod planted;
+mod proof;
 mod robots;

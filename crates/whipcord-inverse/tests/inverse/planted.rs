@@ -152,6 +152,7 @@ const FIRST: ReachOptions = ReachOptions {
     starts: 32,
     solves: 4000,
     clearance: None,
+    proof: None,
     allows_unstable: false,
 };
 

@@ -4,6 +4,7 @@ use whipcord_numerics::{Mat3, Vec3};
 
 use super::bending_friction::{BENDING_AXES, BendingFriction};
 use super::properties::{Coupling, Section, Stiffness};
+use super::tangent::Hessian;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::{self, Robot, StiffnessMatrix};
@@ -46,6 +47,14 @@ pub(crate) fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, 
 pub fn material_stiffness(robot: &Robot) -> Result<robot::Stiffness, SolveError> {
     let Stiffness { shear, bending } = of_material(robot, 0.0, 0.0)?;
     Ok(robot::Stiffness::diagonal([shear.x, shear.y], shear.z, [bending.x, bending.y], bending.z))
+}
+
+/// Compliance of a cross-section without cables at an arc length in m: `∂v/∂N`, `∂v/∂M` and `∂u/∂M` in the frame of the section, zero
+/// for an axis that is held. `None` where the stiffness is not given or has no inverse.
+#[must_use]
+pub fn section_compliance(robot: &Robot, arc_length: f64) -> Option<[Mat3; 3]> {
+    let section = section_at(robot, arc_length, arc_length).ok()?;
+    Hessian::elastic(&section).factor().map(|tangent| tangent.compliance())
 }
 
 /// Stiffness that follows from section and material.

@@ -1,0 +1,249 @@
+//! Proofs that no tensions within their limits bring a point of the backbone to a target.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use whipcord::derivatives::Place;
+use whipcord::{SolveError, Vec3};
+use whipcord_numerics::{Programme, QuadraticProgramme};
+
+use crate::curvature::CurvatureBound;
+use crate::forward::Forward;
+
+/// Why there is no proof.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoProof {
+    /// Only for the Cosserat rod the second derivatives have a bound.
+    Model,
+    /// Under loads the second derivatives have no bound.
+    Loads,
+    /// With hole friction or friction against bending the answer depends on the steps before.
+    History,
+    /// The robot may touch obstacles.
+    Obstacles,
+    /// A greatest tension of a cable is not given.
+    TensionLimits,
+    /// The target has no point.
+    NoPoint,
+    /// Tensions so large that a cable may be compressed to nothing by their bound.
+    Tensions,
+    /// The boxes that may be looked at did not suffice.
+    Boxes,
+    /// The point can be reached within the limits of the tensions, or nearly; what cannot is another part of the target or another limit.
+    Near,
+}
+
+impl NoProof {
+    /// In words, with what to do.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Model => "only answers of the model cosserat can be proven to be nearest",
+            Self::Loads => "under loads the shape has no rigorous bound; prove it without loads",
+            Self::History => {
+                "with friction the shape depends on the steps before; prove it without friction"
+            }
+            Self::Obstacles => "a robot that may touch obstacles has no bound; ask for a clearance",
+            Self::TensionLimits => "give the greatest tension of every cable: [limits] tension",
+            Self::NoPoint => "a target without a point has no bound",
+            Self::Tensions => "the tensions are too large for a bound; lower the greatest tension",
+            Self::Boxes => "the bound was not tight enough within the solves that may be spent",
+            Self::Near => {
+                "its point is within reach of the tensions: what holds it back is another part of the target or another limit"
+            }
+        }
+    }
+}
+
+/// A box of tensions with a lower bound of the distance.
+struct Node {
+    bound: f64,
+    center: Vec<f64>,
+    half: Vec<f64>,
+}
+
+impl PartialEq for Node {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Node {}
+
+impl PartialOrd for Node {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Node {
+    /// The least bound comes first; of equal ones the box whose center is least, so that the order is always the same.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let centers = || {
+            let pairs = self.center.iter().zip(&other.center);
+            pairs.map(|(a, b)| b.total_cmp(a)).find(|order| order.is_ne())
+        };
+        other.bound.total_cmp(&self.bound).then_with(|| centers().unwrap_or(Ordering::Equal))
+    }
+}
+
+/// A point of the backbone and where it is wanted.
+pub(crate) struct Goal {
+    pub place: Place,
+    pub arc_length: f64,
+    pub point: Vec3,
+    /// The distance at which the proof ends, in m.
+    pub distance: f64,
+}
+
+/// How well shapes are known, as a part of the length: what solves are solved to, twice.
+const UNCERTAINTY: f64 = 2e-6;
+
+/// A lower bound of the distance of a point from its target over a box of tensions by branch and bound.
+///
+/// Over a box of half widths `h` about `τ₀` with the miss `r` and the Jacobian `J`, for every unit vector `n`
+///
+/// ```text
+/// ‖p(τ) − x‖ ≥ n·r − Σ|n·Jᵢ|hᵢ − ½ Σ Kᵢⱼhᵢhⱼ                     (12)
+/// ```
+///
+/// with the bounds `Kᵢⱼ` of [`CurvatureBound`]; `n` points along the least miss of the linear problem. The box with the least bound is halved
+/// until all bounds are beyond the distance, or the boxes are spent. What is returned is a bound in any case.
+///
+/// # Errors
+/// [`SolveError::Cancelled`].
+pub(crate) fn least_distance(
+    forward: &mut Forward,
+    goal: &Goal,
+    tensions: &[[f64; 2]],
+    boxes: usize,
+) -> Result<Result<(f64, usize), NoProof>, SolveError> {
+    let n = tensions.len();
+    let Some(curvature) = CurvatureBound::of(forward.robot(), goal.arc_length) else {
+        return Ok(Err(NoProof::Model));
+    };
+    let reach = 2.0 * forward.robot().backbone().length;
+    let uncertainty = UNCERTAINTY * forward.robot().backbone().length;
+    let mut solver = Bound::default();
+    let center: Vec<f64> = tensions.iter().map(|[a, b]| 0.5 * (a + b)).collect();
+    let half: Vec<f64> = tensions.iter().map(|[a, b]| 0.5 * (b - a)).collect();
+    let mut heap = BinaryHeap::new();
+    heap.push(Node { bound: 0.0, center, half });
+    let mut spent = 0;
+    loop {
+        let Some(node) = heap.pop() else { return Ok(Ok((goal.distance, spent))) };
+        if node.bound >= goal.distance || spent >= boxes {
+            return Ok(Ok((node.bound.min(goal.distance), spent)));
+        }
+        let greatest: Vec<f64> = node.center.iter().zip(&node.half).map(|(c, h)| c + h).collect();
+        if !curvature.second_derivatives(&greatest, &mut solver.second) {
+            return Ok(Err(NoProof::Tensions));
+        }
+        // The direction in which the box bends most is halved.
+        let bend = |i: usize| -> f64 {
+            let row = &solver.second[i * n..(i + 1) * n];
+            node.half[i] * row.iter().zip(&node.half).map(|(k, h)| k * h).sum::<f64>()
+        };
+        let Some(split) = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))) else {
+            return Ok(Err(NoProof::TensionLimits));
+        };
+        for side in [-0.5, 0.5] {
+            let mut center = node.center.clone();
+            let mut half = node.half.clone();
+            center[split] += side * half[split];
+            half[split] *= 0.5;
+            let greatest: Vec<f64> = center.iter().zip(&half).map(|(c, h)| c + h).collect();
+            if !curvature.second_derivatives(&greatest, &mut solver.second) {
+                return Ok(Err(NoProof::Tensions));
+            }
+            let bend: f64 = (0..n)
+                .map(|i| {
+                    let row = &solver.second[i * n..(i + 1) * n];
+                    half[i] * row.iter().zip(&half).map(|(k, h)| k * h).sum::<f64>()
+                })
+                .sum::<f64>()
+                / 2.0;
+            let mut bound = node.bound;
+            if bend < reach {
+                spent += 1;
+                match forward.evaluate(&center, &[goal.place], None) {
+                    Ok(evaluation) => {
+                        let at = place_of(&evaluation.solution, goal.place);
+                        let motions: Vec<Vec3> =
+                            evaluation.motions.iter().map(|of| of[0].linear).collect();
+                        bound = bound.max(
+                            solver.bound(at - goal.point, &motions, &half) - bend - uncertainty,
+                        );
+                    }
+                    Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                    // Without an answer in the middle of the box there is no bound of it; its parts may have one.
+                    Err(_) => {}
+                }
+            }
+            heap.push(Node { bound, center, half });
+        }
+    }
+}
+
+fn place_of(solution: &whipcord::Solution, place: Place) -> Vec3 {
+    let poses = &solution.disks.poses;
+    let number = match place {
+        Place::Disk(disk) => disk,
+        Place::Tip | Place::Station(_) => poses.len() - 1,
+    };
+    poses[number].position
+}
+
+/// The linear bound over a box.
+#[derive(Default)]
+struct Bound {
+    solver: QuadraticProgramme,
+    matrix: Vec<f64>,
+    gradient: Vec<f64>,
+    lower: Vec<f64>,
+    step: Vec<f64>,
+    second: Vec<f64>,
+}
+
+impl Bound {
+    /// `n·r − Σ|n·Jᵢ|hᵢ` with the direction `n` of the least `‖r + J d‖` over the box.
+    fn bound(&mut self, miss: Vec3, motions: &[Vec3], half: &[f64]) -> f64 {
+        let n = half.len();
+        self.matrix.clear();
+        self.gradient.clear();
+        for a in motions {
+            self.matrix.extend(motions.iter().map(|b| a.dot(*b)));
+            self.gradient.push(a.dot(miss));
+        }
+        let trace: f64 = (0..n).map(|i| self.matrix[i * n + i]).sum();
+        for i in 0..n {
+            self.matrix[i * n + i] += 1e-9 * trace;
+        }
+        self.lower.clear();
+        self.lower.extend(half.iter().map(|h| -h));
+        let programme = Programme {
+            matrix: &self.matrix,
+            gradient: &self.gradient,
+            lower: &self.lower,
+            upper: half,
+            rows: &[],
+            limits: &[],
+        };
+        let mut nearest = miss;
+        if self.solver.minimise(&programme, &mut self.step).is_ok() {
+            for (motion, d) in motions.iter().zip(&self.step) {
+                nearest += *motion * *d;
+            }
+        }
+        let along = |direction: Vec3| {
+            let size = direction.norm();
+            if size == 0.0 {
+                return 0.0;
+            }
+            let n = direction * (1.0 / size);
+            let spread: f64 = motions.iter().zip(half).map(|(j, h)| n.dot(*j).abs() * h).sum();
+            n.dot(miss) - spread
+        };
+        along(nearest).max(along(miss))
+    }
+}

@@ -1,0 +1,139 @@
+//! Proofs that a target cannot be reached, against dense samples of the shapes.
+
+use std::time::Instant;
+
+use whipcord::batch::{BatchOptions, Rows, solve_batch};
+use whipcord::{Actuation, Cable, Case, Loads, Model, ModelKind, Robot, Routing, Statics, Vec3};
+use whipcord_inverse::{
+    CableLimits, CommandedBy, InverseSolver, Limits, NoProof, Preference, ReachOptions,
+    ReachStatus, Reached, Target,
+};
+
+use crate::planted::Random;
+use crate::robots;
+
+const PROVE: ReachOptions = ReachOptions {
+    tolerance: None,
+    prefer: Preference::First,
+    starts: 32,
+    solves: 4000,
+    clearance: Some(0.0),
+    proof: Some(400_000),
+    allows_unstable: false,
+};
+
+fn model() -> Model {
+    Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural)
+}
+
+fn solver(robot: &Robot, case: &Case, greatest: f64) -> InverseSolver {
+    let limits = CableLimits { tension: [0.0, greatest], ..CableLimits::default() };
+    let limits = Limits::uniform(robot.cables().len(), limits);
+    InverseSolver::new(&model(), robot, case, &limits, CommandedBy::Tensions).unwrap()
+}
+
+/// The least distance of a point from the tips of as many shapes.
+fn sampled_distance(robot: &Robot, greatest: f64, point: Vec3, count: usize) -> f64 {
+    let mut random = Random(5);
+    let cables = robot.cables().len();
+    let values: Vec<f64> = (0..count).flat_map(|_| random.tensions(cables, greatest)).collect();
+    let rows = Rows::Tensions { values: &values, case: &Case::default() };
+    let batch = solve_batch(&model(), robot, rows, &BatchOptions::default()).unwrap();
+    let tip = batch.arc_lengths().len() - 1;
+    (0..count)
+        .filter_map(|row| batch.row(row)?.ok())
+        .map(|row| {
+            let [x, y, z] = row.position(tip);
+            (Vec3::new(x, y, z) - point).norm()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+fn few_cables() -> Vec<(&'static str, Robot, f64)> {
+    let one = robots::robot(vec![Cable::new("a", Routing::Straight { angle: 0.0, radius: 0.008 })]);
+    let all = robots::all().into_iter().filter(|(_, robot, _)| robot.cables().len() <= 4);
+    let all = all.filter(|(_, robot, _)| robot.motors().is_empty());
+    core::iter::once(("one", one, 4.0)).chain(all).collect()
+}
+
+#[allow(clippy::print_stdout, reason = "a study prints its results")]
+fn prove(count: usize, samples: usize) -> (usize, usize) {
+    let (mut proven, mut asked) = (0, 0);
+    for (name, robot, greatest) in few_cables() {
+        let mut solver = solver(&robot, &Case::default(), greatest);
+        let mut random = Random(17);
+        for _ in 0..count {
+            // Away from a shape, so that some are near and some far.
+            let tensions = random.tensions(robot.cables().len(), greatest);
+            let shape = model().solve(&robot, &Case::with_tensions(&tensions)).unwrap();
+            let tip = shape.disks.poses.last().unwrap().position;
+            let mut part = || 2.0 * random.next() - 1.0;
+            let direction = Vec3::new(part(), part(), part());
+            let at = tip + direction * ((0.01 + 0.05 * part().abs()) / direction.norm());
+            let clock = Instant::now();
+            let answer = solver.reach(&Target::Tip(at), &PROVE).unwrap();
+            let seconds = clock.elapsed().as_secs_f64();
+            if answer.status == ReachStatus::Reached || answer.miss.position < 0.005 {
+                continue;
+            }
+            asked += 1;
+            let bound = answer.lower_bound.unwrap();
+            println!(
+                "{name}: {:?}, at {:.2} mm, no nearer than {:.2} mm, {} solves, {seconds:.2} s",
+                answer.status,
+                1e3 * answer.miss.position,
+                1e3 * bound,
+                answer.solves,
+            );
+            assert!(bound <= answer.miss.position);
+            let sampled = sampled_distance(&robot, greatest, at, samples);
+            assert!(bound <= sampled, "{name}: {bound} is contradicted by {sampled}");
+            if answer.status == ReachStatus::UnreachableProven
+                && bound >= 0.89 * answer.miss.position
+            {
+                proven += 1;
+            }
+        }
+    }
+    (proven, asked)
+}
+
+#[test]
+fn bounds_of_the_distance_are_not_contradicted() {
+    let (proven, asked) = prove(3, 20_000);
+    assert!(asked >= 10, "{asked}");
+    assert!(proven + 2 >= asked, "{proven} of {asked}");
+}
+
+#[test]
+#[ignore = "minutes"]
+#[allow(clippy::print_stdout, reason = "a study prints its results")]
+fn study_of_proofs() {
+    let (proven, asked) = prove(20, 1_000_000);
+    println!("proven to 10 %: {proven} of {asked}");
+}
+
+#[test]
+fn what_cannot_be_proven_says_why() {
+    let robot = robots::three_straight();
+    let far = Target::Tip(Vec3::new(0.3, 0.0, 0.0));
+    let ask = |solver: &mut InverseSolver, target: &Target| -> Reached {
+        solver.reach(target, &PROVE).unwrap()
+    };
+    let loads = Loads { tip_force: Vec3::new(0.1, 0.0, 0.0), ..Loads::default() };
+    let loaded = Case { loads, ..Case::default() };
+    let answer = ask(&mut solver(&robot, &loaded, 4.0), &far);
+    assert_eq!((answer.status, answer.no_proof), (ReachStatus::Undecided, Some(NoProof::Loads)));
+    let answer = ask(&mut solver(&robot, &Case::default(), f64::INFINITY), &far);
+    assert_eq!(answer.no_proof, Some(NoProof::TensionLimits));
+    let direction = Vec3::new(0.0, 0.0, -1.0);
+    let backward = Target::Axis { point: None, direction };
+    let answer = ask(&mut solver(&robot, &Case::default(), 0.5), &backward);
+    assert_eq!(answer.no_proof, Some(NoProof::NoPoint));
+    // A point that is there, with an axis that is not.
+    let tip = Vec3::new(0.0, 0.0, robots::LENGTH);
+    let turned = Target::Axis { point: Some(tip), direction };
+    let answer = ask(&mut solver(&robot, &Case::default(), 0.5), &turned);
+    assert_ne!(answer.status, ReachStatus::Reached);
+    assert_ne!(answer.status, ReachStatus::UnreachableProven);
+}
