@@ -166,7 +166,7 @@ pub(crate) fn least_distance(
             let mut bound = node.bound;
             if bend < reach {
                 spent += 1;
-                match forward.evaluate(&center, &[goal.place], None) {
+                match forward.evaluate_answer(&center, &[goal.place]) {
                     Ok(evaluation) => {
                         let at = place_of(&evaluation.solution, goal.place);
                         let motions: Vec<Vec3> =

@@ -1,5 +1,6 @@
 //! The forward problem of a robot with its derivatives, as an inverse problem sees it.
 
+use whipcord::cosserat::{self, Accuracy};
 use whipcord::derivatives::{Change, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
@@ -19,6 +20,8 @@ pub(crate) struct Forward {
     pub case: Case,
     /// The answer to the step before, from which every trial is a step where obstacles rub or move.
     origin: Option<Solution>,
+    /// Whether the model has fewer steps than the verifier.
+    is_on_few_steps: bool,
     /// What an answer depends on besides its commands.
     memory: Remembers,
     /// Whether the origin is the answer to a point of a path, from which the robot moves on.
@@ -68,6 +71,9 @@ pub(crate) struct Evaluation {
     pub shortening_rates: Vec<Vec<f64>>,
 }
 
+/// Steps of a Cosserat rod on which trials are solved: with them the tip is known to about 1e-5 of the length.
+const FEW_STEPS: usize = 12;
+
 impl Forward {
     pub fn new(
         model: &Model,
@@ -75,9 +81,6 @@ impl Forward {
         case: &Case,
         actuators: Actuators,
     ) -> Result<Self, SolveError> {
-        let verifier = model.prepare(robot, &case.loads)?;
-        let plain = model.clone().with_stability(StabilityAnalysis::Off);
-        let prepared = plain.prepare(robot, &case.loads)?;
         let memory = if robot.has_history() {
             Remembers::AllSteps
         } else if case.obstacles.iter().any(Obstacle::has_history) {
@@ -85,6 +88,17 @@ impl Forward {
         } else {
             Remembers::Nothing
         };
+        let verifier = model.prepare(robot, &case.loads)?;
+        let plain = model.clone().with_stability(StabilityAnalysis::Off);
+        let is_on_few_steps = memory == Remembers::Nothing && case.obstacles.is_empty();
+        let (plain, is_on_few_steps) = match plain {
+            Model::Cosserat(options) if is_on_few_steps => {
+                let accuracy = Accuracy::Steps(FEW_STEPS);
+                (Model::Cosserat(cosserat::Options { accuracy, ..options }), true)
+            }
+            other => (other, false),
+        };
+        let prepared = plain.prepare(robot, &case.loads)?;
         let mut case = case.clone();
         case.motors.clear();
         case.commands.resize(robot.cables().len(), CableCommand::default());
@@ -97,6 +111,7 @@ impl Forward {
             actuators,
             case,
             origin: None,
+            is_on_few_steps,
             memory,
             is_following: false,
             is_exact: model.has_derivatives(robot),
@@ -217,6 +232,11 @@ impl Forward {
         self.is_following = true;
     }
 
+    /// Whether trials are solved on fewer steps than answers.
+    pub const fn is_on_few_steps(&self) -> bool {
+        self.is_on_few_steps
+    }
+
     /// Where the robot is: what [`Self::return_to`] takes it back to.
     pub fn standing(&self) -> Standing {
         Standing {
@@ -279,6 +299,18 @@ impl Forward {
         } else {
             self.by_differences(unknowns, places, from)
         }
+    }
+
+    /// [`Self::evaluate`] by the model of the answers.
+    pub fn evaluate_answer(
+        &mut self,
+        unknowns: &[f64],
+        places: &[Place],
+    ) -> Result<Evaluation, SolveError> {
+        core::mem::swap(&mut self.model, &mut self.verifier);
+        let found = self.evaluate(unknowns, places, None);
+        core::mem::swap(&mut self.model, &mut self.verifier);
+        found
     }
 
     /// [`Self::evaluate`] of a model without exact derivatives.

@@ -68,7 +68,7 @@ pub(crate) struct Clearance {
 }
 
 /// Part of a range that constraints are kept inside of their limits, so that rounding violates none.
-const INSIDE: f64 = 1e-9;
+const INSIDE: f64 = 1e-7;
 
 impl Constraints {
     /// `asked` has the bounds of the values of the actuators, which are constraints where the unknowns are tensions.
@@ -98,7 +98,7 @@ impl Constraints {
                 }
             };
         for (cable, of) in limits.cables.iter().enumerate() {
-            if knows_tensions && !actuators.list.contains(&Actuator::Tension(cable)) {
+            if knows_tensions && !actuators.asked.contains(&Actuator::Tension(cable)) {
                 // No tension is negative.
                 let least = if of.tension[0] > 0.0 { of.tension[0] } else { f64::NEG_INFINITY };
                 let limits = [Limit::LeastTension(cable), Limit::GreatestTension(cable)];

@@ -13,7 +13,7 @@ use crate::limit::{Clearance, Constraints, Limit};
 use crate::limits::{CableLimits, Limits};
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::redundancy::{self, Redundancy};
-use crate::search::{Candidate, Search};
+use crate::search::{Candidate, Correction, Search};
 use crate::target::{Miss, Target, Tolerance};
 
 /// The answer to an inverse problem.
@@ -242,6 +242,7 @@ impl InverseSolver {
             places: target.places().into_iter().chain(constraints.places()).collect(),
             constraints,
             forward: &mut self.forward,
+            correction: Correction::default(),
         };
         let scales = search.forward.scales.clone();
         let mut best: Option<Candidate> = None;

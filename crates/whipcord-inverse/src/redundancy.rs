@@ -3,7 +3,7 @@
 use whipcord::SolveError;
 use whipcord_numerics::{Programme, QuadraticProgramme, SingularValues};
 
-use crate::descent::{Control, Linear, Workspace, descend};
+use crate::descent::{Control, Linear, Workspace};
 use crate::error::InverseError;
 use crate::forward::Evaluation;
 use crate::options::{Preference, ReachOptions};
@@ -115,8 +115,8 @@ impl Search<'_> {
                 })
                 .collect();
             let state = best.evaluation.clone();
-            let restored = descend(self, &moved, Some(&state), task.control, workspace);
-            let next = match restored.and_then(|found| self.verified(found, options)) {
+            let restored = self.descend(&moved, Some(&state), task.control, workspace, options);
+            let next = match restored {
                 Ok(next) => next,
                 Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
                 Err(_) => {

@@ -21,7 +21,7 @@ pub(crate) struct Candidate {
     pub is_minimum: bool,
     /// Whether all limits are kept and it is stable.
     is_allowed: bool,
-    distance: f64,
+    pub distance: f64,
 }
 
 impl Candidate {
@@ -40,6 +40,7 @@ pub(crate) struct Search<'a> {
     pub places: Vec<Place>,
     pub constraints: Constraints,
     pub forward: &'a mut Forward,
+    pub correction: Correction,
 }
 
 impl Problem for Search<'_> {
@@ -56,6 +57,8 @@ impl Problem for Search<'_> {
         self.target.linearize(&evaluation.solution, &evaluation.motions, self.lever, &mut linear);
         let first = self.target.places().len();
         self.constraints.linearize(self.forward.robot(), &evaluation, first, &mut linear);
+        linear.residual.iter_mut().zip(&self.correction.residual).for_each(|(r, more)| *r += more);
+        linear.slack.iter_mut().zip(&self.correction.slack).for_each(|(s, more)| *s += more);
         Ok((linear, evaluation))
     }
 
@@ -64,6 +67,11 @@ impl Problem for Search<'_> {
         linear.violation() == 0.0 && (2.0 * linear.cost()).sqrt() <= 0.02 * self.tolerance.position
     }
 }
+
+/// How often the difference of the model on few steps from the model of the answers is measured for one start.
+const CORRECTIONS: usize = 4;
+/// A difference that changes by less than this part of the tolerance is known.
+const KNOWN: f64 = 0.1;
 
 impl Search<'_> {
     /// Goes down from a start and solves what is found from rest.
@@ -79,30 +87,59 @@ impl Search<'_> {
             Some(solution) => Some(self.forward.evaluate(start, &self.places, Some(solution))?),
             None => None,
         };
-        let found = descend(self, start, from.as_ref(), control, workspace)?;
-        self.verified(found, options)
+        self.descend(start, from.as_ref(), control, workspace, options)
     }
 
-    /// What an iteration has found, as a solve from rest has it.
-    pub fn verified(
+    /// Goes down on few steps, and again with what the answer of the model itself differs by, until that is known.
+    pub fn descend(
         &mut self,
-        found: Descent<Evaluation>,
+        start: &[f64],
+        from: Option<&Evaluation>,
+        control: &Control<'_>,
+        workspace: &mut Workspace,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
+        let mut found = descend(self, start, from, control, workspace)?;
+        let mut round = 0;
+        loop {
+            round += 1;
+            let (candidate, difference) = self.verified(&found, options)?;
+            let Some(change) = difference else { return Ok(candidate) };
+            let near = 10.0 * self.tolerance.position.max(change);
+            if candidate.is_reached
+                || round >= CORRECTIONS
+                || change <= KNOWN * self.tolerance.position
+                || candidate.distance > near
+            {
+                return Ok(candidate);
+            }
+            found = descend(self, &found.unknowns, Some(&found.state), control, workspace)?;
+        }
+    }
+
+    /// What an iteration has found, as a solve from rest has it, and by how much the difference of the two models has
+    /// changed in m, where they are two.
+    fn verified(
+        &mut self,
+        found: &Descent<Evaluation>,
+        options: &ReachOptions,
+    ) -> Result<(Candidate, Option<f64>), SolveError> {
         let solution = self.forward.verify(&found.unknowns, &found.state.solution)?;
         let miss = self.target.miss(&solution);
-        let mut evaluation = found.state;
+        let mut evaluation = found.state.clone();
         evaluation.solution = solution.clone();
         evaluation.tensions = solution.cables.iter().map(|cable| cable.tension).collect();
         evaluation.shortenings = self.forward.shortenings(&solution);
+        let change =
+            self.forward.is_on_few_steps().then(|| self.correct(&evaluation, &found.state));
         let (_, is_exceeded) = self.constraints.active(self.forward.robot(), &evaluation);
         let touches = options.clearance.is_some() && !solution.contacts.is_empty();
         let is_unstable = solution.diagnostics.is_unstable() && !options.allows_unstable;
         let is_allowed = !is_exceeded && !touches && !is_unstable;
         let mut residual = Vec::new();
         self.target.residual(&solution, self.lever, &mut residual);
-        Ok(Candidate {
-            unknowns: found.unknowns,
+        let candidate = Candidate {
+            unknowns: found.unknowns.clone(),
             evaluation,
             solution,
             is_reached: is_allowed && miss.is_within(self.tolerance),
@@ -110,6 +147,34 @@ impl Search<'_> {
             miss,
             is_allowed,
             distance: residual.iter().map(|r| r * r).sum::<f64>().sqrt(),
-        })
+        };
+        Ok((candidate, change))
     }
+
+    /// Measures by how much the model on few steps differs, and says by how much that has changed in m.
+    fn correct(&mut self, answer: &Evaluation, on_few_steps: &Evaluation) -> f64 {
+        let of = |evaluation: &Evaluation| {
+            let mut linear = Linear::default();
+            self.target.residual(&evaluation.solution, self.lever, &mut linear.residual);
+            let first = self.target.places().len();
+            self.constraints.linearize(self.forward.robot(), evaluation, first, &mut linear);
+            linear
+        };
+        let (answer, few) = (of(answer), of(on_few_steps));
+        let difference =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+        let residual = difference(&answer.residual, &few.residual);
+        let before = self.correction.residual.iter().chain(core::iter::repeat(&0.0));
+        let change =
+            residual.iter().zip(before).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        self.correction = Correction { residual, slack: difference(&answer.slack, &few.slack) };
+        change
+    }
+}
+
+/// What the residuals and the slacks of the answers have beyond those of the model on few steps.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Correction {
+    residual: Vec<f64>,
+    slack: Vec<f64>,
 }
