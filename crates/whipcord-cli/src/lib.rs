@@ -13,6 +13,7 @@ mod photographs;
 mod progress;
 mod rubbing;
 mod superposition;
+mod target_argument;
 mod template;
 mod tips;
 mod verbs;
@@ -28,7 +29,7 @@ use clap::{Parser, Subcommand};
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
     bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure,
-    measure_stereo, new, overlay, schema, score, solve, stiffness, view,
+    measure_stereo, new, overlay, reach, schema, score, solve, stiffness, view,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -40,7 +41,7 @@ struct Cli {
     #[command(subcommand)]
     verb: Verb,
     /// Stop after this time, such as 30 s, 500 ms or 2 min (a bare number is in seconds), with exit status 1; 0 or none for
-    /// no limit. By default 60 s for solve, stiffness and check, and no limit for the others
+    /// no limit. By default 60 s for solve, reach, stiffness and check, and no limit for the others
     #[arg(long, global = true, value_name = "TIME", value_parser = deadline::limit, allow_negative_numbers = true)]
     timeout: Option<Limit>,
 }
@@ -48,6 +49,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Solve(solve::SolveArgs),
+    Reach(Box<reach::ReachArgs>),
     Stiffness(stiffness::StiffnessArgs),
     Compare(compare::CompareArgs),
     Score(score::ScoreArgs),
@@ -73,6 +75,7 @@ impl Verb {
     const fn name_and_limit(&self) -> (&'static str, Limit) {
         match self {
             Self::Solve(_) => ("solve", INTERACTIVE),
+            Self::Reach(_) => ("reach", INTERACTIVE),
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
             Self::Compare(_) => ("compare", Limit::None),
@@ -126,6 +129,7 @@ where
     let deadline = Deadline::start(name, timeout.unwrap_or(limit));
     let outcome = match verb {
         Verb::Solve(args) => solve::run(&args, style),
+        Verb::Reach(args) => reach::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Score(args) => score::run(&args, style),

@@ -18,6 +18,16 @@ pub struct ModelArguments {
     /// the file gives it
     #[arg(long, value_name = "WHAT")]
     actuation: Option<ActuationArgument>,
+    #[command(flatten)]
+    four_bar: FourBarArguments,
+    /// Estimated error that cosserat and cosserat-disks may leave in positions and lengths, as a fraction of the length
+    #[arg(long, value_name = "FRACTION", default_value = "1e-6", value_parser = tolerance)]
+    tolerance: f64,
+}
+
+/// What only the four-bar model has to choose.
+#[derive(Debug, Args)]
+pub struct FourBarArguments {
     /// Objective that four-bar minimises in each section
     #[arg(long, value_name = "NAME", value_parser = named::<four_bar::Objective>(
         &["coupler-angle", "strain-energy", "as-printed"]))]
@@ -26,9 +36,6 @@ pub struct ModelArguments {
     #[arg(long, value_name = "NAME", value_parser = named::<four_bar::LengthRule>(
         &["proportional", "equal", "free"]))]
     length_rule: Option<four_bar::LengthRule>,
-    /// Estimated error that cosserat and cosserat-disks may leave in positions and lengths, as a fraction of the length
-    #[arg(long, value_name = "FRACTION", default_value = "1e-6", value_parser = tolerance)]
-    tolerance: f64,
 }
 
 /// Below it rounding counts.
@@ -93,7 +100,16 @@ impl ModelArguments {
         let model = Model::new(self.kind, Stations::Disks, self.actuation())
             .with_stability(StabilityAnalysis::Eigenvalue)
             .with_tolerance(self.tolerance);
-        let mut model = model.cancelled_by(&deadline::cancel());
+        self.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))
+    }
+}
+
+impl FourBarArguments {
+    /// The model with these options.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] for an option that the model does not have.
+    pub fn applied_to(&self, mut model: Model) -> Result<Model, Failure> {
         if let Model::FourBar(options) = &mut model {
             options.objective = self.objective.unwrap_or(options.objective);
             options.lengths = self.length_rule.unwrap_or(options.lengths);
@@ -107,7 +123,7 @@ impl ModelArguments {
             None => Ok(model),
             Some((option, _)) => Err(Failure::Input(format!(
                 "error: {option} is an option of four-bar, not of {}: leave it out, or give --model four-bar",
-                self.kind
+                model.kind()
             ))),
         }
     }

@@ -244,6 +244,36 @@ impl Constraint {
 }
 
 impl Limit {
+    /// As in JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LeastCommand(_) => "least_command",
+            Self::GreatestCommand(_) => "greatest_command",
+            Self::LeastTension(_) => "least_tension",
+            Self::GreatestTension(_) => "greatest_tension",
+            Self::LeastShortening(_) => "least_shortening",
+            Self::GreatestShortening(_) => "greatest_shortening",
+            Self::Effort(_) => "effort",
+            Self::Clearance(_) => "clearance",
+        }
+    }
+
+    /// The number of its actuator, cable, motor or obstacle.
+    #[must_use]
+    pub const fn of(self) -> usize {
+        match self {
+            Self::LeastCommand(of)
+            | Self::GreatestCommand(of)
+            | Self::LeastTension(of)
+            | Self::GreatestTension(of)
+            | Self::LeastShortening(of)
+            | Self::GreatestShortening(of)
+            | Self::Effort(of)
+            | Self::Clearance(of) => of,
+        }
+    }
+
     /// In words, with the names of the robot.
     #[must_use]
     pub fn words(self, robot: &Robot, actuators: &[Actuator]) -> String {

@@ -1,7 +1,7 @@
 //! Commands that bring a robot to a target.
 
 use whipcord::derivatives::Place;
-use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Stations, Vec3};
+use whipcord::{Case, Model, ModelKind, Robot, Shortening, Solution, SolveError, Stations, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, write_commands};
 use crate::atlas::{Atlas, Survey};
@@ -41,6 +41,34 @@ pub struct Reached {
     pub starts: usize,
     /// Solves of the model.
     pub solves: usize,
+}
+
+impl Reached {
+    /// The case with these commands, and with tensions and shortenings that agree with them where another case of the robot has both: it
+    /// is then one for all models, as the other case was.
+    #[must_use]
+    pub fn case_beside(&self, robot: &Robot, other: &Case) -> Case {
+        let mut case = self.case.clone();
+        let states = self.solution.cables.iter().enumerate();
+        for ((cable, state), (command, old)) in
+            states.zip(case.commands.iter_mut().zip(&other.commands))
+        {
+            if command.tension.is_none() && old.tension.is_some() {
+                command.tension = state.tension;
+            }
+            if let (None, Some(old)) = (command.shortening, old.shortening) {
+                let length = state.initial_length;
+                let pull = state.tension.map_or(0.0, |of| of - robot.pretension(cable));
+                let stretch = robot.cable_compliance(cable, length) * pull;
+                let shortening = length - state.length + stretch;
+                command.shortening = Some(match old {
+                    Shortening::Fraction(_) => Shortening::Fraction(shortening / length),
+                    Shortening::Length(_) => Shortening::Length(shortening),
+                });
+            }
+        }
+        case
+    }
 }
 
 /// Solves inverse problems of one robot. It keeps the model, and the shapes that it starts from.

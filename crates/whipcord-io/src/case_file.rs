@@ -12,7 +12,7 @@ use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
 use crate::overlay::take_out;
-use crate::read::{self, CommandTable, Fit, Measured, Reference};
+use crate::read::{self, CommandTable, Fit, Goal, Measured, Reference};
 use crate::schema::{DURATION, ROOT};
 use crate::settings;
 use crate::source::Sources;
@@ -35,6 +35,8 @@ pub struct CaseFile {
     pub reference: Option<Reference>,
     /// What is to be estimated.
     pub fit: Option<Fit>,
+    /// What is to be reached, and within which limits.
+    pub goal: Goal,
     /// The file it was read from.
     pub path: PathBuf,
     document: Node,
@@ -205,6 +207,8 @@ fn read(
         let robot = (parts.cables.as_slice(), parts.motors.motors.as_slice());
         read::fit(table, robot, &document, problems)
     });
+    let disks = robot.disks;
+    let goal = read::goal(&fields, disks, &document, sources, problems);
     if let Some(reference) = &reference {
         published(reference, &document, problems);
     }
@@ -215,6 +219,7 @@ fn read(
     let mut parts = parts?;
     let commands = parts.table.take();
     let (robot, case) = assemble(parts, &document, problems)?;
+    read::check_shortenings(&goal, &robot, &document, problems);
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Some(CaseFile {
         title: fields.text("title").map_or_else(stem, str::to_owned),
@@ -224,6 +229,7 @@ fn read(
         measured,
         reference,
         fit,
+        goal,
         path: path.to_owned(),
         document,
         // Those that were read are put in when all is well.

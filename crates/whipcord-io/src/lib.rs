@@ -29,20 +29,22 @@ mod warnings;
 pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
 pub use case_file::{CaseFile, load, load_stream, load_with, parse};
 pub use document::{
-    FittedFile, Inexpressible, Item, Table, describe, describe_fit, table_in_si, toml,
+    FittedFile, Inexpressible, Item, Table, describe, describe_fit, describe_goal, table_in_si,
+    toml,
 };
 pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, SpacePoint, answer_json, contacts_csv, fit_json,
-    json_number, json_optional, loss_name, marks_csv, points_csv, problems_json, remove_unfinished,
-    shape_csv, solution_json, status_words, steps_csv, stiffness_json, warnings_json,
-    write_atomically,
+    json_number, json_optional, loss_name, marks_csv, points_csv, problems_json, reach_json,
+    remove_unfinished, shape_csv, solution_json, status_words, steps_csv, stiffness_json,
+    warnings_json, write_atomically,
 };
 pub use read::{
-    CommandColumn, CommandRow, CommandTable, Commanded, Fit, LENGTH_UNITS, Measured, MeasuredDisk,
-    MeasuredRotation, MeasuringCamera, Reference, load_markers, parameter_path,
+    CableBounds, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit, Goal,
+    LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, RateMismatch,
+    Reference, load_markers, load_shape, parameter_path,
 };
 pub use render::{render, render_warnings};
 pub use schema::schema;

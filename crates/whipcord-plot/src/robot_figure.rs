@@ -66,6 +66,8 @@ pub struct FigureOptions {
     pub measured: Vec<Vec3>,
     /// The same where something is wrong with the measurement; drawn apart.
     pub outliers: Vec<Vec3>,
+    /// Where places of the robot are to be, in m in the world.
+    pub targets: Vec<Vec3>,
     /// What acts on one of the shapes, by [`Acting::on`]; drawn over all of them.
     pub loads: Acting,
     /// How places of it yield and move; drawn over the robot.
@@ -108,6 +110,7 @@ impl Default for FigureOptions {
             title: String::new(),
             measured: Vec::new(),
             outliers: Vec::new(),
+            targets: Vec::new(),
             loads: Acting::default(),
             ellipsoids: Vec::new(),
             obstacles: Vec::new(),
@@ -190,6 +193,7 @@ pub(crate) struct Drawn<'a> {
     pub bodies: Bodies,
     pub measured: &'a [Vec3],
     outliers: &'a [Vec3],
+    targets: &'a [Vec3],
     pub loads: LoadMarks,
     pub ellipsoids: Ellipsoids,
     obstacles: Obstacles,
@@ -204,6 +208,7 @@ impl<'a> Drawn<'a> {
             .iter()
             .flat_map(|(body, _)| body.outline())
             .chain(options.measured.iter().chain(&options.outliers).copied())
+            .chain(options.targets.iter().copied())
             .collect();
         let extent = |i: usize| {
             let [low, high] = range(&points, i);
@@ -218,7 +223,8 @@ impl<'a> Drawn<'a> {
         let obstacles = Obstacles::new(&options.obstacles, &options.initial, &points);
         points.extend(obstacles.outline());
         let (measured, outliers) = (options.measured.as_slice(), options.outliers.as_slice());
-        Self { bodies, measured, outliers, loads, ellipsoids, obstacles, contacts, points }
+        let targets = options.targets.as_slice();
+        Self { bodies, measured, outliers, targets, loads, ellipsoids, obstacles, contacts, points }
     }
 
     /// All in a view of this name, which fills a box; measured positions of this radius in px.
@@ -244,6 +250,11 @@ impl<'a> Drawn<'a> {
         for at in self.outliers.iter().map(|&p| view.place(p)) {
             strike(svg, at, 2.2 * radius);
         }
+        for at in self.targets.iter().map(|&p| view.place(p)) {
+            let rim = Some(Stroke::new(TARGET, 1.6));
+            svg.circle(at, 1.6 * radius, None, rim);
+            svg.circle(at, 0.5 * radius, Some(Fill::new(TARGET)), None);
+        }
     }
 }
 
@@ -267,6 +278,8 @@ const MARGIN: f64 = 14.0;
 const LEGEND_WIDTH: f64 = 210.0;
 /// Colour of the measured positions.
 pub(crate) const MEASURED: Colour = Colour::INK;
+/// Colour of targets.
+const TARGET: Colour = Colour::new(0xd0, 0x1c, 0x8b);
 /// Colour of those that are outliers.
 const OUTLIER: Colour = Colour::new(0xb0, 0x00, 0x20);
 
@@ -334,6 +347,11 @@ pub fn robot_figure(
 }
 
 fn check_options(options: &FigureOptions) -> Result<(), PlotError> {
+    for p in &options.targets {
+        for value in p.to_array() {
+            finite(|| "a target".to_owned(), value)?;
+        }
+    }
     for p in options.measured.iter().chain(&options.outliers) {
         for value in p.to_array() {
             finite(|| "a measured position".to_owned(), value)?;
@@ -423,6 +441,14 @@ impl Colours {
             let marker = Swatch::Marker(Marker::Diamond, Fill::new(Colour::WHITE), rim);
             let label = "measured, outlier (crossed out)".to_owned();
             entries.push(Entry { label, swatches: vec![marker] });
+        }
+        if !options.targets.is_empty() {
+            let marker = Swatch::Marker(
+                Marker::Circle,
+                Fill::new(Colour::WHITE),
+                Some(Stroke::new(TARGET, 1.6)),
+            );
+            entries.push(Entry { label: "target".to_owned(), swatches: vec![marker] });
         }
         entries.extend(drawn.ellipsoids.legend(&options.ellipsoids));
         entries.extend(LoadMarks::legend(&options.loads));

@@ -13,6 +13,8 @@ pub mod measure;
 pub mod measure_stereo;
 pub mod new;
 pub mod overlay;
+pub mod reach;
+mod reach_words;
 pub mod schema;
 pub mod score;
 pub mod solve;

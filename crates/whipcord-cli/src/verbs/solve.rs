@@ -306,7 +306,8 @@ fn summary(
     text
 }
 
-fn cables(solution: &Solution) -> Table {
+/// The cables of an answer.
+pub fn cables(solution: &Solution) -> Table {
     let mut table = Table::new([
         ("cable", Align::Left),
         ("tension", Align::Right),

@@ -231,6 +231,7 @@ fn variant(fields: &Fields, tag: &Key, variants: &[(&'static str, Declared)]) ->
 fn fits(data: &Data, kind: &Kind) -> bool {
     match (data, kind) {
         (Data::Number(..), Kind::Quantity(..) | Kind::Number)
+        | (Data::Text(_), Kind::Choice(_))
         | (Data::Table(_), Kind::Table(_)) => true,
         (Data::List(list), Kind::Vector(each, _) | Kind::List(each, _)) => {
             list.iter().all(|data| fits(data, each))

@@ -303,7 +303,7 @@ fn routing(routing: &Routing) -> Table {
     table
 }
 
-fn shortening(shortening: Shortening) -> Item {
+pub(super) fn shortening(shortening: Shortening) -> Item {
     match shortening {
         Shortening::Length(length) => Item::Number(length),
         Shortening::Fraction(fraction) => Item::Text(percent(fraction)),

@@ -5,9 +5,10 @@ use std::path::{Component, Path, PathBuf};
 use whipcord::{Case, Robot};
 
 use super::describe::{Inexpressible, describe};
-use super::{Item, Table, toml};
+use super::{Item, Table, describe_goal, toml};
 use crate::case_file::{CaseFile, parse};
 use crate::node::{Node, Value};
+use crate::read::Goal;
 use crate::source::Span;
 use crate::units::with_number;
 
@@ -17,7 +18,7 @@ pub struct FittedFile {
     /// Its text.
     pub text: String,
     /// Whether it is the text of the old file with other numbers, units and comments kept; else it is
-    /// written anew and has only robot and case.
+    /// written anew and has only robot, case, target and limits.
     pub keeps_text: bool,
 }
 
@@ -52,6 +53,10 @@ impl CaseFile {
         let mut file = Table::default();
         file.insert("title", self.title.as_str());
         file.entries.extend(new.entries);
+        let table = self.goal.table.as_ref();
+        let table =
+            table.map(|path| relative(path, folder).map_or_else(|| path.clone(), PathBuf::from));
+        describe_goal(&Goal { table, ..self.goal.clone() }, &mut file);
         Ok(FittedFile { text: toml(&file), keeps_text: false })
     }
 
@@ -80,7 +85,8 @@ impl CaseFile {
         let cameras = cameras.take_while(|path| self.document().find(path).is_some());
         let meshes = (0..self.case.obstacles.len()).map(|k| format!("obstacles[{k}].file"));
         let meshes = meshes.filter(|path| self.document().find(path).is_some());
-        let files = ["extends", "commands.table", "measured.disks", "measured.table"];
+        let files =
+            ["extends", "commands.table", "measured.disks", "measured.table", "target.shape"];
         let files = files.map(str::to_owned).into_iter();
         for path in files.chain(cameras).chain(meshes) {
             if let Some(Node { span, value: Value::Text(named) }) = self.document().find(&path)

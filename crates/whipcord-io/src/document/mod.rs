@@ -4,6 +4,7 @@
 mod check;
 mod describe;
 mod fitted;
+mod goal;
 mod motor;
 mod obstacle;
 mod text;
@@ -12,6 +13,7 @@ mod unknowns;
 pub use check::table_in_si;
 pub use describe::{Inexpressible, describe};
 pub use fitted::FittedFile;
+pub use goal::describe_goal;
 pub use text::toml;
 pub use unknowns::describe_fit;
 

@@ -3,6 +3,7 @@
 use whipcord::robot::limits::{self, Range};
 
 use super::backbone_keys::BACKBONE;
+use super::goal_keys::{LIMITS, PREFER, RATE_LIMIT, SHORTENING_LIMITS, TARGET, TENSION_LIMITS};
 use super::load_keys::{BASE, DIRECTION, LOADS, ROTATION};
 use super::motor_keys::MOTOR;
 use super::obstacle_keys::OBSTACLES;
@@ -17,7 +18,7 @@ pub(super) const LENGTH: Kind = Kind::Quantity(&[Dimension::Length], limits::LEN
 pub(super) const DISTANCE: Kind = Kind::Quantity(&[Dimension::Length], limits::DISTANCE);
 pub(super) const ANGLE: Kind = Kind::Quantity(&[Dimension::Angle], limits::ANGLE);
 const PUBLISHED_TIME: Kind = Kind::Quantity(&[Dimension::Time], DURATION);
-const TENSION: Kind = force(limits::TENSION);
+pub(super) const TENSION: Kind = force(limits::TENSION);
 const SHORTENING: Kind = Kind::Quantity(&[Dimension::Length, Dimension::Ratio], limits::COORDINATE);
 const POINT: Kind = Kind::Vector(&Kind::Quantity(&[Dimension::Length], limits::COORDINATE), 2);
 
@@ -70,6 +71,9 @@ pub(crate) static ROOT: Table = Table {
         key("measured", Kind::Table(&MEASURED), MEASURED.title, MEASURED.doc),
         key("reference", Kind::Table(&REFERENCE), REFERENCE.title, REFERENCE.doc),
         key("fit", Kind::Table(&FIT), FIT.title, FIT.doc),
+        key("target", Kind::Table(&TARGET), TARGET.title, TARGET.doc),
+        key("limits", Kind::Table(&LIMITS), LIMITS.title, LIMITS.doc),
+        key("prefer", Kind::Table(&PREFER), PREFER.title, PREFER.doc),
     ],
     rules: &[Rule::Required("backbone")],
 };
@@ -189,6 +193,9 @@ static CABLE: Table = Table {
             r#""5.7 %""#,
             "By how much its part inside the robot is shortened, for models driven by length: a length, or `%` of its own initial length. Negative is paid out. With `axial_stiffness` the part is longer than that by its stretch.",
         ),
+        TENSION_LIMITS,
+        SHORTENING_LIMITS,
+        RATE_LIMIT,
         key(
             "remove",
             Kind::Flag,

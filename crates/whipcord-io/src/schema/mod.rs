@@ -2,6 +2,7 @@
 //! suggestions and the JSON Schema all follow.
 
 mod backbone_keys;
+mod goal_keys;
 mod json;
 mod keys;
 mod load_keys;
@@ -12,6 +13,7 @@ use whipcord::robot::limits::Range;
 
 use crate::units::Dimension;
 
+pub(crate) use goal_keys::ANGLE_TOLERANCE;
 pub use json::schema;
 pub(crate) use keys::{DURATION, ROOT};
 

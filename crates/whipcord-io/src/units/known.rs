@@ -111,6 +111,8 @@ pub(super) const ANGULAR_RATE: &[Unit] = &[
 ];
 pub(super) const SPEED: &[Unit] =
     &[ten("m/s", &[], 0), ten("cm/s", &[], -2), ten("mm/s", &[], -3), factor("in/s", &[], INCH)];
+pub(super) const FORCE_RATE: &[Unit] =
+    &[ten("N/s", &[], 0), ten("mN/s", &[], -3), ten("kN/s", &[], 3)];
 pub(super) const ACCELERATION: &[Unit] = &[
     ten("m/s^2", &["m/s²", "m/s2"], 0),
     ten("mm/s^2", &["mm/s²", "mm/s2"], -3),

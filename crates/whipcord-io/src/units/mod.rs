@@ -6,8 +6,8 @@ mod quantity;
 use core::fmt;
 
 use known::{
-    ACCELERATION, ANGLE, ANGULAR_RATE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, LENGTH,
-    LINE_FORCE, LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, SPEED, TIME,
+    ACCELERATION, ANGLE, ANGULAR_RATE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, FORCE_RATE,
+    LENGTH, LINE_FORCE, LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, SPEED, TIME,
 };
 pub use quantity::{QuantityError, parse_quantity};
 pub(crate) use quantity::{percent, scaled, with_number};
@@ -41,6 +41,8 @@ pub enum Dimension {
     AngularRate,
     /// In m/s.
     Speed,
+    /// In N/s.
+    ForceRate,
     /// In m/s².
     Acceleration,
     /// In 1/m.
@@ -72,7 +74,7 @@ enum Scale {
 
 impl Dimension {
     /// All dimensions.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Length,
         Self::Pressure,
         Self::Force,
@@ -86,6 +88,7 @@ impl Dimension {
         Self::Angle,
         Self::AngularRate,
         Self::Speed,
+        Self::ForceRate,
         Self::Acceleration,
         Self::Curvature,
         Self::Time,
@@ -109,6 +112,7 @@ impl Dimension {
             Self::Angle => ANGLE,
             Self::AngularRate => ANGULAR_RATE,
             Self::Speed => SPEED,
+            Self::ForceRate => FORCE_RATE,
             Self::Acceleration => ACCELERATION,
             Self::Curvature => CURVATURE,
             Self::Time => TIME,
@@ -142,6 +146,7 @@ impl Dimension {
             Self::Angle => "30 deg",
             Self::AngularRate => "90 deg/s",
             Self::Speed => "10 mm/s",
+            Self::ForceRate => "2 N/s",
             Self::Acceleration => "9.81 m/s^2",
             Self::Curvature => "4 1/m",
             Self::Time => "2.2 s",
@@ -176,6 +181,7 @@ impl fmt::Display for Dimension {
             Self::Angle => "angle",
             Self::AngularRate => "rate of an angle",
             Self::Speed => "speed",
+            Self::ForceRate => "rate of a force",
             Self::Acceleration => "acceleration",
             Self::Curvature => "curvature",
             Self::Time => "time",

@@ -5,6 +5,7 @@
 mod common;
 mod damaged;
 mod examples;
+mod goal;
 mod materials;
 mod messages;
 mod motors;

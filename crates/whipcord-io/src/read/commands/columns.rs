@@ -7,7 +7,7 @@ use crate::check::{Data, Fields};
 use crate::error::Problems;
 use crate::node::Node;
 use crate::read::measured::{MARKER_SEPARATORS, is_measured};
-use crate::read::table::{Grid, problem, split_unit};
+use crate::read::table::{Grid, Unit, problem, split_unit};
 use crate::source::quoted;
 use crate::suggest;
 use crate::units::{Dimension, listed};
@@ -26,14 +26,6 @@ pub(super) enum Column {
     Measured,
     Key,
     Ignored,
-}
-
-/// The unit of the numbers in a column.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Unit {
-    /// None where the numbers are in SI.
-    pub name: Option<String>,
-    pub dimension: Dimension,
 }
 
 /// What `[commands]` says of the columns.
@@ -293,16 +285,7 @@ fn unit_of(
             None => Unit { name: None, dimension: dimensions[0] },
         });
     };
-    match find(own) {
-        Some(dimension) => Ok(Unit { name: Some(own.to_owned()), dimension }),
-        None => {
-            let kinds: Vec<String> =
-                dimensions.iter().map(|d| crate::schema::article(&d.to_string())).collect();
-            let names: Vec<String> = dimensions.iter().map(|d| d.unit_names()).collect();
-            let message = format!("`{}` is no unit of {} ", quoted(own), kinds.join(" or "));
-            Err((message.trim_end().to_owned(), format!("its units are {}", names.join(", "))))
-        }
-    }
+    Unit::named(own, dimensions)
 }
 
 /// A column that nothing knows.

@@ -5,12 +5,12 @@ use std::collections::HashMap;
 use whipcord::robot::limits::{COORDINATE, FRACTION, Range, TENSION};
 use whipcord::{CableCommand, Shortening};
 
-use super::columns::{Column, Unit};
+use super::columns::Column;
 use super::{CommandColumn, CommandRow, Commanded, CommandedRobot, Rows};
 use crate::error::{FileProblem, Problems};
-use crate::read::table::{Cell, Grid, Row, problem};
+use crate::read::table::{Cell, Grid, Row, Unit, problem};
 use crate::source::quoted;
-use crate::units::{Dimension, parse_quantity};
+use crate::units::Dimension;
 
 /// The rows as steps; `None` where one is refused.
 pub(super) fn rows(
@@ -115,16 +115,7 @@ fn number(cell: &Cell, row: &Row, name: &str, unit: &Unit, problems: &mut Proble
         });
         return None;
     };
-    let plain = text.parse::<f64>().ok().filter(|number| number.is_finite());
-    let value = plain.and_then(|plain| match &unit.name {
-        None => Some(plain),
-        // The decimal digits are shifted, so that 0.3 mm is the very number that 0.0003 m is.
-        Some(unit_name) => {
-            let (value, _) =
-                parse_quantity(&format!("{text} {unit_name}"), &[unit.dimension]).ok()?;
-            Some(value)
-        }
-    });
+    let value = unit.in_si(text);
     if value.is_none() {
         let message = format!("`{}` is not a finite number", quoted(text));
         let help = "write plain numbers with a decimal point; the unit is given in the first line, as in `bend [deg]`";

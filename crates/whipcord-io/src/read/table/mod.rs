@@ -4,6 +4,7 @@ mod csv;
 mod grid;
 mod parquet;
 mod thrift;
+mod unit;
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -13,6 +14,7 @@ use crate::files;
 use crate::source::{Sources, Span};
 
 pub(crate) use grid::{Cell, Grid, Row};
+pub(crate) use unit::Unit;
 
 /// What is wrong with a table, and what to do.
 pub(crate) fn problem(

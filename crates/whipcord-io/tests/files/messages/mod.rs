@@ -3,6 +3,7 @@
 mod aliases;
 mod cameras;
 mod files;
+mod goals;
 mod models;
 mod motors;
 mod obstacles;

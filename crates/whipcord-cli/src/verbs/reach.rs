@@ -1,0 +1,324 @@
+//! `whipcord reach`: the commands that bring the robot to a target.
+
+use std::path::{Path, PathBuf};
+
+use clap::builder::RangedU64ValueParser;
+use clap::{Args, ValueEnum};
+use whipcord::{Model, ModelKind, Pose, Solution, StabilityAnalysis, Stations, Vec3};
+use whipcord_inverse::{
+    CommandedBy, InverseError, InverseSolver, Preference, ReachOptions, ReachStatus, Reached,
+    Target, Tolerance,
+};
+use whipcord_io::{CaseFile, Clearance, load_shape, reach_json, warnings_json};
+use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
+
+use crate::deadline;
+use crate::inputs::{Settings, read_one};
+use crate::model_arguments::{FourBarArguments, model_parser};
+use crate::path_argument::path_ending_in;
+use crate::target_argument::{Axis, Place, PoseArgument, angle, length};
+use crate::verbs::reach_words as words;
+use crate::warnings::Warnings;
+use whipcord_study::failure::{Failure, message};
+use whipcord_study::files;
+use whipcord_study::style::Style;
+
+/// Commands that bring the tip to a point, a pose or a direction, or the robot to a shape
+///
+/// The target is that of [target] in the file, or is given by --tip, --pose, --axis or --shape. Limits of
+/// tensions, shortenings and motors are those of [limits], [[cables]] and [[motors]]. If the target is not
+/// reached, standard error gives the nearest commands and the distance, and the exit status is 1. The output
+/// is in N, mm and degrees, with --json in SI units.
+#[derive(Debug, Args)]
+pub struct ReachArgs {
+    /// Robot file, or - for standard input
+    file: PathBuf,
+    #[command(flatten)]
+    settings: Settings,
+    /// Point for the tip, such as "40 mm, 0 mm, 120 mm" or "40, 0, 120 mm"; numbers without a unit are in metres
+    #[arg(long, value_name = "X,Y,Z", conflicts_with_all = ["pose", "shape"], allow_hyphen_values = true)]
+    tip: Option<Place>,
+    /// Position and orientation of the tip: a point and a quaternion (w, x, y, z), such as
+    /// "40, 0, 120 mm, 0.92, 0, 0.38, 0"
+    #[arg(long, value_name = "X,Y,Z,W,X,Y,Z", conflicts_with_all = ["axis", "shape"], allow_hyphen_values = true)]
+    pose: Option<PoseArgument>,
+    /// Direction of the backbone at the tip, of any length, such as 0,0,1; alone or with --tip
+    #[arg(long, value_name = "X,Y,Z", conflicts_with = "shape", allow_hyphen_values = true)]
+    axis: Option<Axis>,
+    /// CSV or Parquet file with points for disks: columns disk (from 1) and x, y, z with units, as in `x [mm]`
+    #[arg(long, value_name = "CSV")]
+    shape: Option<PathBuf>,
+    /// Model
+    #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
+    kind: ModelKind,
+    #[command(flatten)]
+    four_bar: FourBarArguments,
+    /// Which commands are sought; by default those that the file gives: the motors where there are some, else
+    /// tensions or lengths
+    #[arg(long, value_name = "WHAT")]
+    by: Option<By>,
+    /// How far a point may be from its target, such as "0.1 mm"; by default what the file says, or 1e-5 of the
+    /// length of the backbone
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    tolerance: Option<f64>,
+    /// How far a direction or orientation may be from its target, such as "0.1 deg"
+    #[arg(long, value_name = "ANGLE", value_parser = angle)]
+    tolerance_angle: Option<f64>,
+    /// Print the nearest commands where the target is not reached, with exit status 0
+    #[arg(long)]
+    nearest: bool,
+    /// Where the target is not reached, try to prove that it cannot be: a bound of the distance over all
+    /// tensions within the limits. Only for cosserat, without loads and friction, with [limits] tension
+    #[arg(long)]
+    prove: bool,
+    /// Shapes from which the iteration may start, after the commands of the file
+    #[arg(long, value_name = "N", default_value_t = ReachOptions::default().starts, value_parser = starts_parser())]
+    starts: usize,
+    /// Which of several answers is given; by default what the file says, or the least tension
+    #[arg(long, value_name = "WHAT")]
+    least: Option<Least>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Draw the robot and the target; the name ends in .svg or .png
+    #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["svg", "png"]))]
+    plot: Option<PathBuf>,
+    /// Robot file to write with the commands found
+    #[arg(short, long, value_name = "NEW")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    warnings: Warnings,
+}
+
+/// Boxes of tensions that a proof may look at, which take some seconds.
+const BOXES: usize = 1_000_000;
+
+/// An atlas has no more shapes.
+const MOST_STARTS: u64 = 20_000;
+
+fn starts_parser() -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(0..=MOST_STARTS)
+}
+
+/// Which commands are sought.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum By {
+    /// Tensions of all cables
+    Tensions,
+    /// Shortenings of all cables
+    Lengths,
+    /// Motors, and cables without a motor as the file commands them
+    Motors,
+}
+
+/// Which of several answers is given.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Least {
+    /// The least sum of squared tensions
+    Tension,
+    /// The nearest to the commands of the file
+    Change,
+    /// The greatest distance from obstacles
+    Clearance,
+}
+
+/// What was asked, and what came of it.
+pub struct Answer<'a> {
+    /// With the commands that were found.
+    pub file: &'a CaseFile,
+    /// What was solved.
+    pub solver: &'a InverseSolver,
+    /// What was asked.
+    pub target: &'a Target,
+    /// How far the answer may be from it.
+    pub tolerance: Tolerance,
+    /// What came of it.
+    pub reached: &'a Reached,
+}
+
+/// Solves, and returns what standard output shows.
+pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
+    let file = read_one(&args.file, &args.settings)?;
+    if let Some(path) = &args.output {
+        files::keep(path, file.files())?;
+    }
+    let mut warnings = file.warnings();
+    args.warnings.tell(&file, &warnings)?;
+    let target = target(args, &file)?;
+    let length = file.robot.backbone().length;
+    let mut goal = file.goal.clone();
+    goal.tolerance = args.tolerance.or(goal.tolerance);
+    goal.tolerance_angle = args.tolerance_angle.or(goal.tolerance_angle);
+    let tolerance = goal.tolerance(length).unwrap_or_else(|| Tolerance::of_length(length));
+    let options = ReachOptions {
+        tolerance: Some(tolerance),
+        prefer: match args.least {
+            Some(Least::Tension) => Preference::LeastTension,
+            Some(Least::Change) => Preference::LeastChange,
+            Some(Least::Clearance) => Preference::MostClearance,
+            None => goal.preference.unwrap_or_default(),
+        },
+        clearance: match goal.clearance {
+            Some(Clearance::Touch) => None,
+            Some(Clearance::Least(least)) => Some(least),
+            None => ReachOptions::default().clearance,
+        },
+        starts: args.starts,
+        proof: args.prove.then_some(BOXES),
+        ..ReachOptions::default()
+    };
+    let model = Model::new(args.kind, Stations::Disks, whipcord::Actuation::Natural)
+        .with_stability(StabilityAnalysis::Eigenvalue)
+        .with_tolerance((0.1 * tolerance.position / length).clamp(1e-12, 1e-6));
+    let model = args.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
+    let mut solver = solver(args, &file, &model)?;
+    let reached = solver.reach(&target, &options).map_err(|error| failure(&file, &error))?;
+    let mut answered = file.clone();
+    answered.case = reached.case.clone();
+    let answer =
+        Answer { file: &answered, solver: &solver, target: &target, tolerance, reached: &reached };
+    if reached.status != ReachStatus::Reached && !args.nearest {
+        return Err(Failure::Solve(words::not_reached(&answer)));
+    }
+    let of_answer = answered.answer_warnings([(None, &reached.solution)]);
+    args.warnings.tell(&answered, &of_answer)?;
+    warnings.extend(of_answer);
+    let picture = match &args.plot {
+        Some(path) => Some((path, draw(path, &answer, &model)?)),
+        None => None,
+    };
+    let written = match &args.output {
+        Some(path) => Some((path, new_file(path, &file, &reached)?)),
+        None => None,
+    };
+    let text = if args.json {
+        let json = reach_json(&file.title, &file.robot, &solver, tolerance, &reached);
+        let mut json = json.map_err(|error| files::no_result(&error))?;
+        json["warnings"] = warnings_json(&file, &warnings);
+        format!("{json:#}\n")
+    } else {
+        let mut text = words::summary(&answer, style);
+        if let Some((path, _)) = &picture {
+            text += &format!("picture: {}\n", path.display());
+        }
+        if let Some((path, (_, note))) = &written {
+            text += &format!("written: {}{note}\n", path.display());
+        }
+        text
+    };
+    // What can fail has been done: now the files are written, or there are none.
+    if let Some((path, bytes)) = picture {
+        files::write(path, &bytes)?;
+    }
+    if let Some((path, (text, _))) = written {
+        files::write(path, text.as_bytes())?;
+    }
+    Ok(text)
+}
+
+/// The target of the command line, else that of the file.
+fn target(args: &ReachArgs, file: &CaseFile) -> Result<Target, Failure> {
+    if let Some(path) = &args.shape {
+        let disks = file.robot.disks().count();
+        let points = load_shape(path, disks).map_err(|error| Failure::Input(message(&error)))?;
+        return Ok(Target::Shape(points));
+    }
+    let point = args.tip.map(|Place(point)| point);
+    if let Some(Axis(direction)) = args.axis {
+        return Ok(Target::Axis { point, direction });
+    }
+    if let Some(PoseArgument(pose)) = args.pose {
+        return Ok(Target::Pose(pose));
+    }
+    point.map(Target::Tip).or_else(|| file.goal.target.clone()).ok_or_else(|| {
+        Failure::Input(format!(
+            "error: {}: there is no target: add [target] to the file, such as tip = [\"40 mm\", \"0 mm\", \"120 mm\"], or give --tip, --pose, --axis or --shape",
+            file.path.display()
+        ))
+    })
+}
+
+fn solver(args: &ReachArgs, file: &CaseFile, model: &Model) -> Result<InverseSolver, Failure> {
+    let by = match args.by {
+        None => CommandedBy::Case,
+        Some(By::Tensions) => CommandedBy::Tensions,
+        Some(By::Lengths) => CommandedBy::Shortenings,
+        Some(By::Motors) => CommandedBy::Motors,
+    };
+    let CaseFile { robot, case, .. } = file;
+    let fail = |error: InverseError| failure(file, &error);
+    let actuators = whipcord_inverse::Actuator::of(robot, case, model.kind(), by).map_err(fail)?;
+    let limits = file.goal.limits(robot, &actuators).map_err(|mismatch| {
+        let name = &robot.cables()[mismatch.cable].name;
+        let (commanded, unit) = match mismatch.by_tension {
+            true => ("tension", "N/s"),
+            false => ("shortening", "mm/s"),
+        };
+        Failure::Input(format!(
+            "error: {}: the rate of cable {name} is limited in another unit, but its {commanded} is commanded: give it in {unit}",
+            file.path.display()
+        ))
+    })?;
+    InverseSolver::new(model, robot, case, &limits, by).map_err(fail)
+}
+
+fn failure(file: &CaseFile, error: &InverseError) -> Failure {
+    let message = format!("error: {}: {error}", file.path.display());
+    match error {
+        InverseError::Solve(error) | InverseError::NoStart(error) => {
+            Failure::from_solve(file, error)
+        }
+        InverseError::NoSolves | InverseError::Atlas(_) => Failure::Solve(message),
+        _ => Failure::Input(message),
+    }
+}
+
+/// The robot file with the commands found, and what to say of it.
+fn new_file(
+    path: &Path,
+    old: &CaseFile,
+    reached: &Reached,
+) -> Result<(String, &'static str), Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let case = reached.case_beside(&old.robot, &old.case);
+    let file = old.with_numbers_of(&old.robot, &case, folder);
+    let file = file.map_err(|error| {
+        Failure::Input(format!("error: the commands cannot be written: {error}"))
+    })?;
+    let note = match file.keeps_text {
+        true => "",
+        false => " (written anew: without comments, units, [measured], [fit] and [reference])",
+    };
+    Ok((file.text, note))
+}
+
+/// The robot at rest and in the answer, with the points that it was to reach.
+fn draw(path: &Path, answer: &Answer<'_>, model: &Model) -> Result<Vec<u8>, Failure> {
+    let Answer { file, reached, target, .. } = answer;
+    let solution = &reached.solution;
+    let fine = model
+        .at(Stations::Equal(FINE_STATIONS))
+        .prepare(&file.robot, &file.case.loads)
+        .and_then(|mut prepared| prepared.solve(&file.case, Some(solution)))
+        .unwrap_or_else(|_| Solution { shape: solution.disks.clone(), ..solution.clone() });
+    let targets: Vec<Vec3> = match target {
+        Target::Tip(point) => vec![*point],
+        Target::Pose(Pose { position, .. }) => vec![*position],
+        Target::Axis { point, .. } => point.iter().copied().collect(),
+        Target::Shape(points) => points.iter().map(|(_, point)| *point).collect(),
+    };
+    let options = FigureOptions {
+        title: file.title.clone(),
+        targets,
+        loads: Acting::on(&file.case, &fine.shape),
+        ..FigureOptions::default()
+    }
+    .among(&file.case.obstacles, Some(solution));
+    let views = [
+        RobotView::at_rest(&file.robot, file.case.base),
+        RobotView::model(label(solution.model, solution), &fine),
+    ];
+    let svg = robot_figure(&file.robot, &views, &options)
+        .map_err(|error| files::plot_failure(path, &error))?;
+    files::picture(&svg, path)
+}
