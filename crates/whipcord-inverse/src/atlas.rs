@@ -141,6 +141,12 @@ impl Atlas {
         Ok(atlas)
     }
 
+    /// The tip and the unknowns of each row.
+    pub fn rows(&self) -> impl Iterator<Item = (Vec3, &[f64])> + '_ {
+        let tips = self.tips.iter().map(|tip| tip.position);
+        tips.zip(self.unknowns.chunks_exact(self.width))
+    }
+
     /// The unknowns of the rows that are nearest to a target, the nearest first.
     pub fn nearest(&self, target: &Target, lever: f64, count: usize) -> Vec<&[f64]> {
         let tip = match target {

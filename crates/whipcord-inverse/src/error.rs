@@ -55,6 +55,16 @@ pub enum InverseError {
     /// The solve was refused, or cancelled.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// An edge of voxels that cannot be used.
+    #[error(
+        "the edge of a voxel must be at least {least} m, a thousandth of the length, but is {voxel} m"
+    )]
+    Voxel {
+        /// Given, in m.
+        voxel: f64,
+        /// In m.
+        least: f64,
+    },
     /// Shapes could not be computed.
     #[error("the shapes to start from could not be computed: {0}")]
     Atlas(String),

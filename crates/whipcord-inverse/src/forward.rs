@@ -1,11 +1,11 @@
 //! The forward problem of a robot with its derivatives, as an inverse problem sees it.
 
 use whipcord::cosserat::{self, Accuracy};
-use whipcord::derivatives::{Change, Place};
+use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
-    CableCommand, Case, Model, Obstacle, Prepared, Robot, Solution, SolveError, StabilityAnalysis,
-    Twist,
+    CableCommand, Case, Mat3, Model, Obstacle, Prepared, Robot, Solution, SolveError,
+    StabilityAnalysis, Twist, Vec3,
 };
 
 use crate::actuator::{Actuator, Actuators, write_commands};
@@ -299,6 +299,21 @@ impl Forward {
         } else {
             self.by_differences(unknowns, places, from)
         }
+    }
+
+    /// The translational compliance of the tip in m/N in the world, with the commands held; `None` where the model does not know it.
+    pub fn tip_compliance(&mut self, solution: &Solution) -> Option<Mat3> {
+        if !self.is_exact {
+            return None;
+        }
+        let holds_tensions =
+            self.actuators.asked.iter().all(|actuator| matches!(actuator, Actuator::Tension(_)));
+        let hold = if holds_tensions { Hold::Tensions } else { Hold::Lengths };
+        let rates = self.model.linearize(&self.case, solution, &[]).ok()?;
+        let rows = rates.compliance(Place::Tip, hold).ok()?.rows();
+        let local = Mat3 { rows: [0, 1, 2].map(|i| Vec3::new(rows[i][0], rows[i][1], rows[i][2])) };
+        let turn = self.case.base.rotation.to_matrix();
+        Some(turn * local * turn.transpose())
     }
 
     /// [`Self::evaluate`] by the model of the answers.

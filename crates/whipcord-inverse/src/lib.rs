@@ -36,10 +36,12 @@ mod limit;
 mod limits;
 mod options;
 mod path;
+mod proof;
 mod reach;
 mod redundancy;
 mod search;
 mod target;
+mod workspace;
 
 pub use actuator::{Actuator, CommandedBy};
 pub use certificate::NoProof;
@@ -50,3 +52,4 @@ pub use options::{Preference, ReachOptions, ReachStatus};
 pub use path::{Followed, Jump, JumpKind, PathPoint};
 pub use reach::{InverseSolver, Reached, SearchRange};
 pub use target::{Miss, Target, Tolerance};
+pub use workspace::{BoundaryPoint, Cell, Workspace, WorkspaceOptions};

@@ -1,11 +1,10 @@
 //! Commands that bring a robot to a target.
 
-use whipcord::derivatives::Place;
 use whipcord::{Case, Model, ModelKind, Robot, Shortening, Solution, SolveError, Stations, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, write_commands};
 use crate::atlas::{Atlas, Survey};
-use crate::certificate::{Goal, NoProof, least_distance};
+use crate::certificate::NoProof;
 use crate::descent::{Control, Workspace};
 use crate::error::{InverseError, TargetProblem};
 use crate::forward::{Evaluation, Forward};
@@ -13,7 +12,7 @@ use crate::limit::{Clearance, Constraints, Limit};
 use crate::limits::{CableLimits, Limits};
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::redundancy::{self, Redundancy};
-use crate::search::{Candidate, Correction, Search};
+use crate::search::{Candidate, Search};
 use crate::target::{Miss, Target, Tolerance};
 
 /// The answer to an inverse problem.
@@ -116,6 +115,8 @@ struct Asked<'a> {
 /// Rows of an atlas where the batch has vectors for them, and elsewhere.
 const ROWS_OF_LANES: usize = 20_000;
 const ROWS: usize = 2_000;
+/// Rows of a survey of the workspace where the batch has no vectors for them.
+const ROWS_OF_A_SURVEY: usize = 10_000;
 /// Stations between which obstacles are not looked for, of each part between two disks.
 const STATIONS: usize = 61;
 /// Steps along the null space to the preferred commands, and at a point of a path, where the points before have led near to them.
@@ -263,15 +264,7 @@ impl InverseSolver {
         let constraints = self.constraints(ranges, options);
         let bounds = &ranges.unknowns;
         let first_solve = self.forward.solves;
-        let mut search = Search {
-            target,
-            tolerance,
-            lever,
-            places: target.places().into_iter().chain(constraints.places()).collect(),
-            constraints,
-            forward: &mut self.forward,
-            correction: Correction::default(),
-        };
+        let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
         let scales = search.forward.scales.clone();
         let mut best: Option<Candidate> = None;
         let mut refusal = None;
@@ -322,19 +315,18 @@ impl InverseSolver {
                 has_looked = true;
                 let atlas = match &mut self.atlas {
                     Some(atlas) => atlas,
-                    none => none.insert(Atlas::survey(&Survey {
-                        model: &self.model,
-                        robot: search.forward.robot(),
-                        case: &self.case,
-                        actuators: &search.forward.actuators.list,
-                        bounds: &self.ranges.unknowns,
-                        tensions: &sampled_tensions(
-                            &self.limits,
-                            &self.ranges.unknowns,
+                    none => {
+                        let rows = atlas_rows(&self.model, &self.case);
+                        let (limits, ranges) = (&self.limits, &self.ranges);
+                        none.insert(survey(
+                            &self.model,
+                            &self.case,
+                            limits,
+                            ranges,
                             search.forward,
-                        ),
-                        rows: atlas_rows(&self.model, &self.case),
-                    })?),
+                            rows,
+                        )?)
+                    }
                 };
                 let rows = atlas.nearest(target, lever, options.starts);
                 queue = rows.into_iter().rev().map(<[f64]>::to_vec).collect();
@@ -362,7 +354,7 @@ impl InverseSolver {
         if let Some(boxes) = options.proof
             && answer.status != ReachStatus::Reached
         {
-            self.prove(&mut answer, &asked, tolerance, boxes)?;
+            self.prove(&mut answer, target, tolerance, options, boxes)?;
         }
         Ok((answer, unknowns))
     }
@@ -376,35 +368,14 @@ impl InverseSolver {
     ) -> Reached {
         let &Asked { target, lever, ranges, options } = asked;
         let forward = &self.forward;
-        let robot = forward.robot();
-        let (mut active_limits, _) =
-            self.constraints(ranges, options).active(robot, &best.evaluation);
-        for (k, (x, [least, greatest])) in best.unknowns.iter().zip(&ranges.unknowns).enumerate() {
-            let near = 1e-9 * forward.scales[k];
-            let limits = match forward.actuators.list[k] {
-                Actuator::Tension(cable) if !forward.actuators.are_direct() => {
-                    [Limit::LeastTension(cable), Limit::GreatestTension(cable)]
-                }
-                _ => [Limit::LeastCommand(k), Limit::GreatestCommand(k)],
-            };
-            if x - least <= near {
-                active_limits.push(limits[0]);
-            } else if greatest - x <= near {
-                active_limits.push(limits[1]);
-            }
-        }
+        let active_limits = self.active_limits(&best, ranges, options);
         let status = match (best.is_reached, best.is_minimum) {
             (true, _) => ReachStatus::Reached,
             (false, true) => ReachStatus::Nearest,
             (false, false) => ReachStatus::Undecided,
         };
         let values = forward.values(&best.unknowns, &best.solution);
-        let commands: Vec<f64> = self
-            .actuators()
-            .iter()
-            .zip(&values)
-            .map(|(actuator, value)| forward.actuators.command(robot, *actuator, *value))
-            .collect();
+        let commands = self.commands_of(&best.unknowns, &best.solution);
         let redundancy = Redundancy::of(&best.evaluation, target, lever, &forward.scales);
         Reached {
             status,
@@ -423,93 +394,81 @@ impl InverseSolver {
         }
     }
 
-    /// Proves that a target cannot be reached, or says why there is no proof.
-    fn prove(
-        &mut self,
-        answer: &mut Reached,
-        asked: &Asked<'_>,
-        tolerance: Tolerance,
-        boxes: usize,
-    ) -> Result<(), InverseError> {
-        /// Part of the distance that was found at which a proof ends.
-        const TIGHT: f64 = 0.9;
-        let outcome = match self.provable(asked, &answer.solution) {
-            Err(reason) => Err(reason),
-            Ok((mut goal, tensions)) => {
-                goal.distance *= TIGHT;
-                if goal.distance <= tolerance.position {
-                    Err(NoProof::Near)
-                } else {
-                    let list: Vec<Actuator> = (0..tensions.len()).map(Actuator::Tension).collect();
-                    let first = self.forward.solves;
-                    let unknowns = core::mem::replace(&mut self.forward.actuators.list, list);
-                    // A robot that keeps clear of obstacles has the shape that it has without them.
-                    let obstacles = core::mem::take(&mut self.forward.case.obstacles);
-                    let found = least_distance(&mut self.forward, &goal, &tensions, boxes);
-                    self.forward.case.obstacles = obstacles;
-                    self.forward.actuators.list = unknowns;
-                    answer.solves += self.forward.solves - first;
-                    found?
-                }
-            }
+    /// Tips and unknowns of as many shapes all over the commands.
+    pub(crate) fn shapes(&self, count: usize) -> Result<Vec<(Vec3, Vec<f64>)>, InverseError> {
+        let rows = match self.model.kind() {
+            ModelKind::Cosserat if self.case.loads.is_none() => count,
+            _ => count.min(ROWS_OF_A_SURVEY),
         };
-        match outcome {
-            Ok((bound, _)) => {
-                answer.lower_bound = Some(bound);
-                let is_proven = bound > tolerance.position;
-                if is_proven {
-                    answer.status = ReachStatus::UnreachableProven;
-                } else {
-                    answer.status = ReachStatus::Undecided;
-                    answer.no_proof = Some(NoProof::Boxes);
-                }
-            }
-            Err(reason) => {
-                answer.status = ReachStatus::Undecided;
-                answer.no_proof = Some(reason);
-            }
-        }
-        Ok(())
+        let (limits, ranges) = (&self.limits, &self.ranges);
+        let atlas = survey(&self.model, &self.case, limits, ranges, &self.forward, rows)?;
+        Ok(atlas.rows().map(|(tip, unknowns)| (tip, unknowns.to_vec())).collect())
     }
 
-    /// The point and the tensions of a proof: of a shape the point that is farthest from where it should be.
-    fn provable(
-        &self,
-        asked: &Asked<'_>,
-        solution: &Solution,
-    ) -> Result<(Goal, Vec<[f64; 2]>), NoProof> {
-        let robot = self.forward.robot();
-        let disks = &robot.disks().arc_lengths;
-        let poses = &solution.disks.poses;
-        let tip = poses.len() - 1;
-        let points = match asked.target {
-            Target::Tip(point) => vec![(tip, *point)],
-            Target::Pose(pose) => vec![(tip, pose.position)],
-            Target::Axis { point, .. } => point.iter().map(|point| (tip, *point)).collect(),
-            Target::Shape(points) => points.clone(),
+    /// One start for a target.
+    pub(crate) fn attempt(
+        &mut self,
+        start: &[f64],
+        target: &Target,
+        options: &ReachOptions,
+    ) -> Result<Candidate, SolveError> {
+        let length = self.forward.robot().backbone().length;
+        let tolerance = options.tolerance.unwrap_or_else(|| Tolerance::of_length(length));
+        let ranges = self.ranges.clone();
+        let constraints = self.constraints(&ranges, options);
+        let scales = self.forward.scales.clone();
+        let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
+        let control =
+            Control { bounds: &ranges.unknowns, scales: &scales, evaluations: EVALUATIONS };
+        search.attempt(start, None, &control, &mut self.workspace, options)
+    }
+
+    /// The commands of the actuators at these unknowns.
+    pub(crate) fn commands_of(&self, unknowns: &[f64], solution: &Solution) -> Vec<f64> {
+        let values = self.forward.values(unknowns, solution);
+        let command = |(actuator, value): (&Actuator, &f64)| {
+            self.forward.actuators.command(self.forward.robot(), *actuator, *value)
         };
-        let distance = |(disk, point): &(usize, Vec3)| (poses[*disk].position - *point).norm();
-        let farthest = points.iter().max_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let &(disk, point) = farthest.ok_or(NoProof::NoPoint)?;
-        if self.model.kind() != ModelKind::Cosserat {
-            return Err(NoProof::Model);
+        self.actuators().iter().zip(&values).map(command).collect()
+    }
+
+    /// The limits that an answer meets.
+    pub(crate) fn limits_of(&self, at: &Candidate, options: &ReachOptions) -> Vec<Limit> {
+        self.active_limits(at, &self.ranges, options)
+    }
+
+    fn active_limits(&self, at: &Candidate, ranges: &Ranges, options: &ReachOptions) -> Vec<Limit> {
+        let forward = &self.forward;
+        let constraints = self.constraints(ranges, options);
+        let (mut active, _) = constraints.active(forward.robot(), &at.evaluation);
+        for (k, (x, [least, greatest])) in at.unknowns.iter().zip(&ranges.unknowns).enumerate() {
+            let near = 1e-9 * forward.scales[k];
+            let limits = match forward.actuators.list[k] {
+                Actuator::Tension(cable) if !forward.actuators.are_direct() => {
+                    [Limit::LeastTension(cable), Limit::GreatestTension(cable)]
+                }
+                _ => [Limit::LeastCommand(k), Limit::GreatestCommand(k)],
+            };
+            let met = if x - least <= near {
+                limits[0]
+            } else if greatest - x <= near {
+                limits[1]
+            } else {
+                continue;
+            };
+            if !active.contains(&met) {
+                active.push(met);
+            }
         }
-        if !self.case.loads.is_none() {
-            return Err(NoProof::Loads);
-        }
-        if robot.has_history() {
-            return Err(NoProof::History);
-        }
-        if !self.case.obstacles.is_empty() && asked.options.clearance.is_none() {
-            return Err(NoProof::Obstacles);
-        }
-        let tensions: Vec<[f64; 2]> = self.limits.cables.iter().map(|of| of.tension).collect();
-        if tensions.iter().any(|[_, greatest]| !greatest.is_finite()) {
-            return Err(NoProof::TensionLimits);
-        }
-        let distance = distance(&(disk, point));
-        let goal = Goal { place: Place::Disk(disk), arc_length: disks[disk], point, distance };
-        Ok((goal, tensions))
+        active
+    }
+
+    pub(crate) const fn model(&self) -> &Model {
+        &self.model
+    }
+
+    pub(crate) const fn case(&self) -> &Case {
+        &self.case
     }
 
     /// Directions of the commands, in their units.
@@ -588,6 +547,26 @@ impl InverseSolver {
             clearance,
         )
     }
+}
+
+/// Shapes all over the commands.
+fn survey(
+    model: &Model,
+    case: &Case,
+    limits: &Limits,
+    ranges: &Ranges,
+    forward: &Forward,
+    rows: usize,
+) -> Result<Atlas, InverseError> {
+    Atlas::survey(&Survey {
+        model,
+        robot: forward.robot(),
+        case,
+        actuators: &forward.actuators.list,
+        bounds: &ranges.unknowns,
+        tensions: &sampled_tensions(limits, &ranges.unknowns, forward),
+        rows,
+    })
 }
 
 /// Tensions of an atlas: within the limits, and no more than what bends the robot by a whole turn.

@@ -20,7 +20,7 @@ pub(crate) struct Candidate {
     /// No step lowers the distance.
     pub is_minimum: bool,
     /// Whether all limits are kept and it is stable.
-    is_allowed: bool,
+    pub is_allowed: bool,
     pub distance: f64,
 }
 
@@ -34,13 +34,13 @@ impl Candidate {
 /// The search for one target.
 pub(crate) struct Search<'a> {
     pub target: &'a Target,
-    pub tolerance: Tolerance,
+    tolerance: Tolerance,
     pub lever: f64,
     /// Those of the target, then those of the constraints.
-    pub places: Vec<Place>,
+    places: Vec<Place>,
     pub constraints: Constraints,
     pub forward: &'a mut Forward,
-    pub correction: Correction,
+    correction: Correction,
 }
 
 impl Problem for Search<'_> {
@@ -65,6 +65,25 @@ impl Problem for Search<'_> {
     /// Far within the tolerance, because the answer is solved again from rest.
     fn is_done(&self, linear: &Linear) -> bool {
         linear.violation() == 0.0 && (2.0 * linear.cost()).sqrt() <= 0.02 * self.tolerance.position
+    }
+}
+
+impl<'a> Search<'a> {
+    pub fn new(
+        target: &'a Target,
+        tolerance: Tolerance,
+        constraints: Constraints,
+        forward: &'a mut Forward,
+    ) -> Self {
+        Self {
+            target,
+            tolerance,
+            lever: tolerance.position / tolerance.angle,
+            places: target.places().into_iter().chain(constraints.places()).collect(),
+            constraints,
+            forward,
+            correction: Correction::default(),
+        }
     }
 }
 
@@ -174,7 +193,7 @@ impl Search<'_> {
 
 /// What the residuals and the slacks of the answers have beyond those of the model on few steps.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Correction {
+struct Correction {
     residual: Vec<f64>,
     slack: Vec<f64>,
 }

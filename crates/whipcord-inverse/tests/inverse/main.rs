@@ -7,3 +7,4 @@ mod follow;
 mod planted;
 mod proof;
 mod robots;
+mod workspace;
