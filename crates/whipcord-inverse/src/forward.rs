@@ -74,6 +74,17 @@ pub(crate) struct Evaluation {
 /// Steps of a Cosserat rod on which trials are solved: with them the tip is known to about 1e-5 of the length.
 const FEW_STEPS: usize = 12;
 
+/// A Cosserat rod with few steps; `None` for other models.
+pub(crate) fn on_few_steps(model: &Model) -> Option<Model> {
+    match model {
+        Model::Cosserat(options) => {
+            let accuracy = Accuracy::Steps(FEW_STEPS);
+            Some(Model::Cosserat(cosserat::Options { accuracy, ..options.clone() }))
+        }
+        _ => None,
+    }
+}
+
 impl Forward {
     pub fn new(
         model: &Model,
@@ -91,12 +102,9 @@ impl Forward {
         let verifier = model.prepare(robot, &case.loads)?;
         let plain = model.clone().with_stability(StabilityAnalysis::Off);
         let is_on_few_steps = memory == Remembers::Nothing && case.obstacles.is_empty();
-        let (plain, is_on_few_steps) = match plain {
-            Model::Cosserat(options) if is_on_few_steps => {
-                let accuracy = Accuracy::Steps(FEW_STEPS);
-                (Model::Cosserat(cosserat::Options { accuracy, ..options }), true)
-            }
-            other => (other, false),
+        let (plain, is_on_few_steps) = match on_few_steps(&plain) {
+            Some(few) if is_on_few_steps => (few, true),
+            _ => (plain, false),
         };
         let prepared = plain.prepare(robot, &case.loads)?;
         let mut case = case.clone();

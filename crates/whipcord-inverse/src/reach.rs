@@ -7,7 +7,7 @@ use crate::atlas::{Atlas, Survey};
 use crate::certificate::NoProof;
 use crate::descent::{Control, Workspace};
 use crate::error::{InverseError, TargetProblem};
-use crate::forward::{Evaluation, Forward};
+use crate::forward::{Evaluation, Forward, on_few_steps};
 use crate::limit::{Clearance, Constraints, Limit};
 use crate::limits::{CableLimits, Limits};
 use crate::options::{Preference, ReachOptions, ReachStatus};
@@ -558,8 +558,9 @@ fn survey(
     forward: &Forward,
     rows: usize,
 ) -> Result<Atlas, InverseError> {
+    let few = on_few_steps(model);
     Atlas::survey(&Survey {
-        model,
+        model: few.as_ref().unwrap_or(model),
         robot: forward.robot(),
         case,
         actuators: &forward.actuators.list,
