@@ -18,6 +18,8 @@ use crate::statics::grid::Grid;
 use crate::statics::options::Accuracy;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::plastic_steps::PlasticRod as _;
+use crate::statics::refinement::change_of_tensions;
+use crate::statics::scales::Scales;
 
 /// How often the steps may be halved.
 const MAX_REFINEMENTS: usize = 5;
@@ -191,11 +193,9 @@ impl Cosserat {
         let Scratch { poses, lengths, tensions, .. } = &workspace.scratch;
         let moved = workspace.coarse.change(grid, poses, lengths);
         let length = self.robot.backbone().length;
-        let pairs = tensions.iter().zip(&workspace.friction.coarse_tensions);
-        let relative = |(fine, coarse): (&f64, &f64)| {
-            length * (fine - coarse).abs() / fine.max(f64::MIN_POSITIVE)
-        };
-        pairs.filter(|(fine, coarse)| fine != coarse).map(relative).fold(moved, f64::max)
+        let scales = Scales::of(grid, length);
+        let pulled = change_of_tensions(tensions, &workspace.friction.coarse_tensions, &scales);
+        moved.max(length * pulled)
     }
 
     /// The answer to the last step of actuation on one grid, which the workspace then holds. It may keep to where the cables come to

@@ -13,7 +13,8 @@ use crate::statics::command::Command;
 use crate::statics::friction::{Course, History};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Found;
-use crate::statics::refinement::Coarse;
+use crate::statics::refinement::{Coarse, change_of_tensions};
+use crate::statics::scales::Scales;
 
 /// Scratch memory of a solve. Nothing is carried over in it from one solve to the next but the
 /// memory itself.
@@ -119,10 +120,8 @@ impl Workspace {
     /// it is the tensions that change, which counts as a fraction of the length.
     pub(super) fn change(&self, mesh: &Mesh, length: f64) -> f64 {
         let moved = self.coarse.change(&mesh.grid, &self.scratch.poses, &self.scratch.lengths);
-        let tensions = self.scratch.tensions.iter().zip(&self.coarse_tensions);
-        let relative = |(fine, coarse): (&f64, &f64)| {
-            length * (fine - coarse).abs() / fine.max(f64::MIN_POSITIVE)
-        };
-        tensions.filter(|(fine, coarse)| fine != coarse).map(relative).fold(moved, f64::max)
+        let scales = Scales::of(&mesh.grid, length);
+        let pulled = change_of_tensions(&self.scratch.tensions, &self.coarse_tensions, &scales);
+        moved.max(length * pulled)
     }
 }

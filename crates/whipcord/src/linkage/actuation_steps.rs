@@ -85,15 +85,16 @@ impl Linkage {
             check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
             return self.rub_among_obstacles(case, workspace, each);
         }
-        for n in 0..=case.before.len() {
-            let Some(step) = case.step(n) else { break };
+        for (n, step) in case.single_steps().enumerate() {
+            // The workspace remembers the steps before.
+            workspace.friction.taken = 0;
             let solution = self.solve_on(&step, workspace).map_err(|error| (n, error))?;
             each(solution);
         }
         Ok(())
     }
 
-    /// The answer to a case whose first steps the workspace has taken.
+    /// The answer to a step on from those that the workspace has taken.
     fn solve_on(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
         let mut solution = Solution::empty(self.kind);
         let status = self.solve_from_here(case, WarmStart::None, workspace, &mut solution)?;

@@ -3,6 +3,7 @@
 use whipcord_numerics::Pose;
 
 use super::grid::Grid;
+use super::scales::Scales;
 
 /// A step of order 5 that is halved loses all but 1/32 of its error, so that its change is 31 times what is left. Measured
 /// on robots under loads it is 44 to 93 times; without load the order is 6.
@@ -42,6 +43,18 @@ impl Coarse {
         let lengths = lengths.iter().zip(&self.lengths).map(|(fine, coarse)| (fine - coarse).abs());
         moved.chain(lengths).fold(0.0, f64::max)
     }
+}
+
+/// A tension below this part of the greatest one of all cables, or of the force that bends the rod, needs no accuracy of its own:
+/// that of a cable that is about to get slack is a small difference of great ones.
+const SLIGHT: f64 = 1e-2;
+
+/// Largest change of a tension from one grid to the next, relative to the tension.
+pub(crate) fn change_of_tensions(fine: &[f64], coarse: &[f64], scales: &Scales) -> f64 {
+    let greatest = fine.iter().chain(coarse).copied().fold(scales.force, f64::max);
+    let least = SLIGHT * greatest;
+    let pairs = fine.iter().zip(coarse);
+    pairs.map(|(fine, coarse)| (fine - coarse).abs() / fine.max(least)).fold(0.0, f64::max)
 }
 
 /// Disks and stations.

@@ -340,3 +340,57 @@ fn motors_that_pay_a_rubbing_cable_out_are_solved_within_the_budget() {
         assert!((tip - tips[0]).norm() < 2e-3, "{kind}: {tip:?} {:?}", tips[0]);
     }
 }
+
+/// A cable that is about to get slack has a tension that is a small difference of great ones: the discretisation error of the answer
+/// does not count it by its own size. All steps at once are those one by one.
+#[test]
+fn rows_in_which_an_antagonist_gets_slack_have_answers() {
+    let cables = [0.0, 90.0, 180.0, 270.0].map(|angle| Cable {
+        friction: Some(0.05),
+        ..Cable::new(format!("c{angle}"), straight(angle))
+    });
+    let backbone = Backbone {
+        section: Some(whipcord::Section::circle(0.0016)),
+        material: whipcord::Material {
+            young_modulus: Some(58e9),
+            poisson_ratio: Some(0.3),
+            ..Default::default()
+        },
+        ..Backbone::new(0.2)
+    };
+    let motor = |name, [pulled, paid_out]: [usize; 2]| Motor {
+        stiffness: Some(4e4),
+        pretension: 6.0,
+        ..Motor::spool(name, [(pulled, 0.01), (paid_out, -0.01)])
+    };
+    let robot = Robot::new(backbone, Disks::equally_spaced(0.2, 11, 0.008), cables.to_vec());
+    let motors = vec![motor("pan", [0, 2]), motor("tilt", [1, 3])];
+    let robot = robot.unwrap().with_motors(motors).unwrap();
+    let degrees: [[f64; 2]; 5] =
+        [[-45.0, -21.8], [14.3, -37.0], [15.1, -43.6], [25.0, -45.0], [25.0, -45.0]];
+    let mut case = Case {
+        commands: vec![Default::default(); 4],
+        before: vec![vec![Default::default(); 4]; 4],
+        motors: degrees.map(|row| row.map(|angle| Some(angle.to_radians())).to_vec()).to_vec(),
+        ..Case::default()
+    };
+    case.drive(&robot).unwrap();
+    let kinds = [
+        ModelKind::CosseratDisks,
+        ModelKind::PiecewiseConstantCurvature,
+        ModelKind::PseudoRigidBody,
+    ];
+    for kind in kinds {
+        let mut prepared = model(kind).prepare(&robot, &case.loads).unwrap();
+        let mut all = Vec::new();
+        prepared.solve_steps(&case, |solution| all.push(solution)).unwrap();
+        assert_eq!(all.len(), 5);
+        for (step, solution) in case.steps().zip(&all) {
+            let alone = prepared.solve(&step, None).unwrap();
+            let apart = apart(&alone, solution);
+            assert!(apart < 1e-6, "{kind}: {apart:e}");
+        }
+        // Equal commands one after the other change nothing.
+        assert!(apart(&all[3], &all[4]) < 1e-6, "{kind}");
+    }
+}
