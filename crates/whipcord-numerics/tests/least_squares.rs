@@ -344,3 +344,83 @@ fn too_few_steps_are_said() {
     let outcome = minimise(&mut misra1a(), &mut b, &options, &mut Workspace::default()).unwrap();
     assert_eq!((outcome.status, outcome.iterations), (Status::IterationLimit, 3));
 }
+
+/// A point that two cameras see: four numbers of three unknowns that are met but for what rounding and `noise` make of them.
+struct NearlyExact {
+    seen: [f64; 4],
+    /// What the unknowns are counted from.
+    near: [f64; 3],
+}
+
+impl NearlyExact {
+    fn at(&self, x: &[f64]) -> [f64; 3] {
+        core::array::from_fn(|i| self.near[i] + x[i])
+    }
+
+    /// Columns and rows, and their slopes.
+    fn model(x: &[f64]) -> ([f64; 4], [f64; 12]) {
+        let (mut values, mut slopes) = ([0.0; 4], [0.0; 12]);
+        for camera in 0..2 {
+            let (sine, cosine) = (0.4 * camera as f64).sin_cos();
+            let (along, depth) = (x[0] - 0.2 * camera as f64, x[2]);
+            let by = [[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]];
+            let [u, v, w] = by.map(|row| row[0] * along + row[1] * x[1] + row[2] * depth);
+            for (k, above) in [u, v].into_iter().enumerate() {
+                values[2 * camera + k] = 319.5 + 800.0 * above / w;
+                for j in 0..3 {
+                    slopes[3 * (2 * camera + k) + j] =
+                        800.0 * (by[k][j] / w - above * by[2][j] / (w * w));
+                }
+            }
+        }
+        (values, slopes)
+    }
+}
+
+impl Residuals for NearlyExact {
+    type Refusal = ();
+
+    fn count(&self) -> usize {
+        4
+    }
+
+    fn residuals(&mut self, x: &[f64], into: &mut [f64]) -> Result<(), ()> {
+        let (model, _) = Self::model(&self.at(x));
+        for (into, (model, seen)) in into.iter_mut().zip(model.iter().zip(&self.seen)) {
+            *into = model - seen;
+        }
+        Ok(())
+    }
+
+    fn jacobian(&mut self, x: &[f64], into: &mut [f64]) -> Result<(), ()> {
+        into.copy_from_slice(&Self::model(&self.at(x)).1);
+        Ok(())
+    }
+}
+
+#[test]
+fn nearly_exact_problems_converge() {
+    let mut random = 7_u64;
+    let mut next = || {
+        random =
+            random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    for noise in [0.0, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7] {
+        for _ in 0..1000 {
+            let truth = [0.2 * next(), 0.2 * next(), 0.5 + 0.2 * next()];
+            let seen = NearlyExact::model(&truth).0.map(|value| value + noise * next());
+            let far = if next() < 0.0 { 0.05 } else { 1e-9 };
+            let near = truth.map(|x| x + far * next());
+            let mut x = [0.0; 3];
+            let mut problem = NearlyExact { seen, near };
+            let outcome =
+                minimise(&mut problem, &mut x, &Options::default(), &mut Workspace::default())
+                    .unwrap();
+            assert!(outcome.status.is_converged(), "{noise} {truth:?} {outcome:?}");
+            let x = problem.at(&x);
+            let apart = x.iter().zip(truth).map(|(x, truth)| (x - truth).abs());
+            assert!(apart.sum::<f64>() < 1e-10 + 1e-2 * noise);
+        }
+    }
+}

@@ -12,6 +12,12 @@ const POOR: f64 = 0.25;
 const SHORTENED: f64 = 0.25;
 /// Steps shorter than this fraction of the unknowns are lost in rounding.
 const SHORTEST: f64 = 1e-15;
+/// A step that is so much shorter than the first that was tried changes the cost by what rounding makes of it.
+const SHORT: f64 = 1e-2;
+/// If one that is so much shorter changes nothing at all, the first is lost in the rounding of the unknowns.
+const IDLE: f64 = 1e-4;
+/// A promised decrease that is no greater than so many times that is lost in rounding.
+const LOST: f64 = 10.0;
 
 /// Memory of a minimisation, and the problem at its end.
 #[derive(Clone, Debug, Default)]
@@ -236,6 +242,8 @@ fn descend<P: Residuals>(
     radius: &mut Radius,
     extent: f64,
 ) -> Option<Status> {
+    // Of the first step the length and what it promises, and what rounding makes of the cost.
+    let (mut first, mut rounding) = (None, 0.0_f64);
     loop {
         let linear =
             Linear { jacobian: &ws.reduced, residuals: &ws.reduced_residuals, scale: &ws.scale };
@@ -266,6 +274,13 @@ fn descend<P: Residuals>(
             }
         };
         let gained = before - cost;
+        let (first_length, first_promise) = *first.get_or_insert((length, promised));
+        if length <= SHORT * first_length {
+            rounding = rounding.max(gained.abs() - promised);
+        }
+        if gained == 0.0 && length >= IDLE * first_length {
+            rounding = f64::INFINITY;
+        }
         let taken = gained >= TAKEN * promised;
         if gained < POOR * promised {
             // Where the parabola through the cost, its slope and the new cost has its minimum.
@@ -291,7 +306,8 @@ fn descend<P: Residuals>(
             return None;
         }
         if radius.size <= SHORTEST * extent || length == 0.0 {
-            return Some(Status::Stalled);
+            let is_lost = first_promise <= LOST * rounding;
+            return Some(if is_lost { Status::Cost } else { Status::Stalled });
         }
     }
 }
