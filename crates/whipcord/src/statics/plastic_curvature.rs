@@ -4,15 +4,17 @@ use super::grid::{Grid, Nodes, SHOOTING_NODES, Step};
 use crate::section::{BENDING_AXES, Strain};
 use whipcord_numerics::GAUSS_3;
 
-/// Plastic curvature about x and y of the sections in 1/m: between the ends of each step of the grid that it was found on it is
-/// linear, and it may jump from step to step. On another grid it is interpolated: the error decreases with the square of the
-/// step length.
+/// Plastic curvature about x and y of the sections in 1/m: between the ends of each step of the grid that it was found on it is a
+/// parabola, with the change of the slope from this step to its neighbour of the same length between the same disks; linear where
+/// there is none. It may jump from step to step. On another grid it is interpolated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct PlasticCurvature {
     /// Ends of the steps in m, the base first; empty where nothing is held anywhere.
     ends: Vec<f64>,
     /// At the start and at the end of each step.
     values: Vec<[[f64; BENDING_AXES]; 2]>,
+    /// Of each step the neighbour whose slope tells how it is curved, or itself.
+    neighbours: Vec<usize>,
 }
 
 /// Ends of steps that are as near as this part of the backbone are the same.
@@ -22,7 +24,7 @@ impl PlasticCurvature {
     /// At the start and at the end of each step of a grid.
     pub fn new(grid: &Grid, values: Vec<[[f64; BENDING_AXES]; 2]>) -> Self {
         debug_assert_eq!(grid.len(), values.len());
-        Self { ends: grid.ends(), values }
+        Self { ends: grid.ends(), values, neighbours: neighbours(grid) }
     }
 
     /// What the strains at both ends of each step of a grid leave, eq. (2) of the page on bending friction.
@@ -50,13 +52,51 @@ impl PlasticCurvature {
         let (start, end) = (self.ends[k], self.ends[k + 1]);
         let share = ((s - start) / (end - start)).clamp(0.0, 1.0);
         let [near, far] = self.values[k];
-        core::array::from_fn(|axis| near[axis] + share * (far[axis] - near[axis]))
+        // Newton's form of the parabola, by the change of the slope from middle to middle.
+        let [before, after] = self.values[self.neighbours[k]];
+        let sign = match self.neighbours[k] {
+            next if next > k => 1.0,
+            last if last < k => -1.0,
+            _ => 0.0,
+        };
+        let bulge = 0.5 * sign * share * (share - 1.0);
+        core::array::from_fn(|axis| {
+            let slope = far[axis] - near[axis];
+            near[axis] + share * slope + bulge * (after[axis] - before[axis] - slope)
+        })
     }
 
     /// At the sections of a solution: behind each of these arc lengths, at the tip in front of it.
     pub fn at_stations(&self, stations: &[f64]) -> Vec<[f64; BENDING_AXES]> {
         stations.iter().map(|&s| self.at(s, s + 1.0)).collect()
     }
+}
+
+/// Of each step of a grid its neighbour: steps of one length between two disks, loads or anchors are taken in pairs from the base on.
+fn neighbours(grid: &Grid) -> Vec<usize> {
+    let steps = &grid.steps;
+    let mut is_break = vec![false; steps.len() + 1];
+    for &k in grid.disks.iter().chain(&grid.loads).chain(&grid.anchors) {
+        is_break[k] = true;
+    }
+    let follows = |k: usize| {
+        let (before, now) = (steps[k - 1].length, steps[k].length);
+        !is_break[k] && (now - before).abs() <= 1e-6 * now
+    };
+    let mut found = Vec::with_capacity(steps.len());
+    let mut first = 0;
+    for k in 0..steps.len() {
+        if k == 0 || !follows(k) {
+            first = k;
+        }
+        let has_next = k + 1 < steps.len() && follows(k + 1);
+        found.push(match (k - first) % 2 {
+            0 if has_next => k + 1,
+            _ if k > first => k - 1,
+            _ => k,
+        });
+    }
+    found
 }
 
 impl Grid {
