@@ -1,6 +1,7 @@
 use thiserror::Error;
 
-use crate::camera::{CameraError, LocateError};
+use crate::camera::error::CameraError;
+use crate::camera::locate::LocateError;
 
 /// Why a camera cannot be calibrated.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -9,10 +9,11 @@ use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspac
 use whipcord_numerics::{Pose, Vec3};
 
 use super::deflation::without_places;
+use super::distortion::Distortion;
+use super::error::{CameraError, ViewError};
 use super::lens::{Lens, Pinhole};
 use super::locate::{Cloud, Freedoms, InImage, LocateError, Sighting, locate};
 use super::view::Camera;
-use super::{CameraError, Distortion, ViewError};
 use crate::uncertainty::Spread;
 pub use calibrated::{Calibrated, FreeParameters, LensDeviations};
 pub use error::CalibrateError;

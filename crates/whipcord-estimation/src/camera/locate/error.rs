@@ -1,7 +1,7 @@
 use thiserror::Error;
 use whipcord_numerics::Vec3;
 
-use crate::camera::ViewError;
+use crate::camera::error::ViewError;
 use whipcord::format::{Round, millimetres, significant};
 
 /// Why a camera cannot be located.

@@ -12,7 +12,7 @@ use crate::camera::view::Camera;
 /// How the camera may move: shifts along, and turns about, directions of the world; and whether its
 /// scale is sought.
 #[derive(Clone, Debug)]
-pub(in crate::camera) struct Freedoms {
+pub(crate) struct Freedoms {
     shifts: Vec<Vec3>,
     turns: Vec<Vec3>,
     scale: bool,
@@ -21,7 +21,7 @@ pub(in crate::camera) struct Freedoms {
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
 impl Freedoms {
-    pub(in crate::camera) fn all() -> Self {
+    pub(crate) fn all() -> Self {
         Self { shifts: AXES.to_vec(), turns: AXES.to_vec(), scale: false }
     }
 
@@ -43,11 +43,11 @@ impl Freedoms {
 }
 
 /// What is made small: the distances in the image, while the camera moves about the points' centre.
-pub(in crate::camera) struct InImage<'a> {
-    pub(in crate::camera) start: &'a Camera,
-    pub(in crate::camera) seen: &'a [Sighting],
-    pub(in crate::camera) pivot: Vec3,
-    pub(in crate::camera) freedoms: &'a Freedoms,
+pub(crate) struct InImage<'a> {
+    pub(crate) start: &'a Camera,
+    pub(crate) seen: &'a [Sighting],
+    pub(crate) pivot: Vec3,
+    pub(crate) freedoms: &'a Freedoms,
 }
 
 impl InImage<'_> {
@@ -57,7 +57,7 @@ impl InImage<'_> {
         turns.fold(Vec3::ZERO, |sum, (&x, &axis)| sum + x * axis)
     }
 
-    pub(in crate::camera) fn camera(&self, unknowns: &[f64]) -> Result<Camera, ViewError> {
+    pub(crate) fn camera(&self, unknowns: &[f64]) -> Result<Camera, ViewError> {
         let shift = unknowns
             .iter()
             .zip(&self.freedoms.shifts)

@@ -13,8 +13,8 @@ const THIN: f64 = 0.1;
 
 /// How the points lie: their centre, and their principal axes.
 #[derive(Clone, Debug)]
-pub(in crate::camera) struct Cloud {
-    pub(in crate::camera) centre: Vec3,
+pub(crate) struct Cloud {
+    pub(crate) centre: Vec3,
     /// Unit vectors, the one along which the points spread most last.
     pub(super) axes: [Vec3; 3],
     /// Root mean square distances from the centre along each.
@@ -22,7 +22,7 @@ pub(in crate::camera) struct Cloud {
 }
 
 impl Cloud {
-    pub(in crate::camera) fn of(seen: &[Sighting]) -> Self {
+    pub(crate) fn of(seen: &[Sighting]) -> Self {
         let weight = 1.0 / seen.len() as f64;
         let centre = seen.iter().fold(Vec3::ZERO, |sum, at| sum + at.point) * weight;
         let inertia = seen.iter().fold(Mat3::ZERO, |sum, at| {
@@ -39,11 +39,11 @@ impl Cloud {
         self.spreads[2] <= (1e3 * f64::EPSILON * self.centre.max_abs()).max(1e-12)
     }
 
-    pub(in crate::camera) fn is_line(&self) -> bool {
+    pub(crate) fn is_line(&self) -> bool {
         self.spreads[1] <= FLAT * self.spreads[2]
     }
 
-    pub(in crate::camera) fn is_plane(&self) -> bool {
+    pub(crate) fn is_plane(&self) -> bool {
         self.spreads[0] <= FLAT * self.spreads[2]
     }
 
@@ -176,11 +176,7 @@ fn homography(cloud: &Cloud, seen: &[Sighting], ideal: &[[f64; 2]]) -> Option<Po
 }
 
 /// The columns of the homography of a plane, up to a factor: for its two axes and for its centre.
-pub(in crate::camera) fn plane_columns(
-    cloud: &Cloud,
-    seen: &[Sighting],
-    image: &[[f64; 2]],
-) -> [Vec3; 3] {
+pub(crate) fn plane_columns(cloud: &Cloud, seen: &[Sighting], image: &[[f64; 2]]) -> [Vec3; 3] {
     let mut rows = Vec::with_capacity(18 * seen.len());
     for (at, [x, y]) in seen.iter().zip(image) {
         let p = cloud.local(at.point);

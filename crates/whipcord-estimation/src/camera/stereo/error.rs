@@ -1,6 +1,7 @@
 use thiserror::Error;
 
-use crate::camera::{CameraError, LocateError};
+use crate::camera::error::CameraError;
+use crate::camera::locate::LocateError;
 
 /// Why the pose of a second camera cannot be found.
 #[derive(Clone, Debug, PartialEq, Error)]

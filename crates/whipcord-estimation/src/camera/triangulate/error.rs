@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-use crate::camera::ViewError;
+use crate::camera::error::ViewError;
 use whipcord::format::{Round, millimetres};
 
 /// Why two cameras do not determine a point.
