@@ -198,7 +198,9 @@ fn read(
         at_origin: parts.as_ref().is_some_and(|parts| parts.base == Pose::IDENTITY),
         rows: parts.as_ref().and_then(|parts| parts.table.as_ref()),
     };
-    let measured = fields.table("measured").and_then(|table| {
+    // Of rows that were refused, measurements would only be refused again.
+    let has_rows = robot.rows.is_some() || document.find("commands.table").is_none();
+    let measured = fields.table("measured").filter(|_| has_rows).and_then(|table| {
         read::measured(table, document.locate("measured"), robot, sources, problems)
     });
     let reference = fields.table("reference").and_then(read::reference);
@@ -278,6 +280,7 @@ fn parts(
         motors: &motors.motors,
         own_cables: &commands,
         own_motors: &motors.commands,
+        loads: &loads,
     };
     let (mut independent, mut rows) = (false, None);
     if let Some(table) = fields.table("commands") {
@@ -286,9 +289,9 @@ fn parts(
             rows = Some(read::commands(table, document, &robot, sources, problems)?);
         }
     }
-    let (mut table, mut row_spans) = (None, Vec::new());
+    let (mut table, mut row_spans, mut step_loads) = (None, Vec::new(), Vec::new());
     if let Some(rows) = rows {
-        (steps, motor_steps) = (rows.steps, rows.motors);
+        (steps, motor_steps, step_loads) = (rows.steps, rows.motors, rows.loads);
         (table, row_spans) = (Some(rows.table), rows.spans);
     }
     independent &= steps.len() > 1;
@@ -298,6 +301,7 @@ fn parts(
         cables,
         commands,
         loads,
+        step_loads,
         base,
         steps,
         motors,

@@ -20,6 +20,8 @@ pub(crate) struct Parts {
     pub cables: Vec<Cable>,
     pub commands: Vec<CableCommand>,
     pub loads: Loads,
+    /// Those of each step, where they differ.
+    pub step_loads: Vec<Loads>,
     pub base: Pose,
     /// Steps of actuation, each with a command for each cable; where there are any, the last one
     /// stands for `commands`.
@@ -54,7 +56,8 @@ pub(crate) fn assemble(
 ) -> Option<(Robot, Case)> {
     let Parts { backbone, disks, mut cables, mut commands, loads, base, .. } = parts;
     let Parts { steps: mut before, obstacles, motors, mut motor_steps, .. } = parts;
-    let Parts { independent, row_spans: rows, .. } = parts;
+    let Parts { independent, row_spans: rows, step_loads: mut loads_before, .. } = parts;
+    let loads = loads_before.pop().unwrap_or(loads);
     let last = before.pop();
     let mut numbers = Numbering {
         cables: (0..cables.len()).collect(),
@@ -92,7 +95,8 @@ pub(crate) fn assemble(
         motor_steps.push(motors.commands);
     }
     let motors = if robot.motors().is_empty() { Vec::new() } else { motor_steps };
-    let mut case = Case { commands, loads, base, before, motors, obstacles, independent };
+    let mut case =
+        Case { commands, loads, base, before, loads_before, motors, obstacles, independent };
     if let Err(error) = case.drive(&robot) {
         report(&error, &numbers, document, problems);
         return None;

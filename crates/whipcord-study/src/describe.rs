@@ -17,6 +17,10 @@ use crate::motors;
 use crate::quantity::{degrees, millimetres, newtons, number, shortening, vector};
 use crate::statistics::extent;
 
+/// More steps than this are not listed one by one; only the first few are.
+const MOST_STEPS: usize = 20;
+const FEW_STEPS: usize = 5;
+
 /// `1 marker`, `2 markers`
 pub fn markers(count: usize) -> String {
     format!("{count} marker{}", if count == 1 { "" } else { "s" })
@@ -49,12 +53,24 @@ pub fn describe(robot: &Robot, case: &Case) -> Vec<(String, String)> {
         lines.push((format!("motor {}", of_motor.name), motors::words(robot, of_motor, command)));
     }
     if in_steps {
-        for (i, step) in case.single_steps().enumerate() {
+        let all = case.before.len() + 1;
+        // A log of motors has thousands of rows.
+        let shown = if all > MOST_STEPS { FEW_STEPS } else { all };
+        for (i, step) in case.single_steps().take(shown).enumerate() {
             let commands: Vec<String> = step.commands.iter().map(command_words).collect();
             lines.push((format!("step {}", i + 1), commands.join("; ")));
         }
+        if shown < all {
+            lines.push(("steps".to_owned(), format!("{} more, {all} in all", all - shown)));
+        }
     }
-    lines.push(("loads".to_owned(), loads(&case.loads)));
+    lines.push((
+        "loads".to_owned(),
+        match case.loads_before.is_empty() {
+            true => loads(&case.loads),
+            false => format!("differ from row to row; in the last one {}", loads(&case.loads)),
+        },
+    ));
     if case.base != Pose::IDENTITY {
         lines.push(("base".to_owned(), placed(&case.base)));
     }

@@ -238,6 +238,7 @@ fn refusal(file: &CaseFile, preset: ModelPreset) -> Option<String> {
     // What only a solve finds missing or cannot take is found by one in which nothing pulls.
     let mut case = file.case.commanded(file.case.commands.clone());
     case.before.clear();
+    case.loads_before.clear();
     case.loads.tip_force = Vec3::ZERO;
     case.loads.tip_moment = Vec3::ZERO;
     case.loads.gravity = None;

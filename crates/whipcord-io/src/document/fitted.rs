@@ -2,7 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use whipcord::{Case, Robot};
+use whipcord::{Case, Robot, Vec3};
+use whipcord_estimation::Observation;
 
 use super::describe::{Inexpressible, describe};
 use super::{Item, Table, describe_goal, toml};
@@ -22,13 +23,18 @@ pub struct FittedFile {
     pub keeps_text: bool,
 }
 
+/// What only a table of commands says.
+pub const LOADS_OF_ROWS: &str =
+    "loads that differ from step to step, as the rows of its table have them";
+
 /// How near a number that is read again must be to the one that was written.
 const NEAR: f64 = 1e-9;
 
 impl CaseFile {
     /// The text of this file with the numbers of another robot and case, for the folder it goes to: where
     /// the numbers stand in this file they are changed in place, in their units; where they stand in one that it
-    /// extends, a table is laid over that; else the file is written anew.
+    /// extends, a table is laid over that; else the file is written anew. `offset` is added to where the markers are in the
+    /// frames of their places.
     ///
     /// # Errors
     /// [`Inexpressible`] for what no robot file can say.
@@ -36,19 +42,23 @@ impl CaseFile {
         &self,
         robot: &Robot,
         case: &Case,
+        offset: Vec3,
         folder: &Path,
     ) -> Result<FittedFile, Inexpressible> {
         let new = describe(None, robot, case)?;
         let old = describe(None, &self.robot, &self.case)?;
-        if let Some(text) = self.edited(&old, &new, folder) {
+        if let Some(text) = self.edited(&old, &new, offset, folder) {
             // The proof of the text is in reading it, where the files are that it names.
             let name = folder.join("fitted.toml");
-            let again = parse(&text, &name)
-                .ok()
-                .and_then(|again| describe(None, &again.robot, &again.case).ok());
+            let again = parse(&text, &name).ok().filter(|again| self.is_moved(again, offset));
+            let again = again.and_then(|again| describe(None, &again.robot, &again.case).ok());
             if again.is_some_and(|again| is_near(&Item::Table(again), &Item::Table(new.clone()))) {
                 return Ok(FittedFile { text, keeps_text: true });
             }
+        }
+        if !case.loads_before.is_empty() {
+            let what = LOADS_OF_ROWS;
+            return Err(Inexpressible { what });
         }
         let mut file = Table::default();
         file.insert("title", self.title.as_str());
@@ -62,8 +72,11 @@ impl CaseFile {
 
     /// The text of this file with the numbers in which the two differ changed, and the paths it names seen from
     /// another folder; `None` where it has no place for one of them.
-    fn edited(&self, old: &Table, new: &Table, folder: &Path) -> Option<String> {
+    fn edited(&self, old: &Table, new: &Table, offset: Vec3, folder: &Path) -> Option<String> {
         let (mut edits, mut added) = (Vec::new(), Table::default());
+        if offset != Vec3::ZERO {
+            self.move_markers(offset, &mut edits)?;
+        }
         for (key, item) in &new.entries {
             match old.get(key) {
                 Some(before) => {
@@ -108,6 +121,36 @@ impl CaseFile {
             text = format!("{}\n\n{}", text.trim_end(), toml(&added));
         }
         Some(text)
+    }
+
+    /// Whether the markers of another file are beside those of this one by this offset.
+    fn is_moved(&self, other: &Self, offset: Vec3) -> bool {
+        let all = |file: &Self| file.measured.iter().flat_map(|m| m.observations.clone()).collect();
+        let (own, others): (Vec<_>, Vec<_>) = (all(self), all(other));
+        let apart = |(own, other): (&Observation, &Observation)| {
+            (other.offset - own.offset - offset).norm()
+        };
+        own.len() == others.len()
+            && own.iter().zip(&others).all(|pair| apart(pair) <= NEAR * (1.0 + offset.norm()))
+    }
+
+    /// Adds an offset to that of `[measured]`; `None` where it is not in this file.
+    fn move_markers(&self, offset: Vec3, edits: &mut Vec<(Span, String)>) -> Option<()> {
+        let numbers = |v: Vec3| Item::List(v.to_array().map(Item::Number).to_vec());
+        if self.document().find("measured.offset").is_some() {
+            let before = self.measured.as_ref()?.observations.first()?.offset;
+            return self.differ(
+                "measured.offset",
+                &numbers(before),
+                &numbers(before + offset),
+                edits,
+            );
+        }
+        let header = self.document().find("measured").filter(|node| node.span.file == 0)?.span;
+        self.text()?.get(header.start..header.end).filter(|text| text.starts_with('['))?;
+        let [x, y, z] = offset.to_array().map(short);
+        edits.push((Span { start: header.end, ..header }, format!("\noffset = [{x}, {y}, {z}]")));
+        Some(())
     }
 
     /// Whether this is a number that the file gives by the name of the material alone.

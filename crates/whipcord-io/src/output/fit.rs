@@ -104,6 +104,7 @@ pub fn fit_json(
         "status": status_words(found.status),
         "iterations": found.iterations,
         "evaluations": found.evaluations,
+        "starts": { "tried": found.starts.tried, "agree": found.starts.agree },
         "estimates": estimates.collect::<Result<Vec<_>, NonFinite>>()?,
         "correlations": correlations.collect::<Result<Vec<_>, NonFinite>>()?,
         "noise": {

@@ -159,7 +159,8 @@ fn a_fitted_number_stands_beside_the_name() {
     let fitted =
         whipcord::Robot::new(backbone, file.robot.disks().clone(), file.robot.cables().to_vec())
             .unwrap();
-    let written = file.with_numbers_of(&fitted, &file.case, Path::new(".")).unwrap();
+    let written =
+        file.with_numbers_of(&fitted, &file.case, whipcord::Vec3::ZERO, Path::new(".")).unwrap();
     assert!(written.keeps_text, "{}", written.text);
     assert!(written.text.contains("# wire of 1 mm"), "{}", written.text);
     let again = parse(&written.text, "again.toml").unwrap();

@@ -49,6 +49,29 @@ fn rows_are_steps() {
 }
 
 #[test]
+fn rows_have_loads_of_their_own() {
+    let rows = b"pan [deg],tip_force.x [mN],loads.tip_force_z [N],gravity.y\n10,50,0.1,-9.81\n20,0,-0.2,9.81\n30,-20,0,0\n";
+    let tail = "[commands]\ntable = \"rows.csv\"\nignore = []\n[loads]\ntip_moment = [\"0 N*m\", \"1 mN*m\", \"0 N*m\"]\n";
+    let up = "holes = [2, 2, 2, 2, 2]\ntension = \"3 N\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    let arm = ARM.replace("holes = [2, 2, 2, 2, 2]\n", up);
+    fs::write(folder.path().join("rows.csv"), rows).unwrap();
+    fs::write(folder.path().join("arm.toml"), format!("{arm}{tail}")).unwrap();
+    let file = load(folder.path().join("arm.toml")).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(file.case.loads_before.len(), 2);
+    assert_eq!(file.case.loads_before[0].tip_force, Vec3::new(0.05, 0.0, 0.1));
+    assert_eq!(file.case.loads_before[1].gravity, Some(Vec3::new(0.0, 9.81, 0.0)));
+    assert_eq!(file.case.loads.tip_force, Vec3::new(-0.02, 0.0, 0.0));
+    // What no column gives is that of the file in all rows.
+    let moment = Vec3::new(0.0, 1e-3, 0.0);
+    assert!(file.case.loads_before.iter().all(|loads| loads.tip_moment == moment));
+    // Fitted numbers stand in the old text; a new one cannot have the loads of the rows.
+    let folder = folder.path();
+    let fitted = file.with_numbers_of(&file.robot, &file.case, Vec3::ZERO, folder).unwrap();
+    assert!(fitted.keeps_text);
+}
+
+#[test]
 fn columns_have_many_names() {
     let of = |header: &str, units: &str| {
         let tail = format!("[commands]\ntable = \"rows.csv\"\n{units}");

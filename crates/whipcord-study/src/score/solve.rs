@@ -199,8 +199,12 @@ fn with_memory(prepared: &mut Prepared, case: &Case, last: usize) -> Vec<Row> {
         }
         if place < case.before.len() {
             case.before.remove(place);
+            if !case.loads_before.is_empty() {
+                case.loads_before.remove(place);
+            }
         } else if let Some(commands) = case.before.pop() {
             case.commands = commands;
+            case.loads = case.loads_before.pop().unwrap_or(case.loads);
         }
     }
 }

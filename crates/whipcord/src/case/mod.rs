@@ -29,6 +29,8 @@ pub struct Case {
     /// friction goes through them. Without friction, too, the way can matter where a robot has
     /// several equilibria: [`Prepared::solve_steps`](crate::Prepared::solve_steps) goes it.
     pub before: Vec<Vec<CableCommand>>,
+    /// The loads of the steps in [`Self::before`], where they differ from step to step; empty where all steps have [`Self::loads`].
+    pub loads_before: Vec<Loads>,
     /// Commands of the motors, one for each motor of the robot in each step, the last being that of [`Self::commands`]: an angle
     /// in rad, or a travel in m; `None` leaves the cables to their own commands. Empty for a robot without motors. There may be
     /// more than the steps of the case: those before only say how the backlash of the drives was left.
@@ -188,16 +190,19 @@ impl Case {
     fn step_after(&self, number: usize, before: &[Vec<CableCommand>]) -> Self {
         let motors = self.motors_until(number).to_vec();
         let independent = self.independent && number > 0;
-        Self { before: before.to_vec(), motors, independent, ..self.bare_step(number) }
+        let loads_before = self.loads_before.iter().take(number).cloned().collect();
+        let before = before.to_vec();
+        Self { before, loads_before, motors, independent, ..self.bare_step(number) }
     }
 
     /// A step without those before it and without motors.
     fn bare_step(&self, number: usize) -> Self {
         Self {
             commands: self.before.get(number).unwrap_or(&self.commands).clone(),
-            loads: self.loads.clone(),
+            loads: self.loads_before.get(number).unwrap_or(&self.loads).clone(),
             base: self.base,
             before: Vec::new(),
+            loads_before: Vec::new(),
             motors: Vec::new(),
             independent: false,
             obstacles: self.obstacles.clone(),
@@ -239,6 +244,10 @@ impl Case {
         check_pose(&self.base).map_err(|error| error.under("base"))?;
         for (k, obstacle) in self.obstacles.iter().enumerate() {
             obstacle.check().map_err(|error| error.under(&format!("obstacles[{k}]")))?;
+        }
+        for (k, loads) in self.loads_before.iter().enumerate() {
+            let checked = loads.check(robot.backbone().length);
+            checked.map_err(|error| error.under(&format!("steps[{k}]")))?;
         }
         self.loads.check(robot.backbone().length)
     }

@@ -77,6 +77,7 @@ impl<'a> Homotopy<'a> {
             loads: if load == 1.0 { self.to.loads.clone() } else { scaled(&self.to.loads, load) },
             base: self.to.base,
             before: Vec::new(),
+            loads_before: Vec::new(),
             motors: Vec::new(),
             independent: false,
             obstacles: Vec::new(),

@@ -7,7 +7,7 @@ use super::statics;
 use super::workspace::{Progress, Workspace};
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
-use crate::case::{CableCommand, Case, Loads};
+use crate::case::{Case, Loads};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StraightCables};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -525,14 +525,6 @@ impl CosseratDisks {
 
 /// The steps of a case, each without those before it.
 fn one_by_one(case: &Case) -> Vec<Case> {
-    let step = |commands: &Vec<CableCommand>| Case {
-        commands: commands.clone(),
-        loads: case.loads.clone(),
-        base: case.base,
-        before: Vec::new(),
-        motors: Vec::new(),
-        independent: false,
-        obstacles: Vec::new(),
-    };
-    case.before.iter().chain([&case.commands]).map(step).collect()
+    let bare = |step: Case| Case { motors: Vec::new(), obstacles: Vec::new(), ..step };
+    case.single_steps().map(bare).collect()
 }

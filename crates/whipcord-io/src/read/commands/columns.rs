@@ -21,11 +21,47 @@ pub(super) enum Column {
         name: String,
         unit: Unit,
     },
+    /// A component of a load.
+    Load {
+        of: Loaded,
+        /// How messages name it.
+        name: String,
+        unit: Unit,
+    },
     Time(Unit),
     Group,
     Measured,
     Key,
     Ignored,
+}
+
+/// A load with a component of its own in each row: 0, 1 or 2 for x, y or z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Loaded {
+    TipForce(usize),
+    TipMoment(usize),
+    Gravity(usize),
+}
+
+/// A load by the number of its component.
+type OfAxis = fn(usize) -> Loaded;
+
+/// The loads that columns may give, as robot files name them.
+const LOADS: [(&str, OfAxis, Dimension); 3] = [
+    ("tip_force", Loaded::TipForce, Dimension::Force),
+    ("tip_moment", Loaded::TipMoment, Dimension::Moment),
+    ("gravity", Loaded::Gravity, Dimension::Acceleration),
+];
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The load of a column `tip_force.x`, `loads.tip_force_x`, and the dimension of its unit.
+fn load(bare: &str) -> Option<(Loaded, String, Dimension)> {
+    let lower = bare.to_lowercase();
+    let rest = lower.strip_prefix("loads.").unwrap_or(&lower);
+    let (name, axis) = rest.rsplit_once(['.', '_', ' '])?;
+    let axis = AXES.iter().position(|of| *of == axis)?;
+    let (name, of, dimension) = LOADS.iter().find(|(known, ..)| *known == name)?;
+    Some((of(axis), format!("{name}.{}", AXES[axis]), *dimension))
 }
 
 /// What `[commands]` says of the columns.
@@ -96,6 +132,7 @@ pub(super) fn columns(
                         of_one(*a, *b)
                     }
                     (Column::Ignored, _) => false,
+                    (Column::Load { of: a, .. }, Column::Load { of: b, .. }) => a == b,
                     (a, b) => core::mem::discriminant(a) == core::mem::discriminant(b),
                 };
                 if let Some(first) = columns.iter().position(same) {
@@ -162,6 +199,10 @@ fn column(
     }
     if let Some(target) = target(bare, robot) {
         return command(target, unit, options, robot);
+    }
+    if let Some((of, name, dimension)) = load(bare) {
+        let unit = unit_of(&[dimension], unit, options)?;
+        return Ok(Column::Load { of, name, unit });
     }
     let is = |word: &str| bare.eq_ignore_ascii_case(word);
     if is("time") || is("t") {
@@ -285,8 +326,18 @@ fn unit_of(
             None => Unit { name: None, dimension: dimensions[0] },
         });
     };
-    Unit::named(own, dimensions)
+    Unit::named(own, dimensions).map_err(|(message, help)| {
+        match COUNTS.contains(&own.to_lowercase().as_str()) {
+            true => (message, OF_COUNTS.to_owned()),
+            false => (message, help),
+        }
+    })
 }
+
+/// What logs call the numbers of an encoder.
+const COUNTS: [&str; 8] = ["count", "counts", "tick", "ticks", "step", "steps", "pulse", "pulses"];
+
+const OF_COUNTS: &str = "counts of an encoder have no unit: leave it out, and give the motor a `gear_ratio` in counts per radian of its spool";
 
 /// A column that nothing knows.
 fn unknown(name: &str, bare: &str, options: &Options<'_>, robot: &CommandedRobot<'_>) -> Refusal {
@@ -300,6 +351,13 @@ fn unknown(name: &str, bare: &str, options: &Options<'_>, robot: &CommandedRobot
     let with_unit = bare.rsplit_once('_').and_then(|(owner, unit)| {
         Dimension::ALL.into_iter().find(|d| d.find(unit).is_some())?;
         target(owner, robot).map(|_| format!("write `{owner} [{unit}]`"))
+    });
+    // `x_mm` of a tracker, in the table that is that of the measurements as well.
+    let with_unit = with_unit.or_else(|| {
+        let (owner, unit) = bare.rsplit_once('_')?;
+        let is_length = Dimension::Length.find(unit).is_some();
+        (options.is_measured(owner, owner) && is_length)
+            .then(|| format!("write `{owner} [{unit}]`"))
     });
     let near = || {
         suggest::nearest(bare, known.iter().copied())
@@ -336,6 +394,20 @@ fn conflicts(
         columns.iter().any(|column| matches!(column, Column::Command { of, .. } if *of == wanted))
     };
     for (column, cell) in columns.iter().zip(&grid.columns) {
+        if let Column::Load { name, .. } = column {
+            let path = format!("loads.{}", name.split('.').next().unwrap_or_default());
+            if document.find(&path).is_some() {
+                let related = Some((document.locate(&path).span, "the robot file gives it here"));
+                let message =
+                    format!("`{}` is given in the table and in the robot file", quoted(name));
+                problems.push_related(cell.span, related, || {
+                    problem(
+                        message,
+                        "leave it out of the robot file, or name the column in `ignore` of [commands]",
+                    )
+                });
+            }
+        }
         let Column::Command { of, name, .. } = column else { continue };
         let own = match *of {
             Commanded::Motor(i) => robot

@@ -5,7 +5,7 @@ mod rows;
 
 use std::path::{Path, PathBuf};
 
-use whipcord::{Cable, CableCommand, Motor};
+use whipcord::{Cable, CableCommand, Loads, Motor};
 
 use super::table::{self, same_file};
 use crate::check::Fields;
@@ -82,6 +82,8 @@ pub(crate) struct CommandedRobot<'a> {
     /// Commands that cables and motors have of their own.
     pub own_cables: &'a [CableCommand],
     pub own_motors: &'a [Option<f64>],
+    /// The loads of the robot file.
+    pub loads: &'a Loads,
 }
 
 /// The steps that a table makes.
@@ -90,6 +92,8 @@ pub(crate) struct Rows {
     pub table: CommandTable,
     pub steps: Vec<Vec<CableCommand>>,
     pub motors: Vec<Vec<Option<f64>>>,
+    /// The loads of each row; empty where no column gives any.
+    pub loads: Vec<Loads>,
     /// Where each row stands.
     pub spans: Vec<Span>,
 }

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use whipcord::robot::limits::{COORDINATE, FRACTION, Range, TENSION};
-use whipcord::{CableCommand, Shortening};
+use whipcord::robot::limits::{ACCELERATION, COORDINATE, FORCE, FRACTION, MOMENT, Range, TENSION};
+use whipcord::{CableCommand, Shortening, Vec3};
 
-use super::columns::Column;
+use super::columns::{Column, Loaded};
 use super::{CommandColumn, CommandRow, Commanded, CommandedRobot, Rows};
 use crate::error::{FileProblem, Problems};
 use crate::read::table::{Cell, Grid, Row, Unit, problem};
@@ -23,10 +23,12 @@ pub(super) fn rows(
     let mut rows = Rows::default();
     let mut keys: HashMap<&str, usize> = HashMap::new();
     let mut lines = Lines { text, at: 0, line: 1 };
+    let is_loaded = columns.iter().any(|column| matches!(column, Column::Load { .. }));
     for row in &grid.rows {
         let mut step = robot.own_cables.to_vec();
         let mut motors = robot.own_motors.to_vec();
         motors.resize(robot.motors.len(), None);
+        let mut loads = robot.loads.clone();
         let line = lines.of(row.span.start);
         let mut about = CommandRow { line, key: None, time: None, group: None, is_measured: true };
         for (column, cell) in columns.iter().zip(&row.cells) {
@@ -35,6 +37,21 @@ pub(super) fn rows(
                     let Some(value) = number(cell, row, name, unit, problems) else { continue };
                     command(*of, value, unit, (&mut step, &mut motors));
                     out_of_range(*of, value, unit, robot, cell, problems);
+                }
+                Column::Load { of, name, unit } => {
+                    let Some(value) = number(cell, row, name, unit, problems) else { continue };
+                    let (range, component) = match *of {
+                        Loaded::TipForce(axis) => (FORCE, &mut loads.tip_force[axis]),
+                        Loaded::TipMoment(axis) => (MOMENT, &mut loads.tip_moment[axis]),
+                        Loaded::Gravity(axis) => {
+                            (ACCELERATION, &mut loads.gravity.get_or_insert(Vec3::ZERO)[axis])
+                        }
+                    };
+                    *component = value;
+                    if let Some(found) = range.problem(value) {
+                        let path = format!("loads.{name}");
+                        problems.push(cell.span, || FileProblem::Physical { path, problem: found });
+                    }
                 }
                 Column::Time(unit) => {
                     if cell.value.text().is_some() {
@@ -62,6 +79,9 @@ pub(super) fn rows(
         }
         rows.steps.push(step);
         rows.motors.push(motors);
+        if is_loaded {
+            rows.loads.push(loads);
+        }
         rows.spans.push(row.span);
         rows.table.rows.push(about);
         if problems.is_full() {

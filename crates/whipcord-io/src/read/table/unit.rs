@@ -1,7 +1,7 @@
 //! The unit of the numbers in a column.
 
 use crate::source::quoted;
-use crate::units::{Dimension, parse_quantity};
+use crate::units::{Dimension, QuantityError, parse_quantity};
 
 /// The unit of the numbers in a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,15 @@ impl Unit {
             dimensions.iter().map(|d| crate::schema::article(&d.to_string())).collect();
         let names: Vec<String> = dimensions.iter().map(|d| d.unit_names()).collect();
         let message = format!("`{}` is no unit of {}", quoted(name), kinds.join(" or "));
-        Err((message, format!("its units are {}", names.join(", "))))
+        let near = match parse_quantity(&format!("1 {name}"), dimensions) {
+            Err(QuantityError::UnknownUnit { near, .. }) => near.first().map(|unit| unit.name),
+            _ => None,
+        };
+        let help = near.map_or_else(
+            || format!("its units are {}", names.join(", ")),
+            |near| format!("did you mean `{near}`?"),
+        );
+        Err((message, help))
     }
 
     /// The number of SI units that a cell says; `None` where it is no finite number.

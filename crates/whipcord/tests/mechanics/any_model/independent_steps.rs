@@ -122,3 +122,37 @@ fn independent_steps_forget_the_friction_of_the_backbone() {
         assert!(apart > 1e-3, "{kind}: {apart}");
     }
 }
+
+/// Each step has its own loads, whether the steps are independent or in order.
+#[test]
+fn loads_may_differ_from_step_to_step() {
+    let cables = vec![Cable::new("pull", straight(0.0))];
+    let disks = Disks::equally_spaced(0.18, 7, 0.008);
+    let robot = Robot::new(paper_backbone(), disks, cables).unwrap();
+    let loads = |force: [f64; 3]| whipcord::Loads { tip_force: force.into(), ..Default::default() };
+    let forces = [[0.0, 0.05, 0.0], [0.0, 0.0, -0.1], [0.02, -0.05, 0.0]];
+    let tensions = [1.0, 2.0, 1.5];
+    for independent in [true, false] {
+        let case = Case {
+            before: tensions[..2].iter().map(|t| Case::with_tensions(&[*t]).commands).collect(),
+            loads_before: forces[..2].iter().map(|force| loads(*force)).collect(),
+            loads: loads(forces[2]),
+            independent,
+            ..Case::with_tensions(&[tensions[2]])
+        };
+        for kind in WITH_FORCES {
+            let model = model_with_forces(kind, Stations::default(), Actuation::Natural);
+            let solved = model.prepare(&robot, &case.loads).unwrap().solve_all(&case).unwrap();
+            for (step, solution) in solved.iter().enumerate() {
+                let alone =
+                    Case { loads: loads(forces[step]), ..Case::with_tensions(&[tensions[step]]) };
+                let alone = model.solve(&robot, &alone).unwrap();
+                let apart = alone.disks.distances(&solution.disks).fold(0.0, f64::max);
+                assert!(apart < 1e-6, "{kind}, step {step}: {apart:e}");
+                let single = case.step(step).unwrap();
+                assert_eq!(single.loads, loads(forces[step]));
+                assert_eq!(single.loads_before.len(), step);
+            }
+        }
+    }
+}

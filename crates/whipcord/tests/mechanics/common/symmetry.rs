@@ -131,6 +131,7 @@ impl Symmetry {
         Case {
             commands: case.commands.clone(),
             before: case.before.clone(),
+            loads_before: case.loads_before.clone(),
             motors: case.motors.clone(),
             independent: case.independent,
             base: case.base,
