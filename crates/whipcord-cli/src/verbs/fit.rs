@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use whipcord::{Model, ModelKind, Stations};
+use whipcord::{Model, ModelKind, Pose, Stations};
 use whipcord_estimation::identification::{
     Asked, Experiment, Identified, IdentifyError, ParameterPath, Prior, Progress, Robustness,
-    Settings, Unknown, analyse, identify, rows, split,
+    Settings, Unknown, analyse, identify, registered, rows, split,
 };
-use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, parameter_path};
 
 use crate::deadline;
@@ -18,7 +17,7 @@ use crate::progress;
 use crate::warnings::Warnings;
 use whipcord_study::failure::{Failure, refuses};
 use whipcord_study::files::{self, Folder};
-use whipcord_study::fitting::{Fit, moves_unasked, not_converged, tables};
+use whipcord_study::fitting::{Fit, not_converged, tables};
 use whipcord_study::style::Style;
 
 /// Estimate parameters of the robot from what was measured
@@ -58,9 +57,17 @@ pub struct FitArgs {
     /// Value of a parameter where the search starts, in SI; by default what the file says
     #[arg(long, value_name = "PATH=VALUE", value_parser = with_numbers)]
     start: Vec<(ParameterPath, [Option<f64>; 2])>,
+    /// Places from which the search starts: the values of the file and, between the bounds or around these values, others; the best end
+    /// counts. For fits that end in different minima, as where cables get slack or taut
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    starts: u16,
     /// Robot files with measurements that are not fitted, on which the fit is scored
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "split")]
     test: Vec<PathBuf>,
+    /// All files were measured in one frame, as by a tracker that was never moved: `registration = "rigid"` is then one motion for
+    /// all of them, and for those of --test; else each file has its own
+    #[arg(long)]
+    one_frame: bool,
     /// Part of the rows that is not fitted, on which the fit is scored: chosen at random, groups of rows together
     #[arg(long, value_name = "FRACTION", value_parser = fraction)]
     split: Option<f64>,
@@ -146,11 +153,8 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         files::keep(path, read(&cases))?;
     }
     same_robot(&cases)?;
-    let mut experiments = cases.iter().map(experiment).collect::<Result<Vec<_>, _>>()?;
+    let experiments = cases.iter().map(experiment).collect::<Result<Vec<_>, _>>()?;
     let unknowns = unknowns(args, &cases)?;
-    for (e, case) in cases.iter().enumerate() {
-        refuse_registration(case, e, &unknowns)?;
-    }
     let model = |kind| {
         Model::new(kind, Stations::Disks, actuation(args.actuation))
             .cancelled_by(&deadline::cancel())
@@ -163,17 +167,20 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
             Loss::Cauchy => Robustness::Cauchy,
         },
         skips: true,
+        starts: args.starts.into(),
         ..Settings::new(model(args.model))
     };
     let robot = &cases[0].robot;
     let fail = |error: IdentifyError| failure(&cases, &error);
+    let registered = registered(robot, &experiments, &unknowns, args.one_frame, &settings);
+    let (mut experiments, unknowns) = registered.map_err(fail)?;
     let mut test = None;
     if let Some(fraction) = args.split {
         let [kept, held] = split(&experiments, fraction, args.seed).map_err(fail)?;
         experiments = kept;
         test = Some((held, true));
     } else if !args.test.is_empty() {
-        test = Some((measurements_of(&args.test, &cases, &unknowns)?, false));
+        test = Some((measurements_of(&args.test, &cases)?, false));
     }
     let bar = progress::bar(0);
     let shown = bar.clone();
@@ -277,7 +284,9 @@ fn with_estimates(
 ) -> Result<FittedFile, Failure> {
     let failed =
         |error: Inexpressible| Failure::Input(format!("error: {}: {error}", file.path.display()));
-    file.with_numbers_of(&found.robot, &found.cases[experiment], folder).map_err(failed)
+    let offset = found.marker_offset(experiment);
+    let case = &found.cases[experiment];
+    file.with_numbers_of(&found.robot, case, offset, folder).map_err(failed)
 }
 
 /// What was measured in a case.
@@ -292,25 +301,17 @@ fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
         case: file.case.clone(),
         cameras: measured.cameras.iter().map(|of| of.camera).collect(),
         observations: measured.observations.clone(),
+        alignment: measured.alignment,
+        frame: Pose::IDENTITY,
         labels: file.row_labels(),
     })
 }
 
 /// What was measured in files that are not fitted.
-fn measurements_of(
-    paths: &[PathBuf],
-    fitted: &[CaseFile],
-    unknowns: &[Unknown],
-) -> Result<Vec<Experiment>, Failure> {
+fn measurements_of(paths: &[PathBuf], fitted: &[CaseFile]) -> Result<Vec<Experiment>, Failure> {
     let Inputs { cases, .. } = Inputs::read(paths, &inputs::Settings::default())?;
     let all: Vec<CaseFile> = fitted.iter().take(1).chain(&cases).cloned().collect();
     same_robot(&all)?;
-    // What belongs to one of the fitted files says nothing of these.
-    let shared: Vec<Unknown> =
-        unknowns.iter().filter(|unknown| unknown.experiment.is_none()).cloned().collect();
-    for (e, case) in cases.iter().enumerate() {
-        refuse_registration(case, e, &shared)?;
-    }
     cases.iter().map(experiment).collect()
 }
 
@@ -385,24 +386,6 @@ impl Known {
     }
 }
 
-/// Refuses a measurement that is in a frame of its own.
-fn refuse_registration(
-    file: &CaseFile,
-    experiment: usize,
-    unknowns: &[Unknown],
-) -> Result<(), Failure> {
-    let alignment = file.measured.as_ref().map_or(Alignment::None, |measured| measured.alignment);
-    if !moves_unasked(alignment, experiment, unknowns) {
-        return Ok(());
-    }
-    Err(Failure::Input(format!(
-        "error: {}: a fit moves no measurement, which `registration = \"{}\"` asks for: estimate where the base is, \
-         with --each base.position[0] to [2] and --each base.turn[0] to [2], or leave out the registration",
-        file.path.display(),
-        alignment.name()
-    )))
-}
-
 /// Refuses files that describe different robots.
 fn same_robot(cases: &[CaseFile]) -> Result<(), Failure> {
     let Some((first, others)) = cases.split_first() else { return Ok(()) };
@@ -440,6 +423,12 @@ fn failure(cases: &[CaseFile], error: &IdentifyError) -> Failure {
         IdentifyError::Observation { experiment, observation, problem } => {
             let path = cases[*experiment].path.display();
             Failure::Input(format!("error: {path}: measurement {}: {problem}", observation + 1))
+        }
+        IdentifyError::Frame { experiment, error } => {
+            let path = cases[*experiment].path.display();
+            Failure::Input(format!(
+                "error: {path}: the measurement cannot be moved onto the robot: {error}"
+            ))
         }
         IdentifyError::NotConverged { experiment, step } => {
             let path = cases[*experiment].path.display();

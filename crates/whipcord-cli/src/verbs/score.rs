@@ -2,9 +2,6 @@
 
 use std::num::NonZero;
 use std::path::PathBuf;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use clap::Args;
 use whipcord::ModelKind;
@@ -15,8 +12,8 @@ use crate::inputs::{Inputs, Settings};
 use crate::model_arguments::model_parser;
 use crate::progress;
 use whipcord_study::failure::Failure;
-use whipcord_study::files::{self, Folder, plot_failure, unique_names};
-use whipcord_study::score::{Answers, Job, Score, Subject, figures, output, report, tables};
+use whipcord_study::files::{self, Folder};
+use whipcord_study::score::{Score, Solved, output, tables};
 use whipcord_study::style::Style;
 
 /// Score models against measurements, without a fit
@@ -59,17 +56,7 @@ pub fn run(args: &ScoreArgs, style: Style) -> Result<String, Failure> {
     let Inputs { cases, notes } = Inputs::read(&args.files, &args.settings)?;
     let score = of_files(cases.iter().collect(), kinds(&args.models), args.threads)?;
     let folder = Folder::create(&args.out)?;
-    let drawn = match args.no_figures {
-        true => Vec::new(),
-        false => figures::figures(&score).map_err(|error| plot_failure(folder.path(), &error))?,
-    };
-    for figure in &drawn {
-        folder.write(&format!("{}.svg", figure.name), &figure.svg)?;
-    }
-    let rows = output::rows_csv(&score);
-    folder.write_table("score.csv", &output::summary_csv(&score))?;
-    folder.write_table("rows.csv", &rows)?;
-    folder.write("report.html", &report::html(&score, &drawn, &notes))?;
+    score.write(&folder, !args.no_figures, &notes)?;
     if score.best().is_none() {
         let mut message = String::from("error: no row has an answer that can be compared\n");
         for note in tables::notes(&score).iter().skip(1) {
@@ -81,7 +68,7 @@ pub fn run(args: &ScoreArgs, style: Style) -> Result<String, Failure> {
         return Ok(format!("{:#}\n", output::json(&score, args.rows)));
     }
     if args.csv {
-        return rows.to_csv().map_err(|error| files::no_result(&error));
+        return output::rows_csv(&score).to_csv().map_err(|error| files::no_result(&error));
     }
     Ok(format!(
         "{}Report: {}\n",
@@ -117,55 +104,12 @@ pub fn of_files(
     models: Vec<ModelKind>,
     threads: Option<NonZero<usize>>,
 ) -> Result<Score<'_>, Failure> {
-    let names = unique_names(cases.iter().map(|case| case.path.as_path()));
-    let subjects: Vec<Subject<'_>> = cases.into_iter().map(Subject::new).collect();
-    let unmeasured = subjects.iter().filter(|subject| subject.rows.is_empty());
-    let unmeasured: Vec<String> = unmeasured
-        .map(|subject| {
-            format!(
-                "error: {}: nothing was measured in space: add [measured] with `table`, a CSV file with the columns x, y and z",
-                subject.file.path.display()
-            )
-        })
-        .collect();
-    if !unmeasured.is_empty() {
-        return Err(Failure::Input(unmeasured.join("\n")));
-    }
-    let jobs = Job::all(&subjects, &models);
-    let answers = solve(&jobs, &subjects, threads);
-    if deadline::cancel().is_cancelled() {
-        return Err(Failure::Solve("error: not all rows were solved".to_owned()));
-    }
-    Ok(Score::new(subjects, names, models, &jobs, answers))
-}
-
-/// The answers of all jobs in their order, whatever the number of threads.
-fn solve(jobs: &[Job], subjects: &[Subject<'_>], threads: Option<NonZero<usize>>) -> Vec<Answers> {
-    let (next, cancel) = (AtomicUsize::new(0), deadline::cancel());
-    let progress = progress::bar(jobs.len());
-    let found: Vec<Mutex<Answers>> = jobs.iter().map(|_| Mutex::default()).collect();
-    let work = || {
-        while let Some((number, job)) = {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            jobs.get(number).map(|job| (number, job))
-        } {
-            let answers = job.solve(&subjects[job.file], &cancel);
-            *found[number].lock().unwrap_or_else(std::sync::PoisonError::into_inner) = answers;
-            progress.inc(1);
-        }
+    let bar = progress::bar(0);
+    let tell = |done: usize, all: usize| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
     };
-    let threads = threads.or_else(|| thread::available_parallelism().ok());
-    let workers = threads.map_or(1, NonZero::get).min(jobs.len());
-    thread::scope(|scope| {
-        let handles: Vec<_> = (1..workers).map(|_| scope.spawn(work)).collect();
-        work();
-        for handle in handles {
-            if let Err(panic) = handle.join() {
-                std::panic::resume_unwind(panic);
-            }
-        }
-    });
-    progress.finish_and_clear();
-    let answers = found.into_iter();
-    answers.map(|of| of.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)).collect()
+    let solved = Solved::of(&cases, models, threads, &deadline::cancel(), &tell);
+    bar.finish_and_clear();
+    Ok(solved?.score(&cases))
 }

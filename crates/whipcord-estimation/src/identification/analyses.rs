@@ -12,6 +12,7 @@ use super::sensitivity::{Worth, sensitivity};
 use super::settings::Settings;
 use super::suspects::{Suspect, suspects};
 use super::validation::{HeldOut, Validated, cross_validate, hold_out};
+use crate::registration::Alignment;
 use whipcord::model::Model;
 use whipcord::robot::Robot;
 
@@ -54,6 +55,22 @@ pub struct Analyses {
     pub worths: Vec<Worth>,
 }
 
+/// Measurements that are not fitted, in the frame of those that are where all have one: its turn is counted from where the fit found
+/// it at the start.
+fn in_frame_of(
+    experiments: &[Experiment],
+    test: &[Experiment],
+    unknowns: &[Unknown],
+) -> Vec<Experiment> {
+    let mut test = test.to_vec();
+    let shared = unknowns.iter().any(|unknown| unknown.quantity.is_of_frame());
+    let known = experiments.iter().find(|of| of.alignment != Alignment::None).filter(|_| shared);
+    if let Some(known) = known {
+        test.iter_mut().for_each(|of| of.frame = known.frame);
+    }
+    test
+}
+
 /// Answers all of it. Only what is asked for is fitted again, and a cable that stands out.
 ///
 /// # Errors
@@ -66,6 +83,7 @@ pub fn analyse(
     found: &Identified,
     asked: &Asked,
 ) -> Result<Analyses, IdentifyError> {
+    let settings = &Settings { starts: 1, ..settings.clone() };
     // What leaves out a part ends near the estimate of the whole.
     let near =
         |(unknown, value): (&Unknown, f64)| Unknown { start: Some(value), ..unknown.clone() };
@@ -96,7 +114,11 @@ pub fn analyse(
             let known = known.filter(|(unknown, _)| *is_part || unknown.experiment.is_none());
             let (unknowns, values): (Vec<Unknown>, Vec<f64>) =
                 known.map(|(unknown, value)| (unknown.clone(), value)).unzip();
-            Some(hold_out(robot, test, &unknowns, settings, &values)?)
+            let test = match is_part {
+                true => test.clone(),
+                false => in_frame_of(experiments, test, &unknowns),
+            };
+            Some(hold_out(robot, &test, &unknowns, settings, &values)?)
         }
         None => None,
     };

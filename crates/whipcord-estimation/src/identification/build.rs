@@ -78,17 +78,24 @@ pub(super) fn case(
             Quantity::Parameter(_)
             | Quantity::Friction { .. }
             | Quantity::Gain { .. }
-            | Quantity::MarkerOffset { .. } => {}
+            | Quantity::MarkerOffset { .. }
+            | Quantity::MeasuredPosition { .. }
+            | Quantity::MeasuredTurn { .. } => {}
         }
     }
-    if turn != [0.0; 3] {
-        let turned = (0..3).fold(built.base.rotation, |rotation, axis| {
-            UnitQuaternion::exp(AXES[axis] * turn[axis]) * rotation
-        });
-        // Products of unit quaternions drift from unit length by rounding, which a case is checked for.
-        built.base.rotation = UnitQuaternion::from_wxyz(turned.wxyz()).unwrap_or(turned);
-    }
+    built.base.rotation = turned(built.base.rotation, turn);
     Ok(built)
+}
+
+/// A rotation that is turned about x, then y, then z by these angles.
+pub(super) fn turned(rotation: UnitQuaternion, turn: [f64; 3]) -> UnitQuaternion {
+    if turn == [0.0; 3] {
+        return rotation;
+    }
+    let turned = (0..3)
+        .fold(rotation, |rotation, axis| UnitQuaternion::exp(AXES[axis] * turn[axis]) * rotation);
+    // Products of unit quaternions drift from unit length by rounding, which a case is checked for.
+    UnitQuaternion::from_wxyz(turned.wxyz()).unwrap_or(turned)
 }
 
 /// The axis about which the base turns with the unknown turn about `axis` of the world, where it is turned by
@@ -194,7 +201,10 @@ pub(super) fn present(quantity: &Quantity, robot: &Robot, case: &Case) -> Result
             there(cable).map(|_| 0.0)
         }
         Quantity::Gain { cable } => there(cable).map(|_| 1.0),
-        Quantity::MarkerOffset { .. } => Ok(0.0),
+        // Of the frame of a measurement, `Forward::start` knows more.
+        Quantity::MarkerOffset { .. }
+        | Quantity::MeasuredPosition { .. }
+        | Quantity::MeasuredTurn { .. } => Ok(0.0),
         Quantity::BasePosition { axis } => Ok(case.base.position[axis]),
         Quantity::BaseTurn { .. } => Ok(0.0),
     }

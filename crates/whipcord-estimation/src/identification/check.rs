@@ -162,6 +162,11 @@ fn check_unknown(
             continue;
         }
         for quantity in unknown.quantities() {
+            if !of.case.loads_before.is_empty() && quantity.is_load() {
+                return wrong(
+                    "the loads differ from row to row, so that none of them is one number: estimate another parameter",
+                );
+            }
             present(&quantity, robot, &of.case).map_err(IdentifyError::Absent)?;
             let (cable, by_tension) = match quantity {
                 Quantity::TensionOffset { cable } => (cable, Some(true)),

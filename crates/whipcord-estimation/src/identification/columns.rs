@@ -64,6 +64,8 @@ impl Forward<'_> {
                 .map_err(|(_, error)| error)?,
         }
         let turn = self.turn(experiment, x);
+        let measured_turn = self.measured_turn(experiment, x);
+        let frame = *self.frame();
         for (step, (solution, derivatives)) in answers.iter().enumerate() {
             let commands = case.before.get(step).unwrap_or(&case.commands);
             let mut parameter = 0;
@@ -106,6 +108,13 @@ impl Forward<'_> {
                             Motion::Change(derivatives.command(cable), command / value)
                         }
                         (DerivativeMethod::Marker { axis }, _) => Motion::Marker(AXES[axis]),
+                        (DerivativeMethod::MeasuredMove { axis }, _) => {
+                            Motion::MeasuredMove(frame.rotation.conjugate().rotate(AXES[axis]))
+                        }
+                        (DerivativeMethod::MeasuredTurn { axis }, _) => {
+                            let axis = turning_axis(axis, measured_turn);
+                            Motion::MeasuredTurn(frame.rotation.conjugate().rotate(axis))
+                        }
                         (DerivativeMethod::Move { axis }, _) => Motion::Move(AXES[axis]),
                         (DerivativeMethod::Turn { axis }, _) => {
                             Motion::Turn(turning_axis(axis, turn), case.base.position)
@@ -126,8 +135,10 @@ impl Forward<'_> {
                     if motion.is_empty() {
                         continue;
                     }
-                    let of =
-                        |motion: &Motion| motion.of(marker, stations[station], |v| base.rotate(v));
+                    let in_image = seen.seen.is_in_image();
+                    let of = |motion: &Motion| {
+                        motion.of(marker, stations[station], in_image, |v| base.rotate(v))
+                    };
                     let velocity = motion.iter().fold(Vec3::ZERO, |sum, motion| sum + of(motion));
                     for (i, by_point) in marker.by_point[..count].iter().enumerate() {
                         columns[(row + i) * unknowns + j] = by_point.dot(velocity);
@@ -204,15 +215,34 @@ impl Forward<'_> {
 
     /// The angles by which the base of an experiment is turned.
     fn turn(&self, experiment: usize, x: &[f64]) -> [f64; 3] {
-        let mut turn = [0.0; 3];
+        self.three(experiment, x, |quantity| match quantity {
+            Quantity::BaseTurn { axis } => Some(axis),
+            _ => None,
+        })
+    }
+
+    /// The angles by which the world is turned in the frame of the measurement.
+    fn measured_turn(&self, experiment: usize, x: &[f64]) -> [f64; 3] {
+        self.three(experiment, x, |quantity| match quantity {
+            Quantity::MeasuredTurn { axis } => Some(axis),
+            _ => None,
+        })
+    }
+
+    /// The values of three unknowns of an experiment, zero of those that are known.
+    fn three(
+        &self,
+        experiment: usize,
+        x: &[f64],
+        axis: impl Fn(Quantity) -> Option<usize>,
+    ) -> [f64; 3] {
+        let mut three = [0.0; 3];
         for (unknown, value) in self.unknowns.iter().zip(x) {
-            if let Quantity::BaseTurn { axis } = unknown.quantity
-                && unknown.is_of(experiment)
-            {
-                turn[axis] = *value;
+            if let Some(axis) = axis(unknown.quantity).filter(|_| unknown.is_of(experiment)) {
+                three[axis] = *value;
             }
         }
-        turn
+        three
     }
 }
 
@@ -222,6 +252,10 @@ enum Motion {
     Change(Change, f64),
     /// Its markers along this, in their frames.
     Marker(Vec3),
+    /// The frame of the positions that were measured, against the world, along this.
+    MeasuredMove(Vec3),
+    /// The same about this axis through the origin of the world.
+    MeasuredTurn(Vec3),
     /// All of it along this.
     Move(Vec3),
     /// All of it about this axis through this point.
@@ -230,8 +264,18 @@ enum Motion {
 
 impl Motion {
     /// Velocity of a marker in the world, eq. (i3).
-    fn of(&self, marker: &Marker, station: usize, to_world: impl Fn(Vec3) -> Vec3) -> Vec3 {
+    fn of(
+        &self,
+        marker: &Marker,
+        station: usize,
+        in_image: bool,
+        to_world: impl Fn(Vec3) -> Vec3,
+    ) -> Vec3 {
         match self {
+            // Cameras have their places in the world.
+            Self::MeasuredMove(_) | Self::MeasuredTurn(_) if in_image => Vec3::ZERO,
+            Self::MeasuredMove(along) => *along,
+            Self::MeasuredTurn(axis) => axis.cross(marker.point),
             Self::Change(change, by) => {
                 let Twist { linear, angular } = change.twist(Place::Station(station));
                 let arm = marker.point - marker.pose.position;

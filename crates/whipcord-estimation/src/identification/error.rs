@@ -1,6 +1,7 @@
 //! Why nothing is estimated.
 
 use crate::camera::ViewError;
+use crate::registration::RegistrationError;
 use whipcord::error::SolveError;
 use whipcord::kind::ModelKind;
 use whipcord::robot::RobotError;
@@ -45,6 +46,14 @@ pub enum IdentifyError {
         experiment: usize,
         /// How many there are.
         experiments: usize,
+    },
+    /// A measurement that cannot be moved onto the robot.
+    #[error("the measurement of case {} cannot be moved onto the robot: {error}", experiment + 1)]
+    Frame {
+        /// The experiment.
+        experiment: usize,
+        /// Why.
+        error: RegistrationError,
     },
     /// Bounds, start or prior of an unknown that cannot be.
     #[error("{path}: {problem}")]

@@ -4,7 +4,9 @@ use super::quantity::Quantity;
 use super::shared::Shared;
 use crate::camera::Camera;
 use crate::observation::Observation;
+use crate::registration::Alignment;
 use whipcord::case::Case;
+use whipcord_numerics::Pose;
 
 /// A case, and what was seen of the robot in it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +19,10 @@ pub struct Experiment {
     pub observations: Vec<Observation>,
     /// Of each step, what is known of the measurement; empty where nothing is.
     pub labels: Vec<RowLabel>,
+    /// How positions are moved onto the robot before they are compared; [`registered`](super::registered) sees to it.
+    pub alignment: Alignment,
+    /// Where the world is in the frame of the positions that were measured.
+    pub frame: Pose,
 }
 
 /// What is known of the measurement of a step.

@@ -39,6 +39,8 @@ pub(super) struct Forward<'a> {
     built: Option<Built>,
     /// What is added to the offset of every marker, in m.
     marker_offset: Vec3,
+    /// Where the world is in the frame of the positions of the experiment that was prepared last.
+    frame: Pose,
 }
 
 /// The robot with the last numbers, and its model.
@@ -122,6 +124,7 @@ impl<'a> Forward<'a> {
             model,
             built: None,
             marker_offset: Vec3::ZERO,
+            frame: Pose::IDENTITY,
         };
         if unknowns.iter().any(|u| matches!(u.quantity, Quantity::ShorteningOffset { .. })) {
             forward.rest = forward.rest_lengths()?;
@@ -170,6 +173,9 @@ impl<'a> Forward<'a> {
             let start = match unknown.start {
                 Some(start) => start,
                 None if unknown.is_change() => 0.0,
+                None if let Quantity::MeasuredPosition { axis } = unknown.quantity => {
+                    self.experiments[unknown.experiment.unwrap_or(0)].frame.position[axis]
+                }
                 None => build::present(&unknown.quantity, self.robot, case)?,
             };
             Ok(start.max(unknown.least()).min(unknown.greatest()))
@@ -213,8 +219,9 @@ impl<'a> Forward<'a> {
                 Quantity::TensionOffset { .. } => tension,
                 Quantity::ShorteningOffset { .. }
                 | Quantity::MarkerOffset { .. }
+                | Quantity::MeasuredPosition { .. }
                 | Quantity::BasePosition { .. } => 0.1 * length,
-                Quantity::BaseTurn { .. } => 1.0,
+                Quantity::BaseTurn { .. } | Quantity::MeasuredTurn { .. } => 1.0,
             };
             if unknown.is_positive() && *start > 0.0 { *start } else { size.max(start.abs()) }
         };
@@ -257,11 +264,17 @@ impl<'a> Forward<'a> {
     ) -> Result<(&mut Prepared, Case), NoAnswerReason> {
         let numbers = self.numbers(experiment, x);
         self.marker_offset = Vec3::ZERO;
+        self.frame = self.experiments[experiment].frame;
+        let mut turn = [0.0; 3];
         for &(quantity, value) in &numbers {
-            if let Quantity::MarkerOffset { axis } = quantity {
-                self.marker_offset[axis] = value;
+            match quantity {
+                Quantity::MarkerOffset { axis } => self.marker_offset[axis] = value,
+                Quantity::MeasuredPosition { axis } => self.frame.position[axis] = value,
+                Quantity::MeasuredTurn { axis } => turn[axis] = value,
+                _ => {}
             }
         }
+        self.frame.rotation = build::turned(self.frame.rotation, turn);
         let Experiment { case, observations, .. } = &self.experiments[experiment];
         let last = observations.iter().map(|seen| seen.step).max().unwrap_or(0);
         let of_robot: Vec<(Quantity, u64)> = numbers
@@ -283,6 +296,21 @@ impl<'a> Forward<'a> {
         };
         let built = Built { numbers: of_robot, robot, prepared };
         Ok((&mut self.built.insert(built).prepared, case))
+    }
+
+    /// Where the world is in the frame of the positions that were measured, in an experiment with these values.
+    pub(super) fn frame_of(
+        &mut self,
+        experiment: usize,
+        x: &[f64],
+    ) -> Result<Pose, NoAnswerReason> {
+        self.prepare(experiment, x)?;
+        Ok(self.frame)
+    }
+
+    /// That of the experiment that was prepared last.
+    pub(super) const fn frame(&self) -> &Pose {
+        &self.frame
     }
 
     /// What would be seen in an experiment, without derivatives.
@@ -346,7 +374,8 @@ impl<'a> Forward<'a> {
         for (i, seen) in observations.iter().enumerate() {
             if seen.step == step {
                 let pose = solution.shape.poses[self.stations[experiment][i]];
-                let marker = marker(pose, seen.offset + self.marker_offset, seen, cameras)
+                let offset = seen.offset + self.marker_offset;
+                let marker = marker(pose, offset, seen, (cameras, &self.frame))
                     .map_err(|error| NoAnswerReason::View { observation: i, error })?;
                 each(row, seen, &marker);
             }
@@ -361,12 +390,14 @@ fn marker(
     pose: Pose,
     offset: Vec3,
     seen: &Observation,
-    cameras: &[Camera],
+    (cameras, frame): (&[Camera], &Pose),
 ) -> Result<Marker, crate::camera::ViewError> {
     let point = pose.position + pose.rotation.rotate(offset);
     Ok(match seen.seen {
         Seen::Position(_) => {
-            Marker { pose, point, numbers: point.to_array(), by_point: build::AXES }
+            let to_world = frame.rotation.conjugate();
+            let by_point = build::AXES.map(|axis| to_world.rotate(axis));
+            Marker { pose, point, numbers: frame.transform(point).to_array(), by_point }
         }
         Seen::Pixel { camera, .. } => {
             let seen = cameras[camera].project_with_gradient(point)?;

@@ -14,6 +14,7 @@ use super::outcome::Identified;
 use super::problem::Problem;
 use super::rows::{Row, rows, without};
 use super::settings::Settings;
+use super::starts::best_of;
 use super::summary;
 use whipcord::robot::Robot;
 
@@ -66,7 +67,9 @@ pub fn identify(
     unknowns: &[Unknown],
     settings: &Settings,
 ) -> Result<Identified, IdentifyError> {
-    let found = search(robot, experiments, unknowns, settings);
+    let found = best_of(robot, experiments, unknowns, settings, |unknowns| {
+        search(robot, experiments, unknowns, settings)
+    });
     // What a search that was broken off says is of no use.
     if settings.model.cancel().is_cancelled() { Err(IdentifyError::Cancelled) } else { found }
 }

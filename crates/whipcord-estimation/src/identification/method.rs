@@ -19,6 +19,10 @@ pub(super) enum DerivativeMethod {
     Gain { cable: usize, by_tension: bool },
     /// Exactly: all markers are moved along an axis of their frames.
     Marker { axis: usize },
+    /// Exactly: the world is moved along an axis of the frame of the measurement.
+    MeasuredMove { axis: usize },
+    /// Exactly: the world is turned in the frame of the measurement.
+    MeasuredTurn { axis: usize },
     /// Exactly: the robot is moved along an axis of the world.
     Move { axis: usize },
     /// Exactly: the robot is turned, with its loads, about an axis of the world.
@@ -86,6 +90,8 @@ impl DerivativeMethod {
                 }
             }
             Quantity::MarkerOffset { axis } => Self::Marker { axis },
+            Quantity::MeasuredPosition { axis } => Self::MeasuredMove { axis },
+            Quantity::MeasuredTurn { axis } => Self::MeasuredTurn { axis },
             Quantity::Parameter(parameter) if is_exact => Self::Parameter(parameter),
             Quantity::Friction { cable } if is_exact => {
                 Self::Parameter(Parameter::Friction { cable })

@@ -4,12 +4,14 @@ use whipcord_numerics::least_squares::Status;
 
 use super::error::NoAnswer;
 use super::experiment::Unknown;
+use super::quantity::Quantity;
 use super::rows::Skipped;
 use super::settings::Robustness;
 use super::unresolved::Unresolved;
 use whipcord::case::Case;
 use whipcord::kind::ModelKind;
 use whipcord::robot::Robot;
+use whipcord_numerics::{Pose, Vec3};
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -55,6 +57,33 @@ pub struct Identified {
     pub robot: Robot,
     /// Its case in each experiment.
     pub cases: Vec<Case>,
+    /// From how many places the search started, and how many ended here.
+    pub starts: Starts,
+    /// Where the world is in the frame of the positions that were measured, in each experiment.
+    pub frames: Vec<Pose>,
+}
+
+/// Starts of a search ([`super::Settings::starts`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Starts {
+    /// How many.
+    pub tried: usize,
+    /// How many ended at the estimates that are given.
+    pub agree: usize,
+}
+
+impl Identified {
+    /// What is added to where the markers of an experiment are in the frames of their places, in m.
+    #[must_use]
+    pub fn marker_offset(&self, experiment: usize) -> Vec3 {
+        let mut offset = Vec3::ZERO;
+        for of in self.estimates.iter().filter(|of| of.unknown.is_of(experiment)) {
+            if let Quantity::MarkerOffset { axis } = of.unknown.quantity {
+                offset[axis] = of.value;
+            }
+        }
+        offset
+    }
 }
 
 /// An estimate.

@@ -46,6 +46,17 @@ pub enum Quantity {
         /// Component.
         axis: usize,
     },
+    /// A coordinate of where the world is in the frame of the measurement, in m.
+    MeasuredPosition {
+        /// Component.
+        axis: usize,
+    },
+    /// A turn of the world in the frame of the measurement from where the fit found it at the start, about an axis of that frame, in
+    /// rad: about x first, then y, then z.
+    MeasuredTurn {
+        /// Axis.
+        axis: usize,
+    },
     /// A coordinate of the base in the world, in m.
     BasePosition {
         /// Component.
@@ -81,6 +92,8 @@ impl fmt::Display for Quantity {
             Self::ShorteningOffset { cable } => write!(f, "cables[{cable}].shortening_offset"),
             Self::Gain { cable } => write!(f, "cables[{cable}].gain"),
             Self::MarkerOffset { axis } => write!(f, "measured.offset[{axis}]"),
+            Self::MeasuredPosition { axis } => write!(f, "measured.position[{axis}]"),
+            Self::MeasuredTurn { axis } => write!(f, "measured.turn[{axis}]"),
             Self::BasePosition { axis } => write!(f, "base.position[{axis}]"),
             Self::BaseTurn { axis } => write!(f, "base.turn[{axis}]"),
         }
@@ -110,6 +123,8 @@ impl FromStr for Quantity {
             ("cables[].shortening_offset", &[cable]) => Self::ShorteningOffset { cable },
             ("cables[].gain", &[cable]) => Self::Gain { cable },
             ("measured.offset[]", &[axis @ 0..3]) => Self::MarkerOffset { axis },
+            ("measured.position[]", &[axis @ 0..3]) => Self::MeasuredPosition { axis },
+            ("measured.turn[]", &[axis @ 0..3]) => Self::MeasuredTurn { axis },
             ("base.position[]", &[axis @ 0..3]) => Self::BasePosition { axis },
             ("base.turn[]", &[axis @ 0..3]) => Self::BaseTurn { axis },
             _ => match path.parse() {
@@ -125,7 +140,7 @@ impl FromStr for Quantity {
 
 impl Quantity {
     /// The paths of what can be estimated, with 0 for every number: those of the first cable, load, axis.
-    pub const PATHS: [&str; 54] = [
+    pub const PATHS: [&str; 56] = [
         "backbone.young_modulus",
         "backbone.shear_modulus",
         "backbone.poisson_ratio",
@@ -178,6 +193,8 @@ impl Quantity {
         "loads.distributed[0].moment[0]",
         "loads.distributed[0].force[0][0]",
         "measured.offset[0]",
+        "measured.position[0]",
+        "measured.turn[0]",
         "base.position[0]",
         "base.turn[0]",
     ];
@@ -235,9 +252,21 @@ impl Quantity {
             Self::TensionOffset { .. } => "N",
             Self::ShorteningOffset { .. }
             | Self::MarkerOffset { .. }
+            | Self::MeasuredPosition { .. }
             | Self::BasePosition { .. } => "m",
-            Self::BaseTurn { .. } => "rad",
+            Self::BaseTurn { .. } | Self::MeasuredTurn { .. } => "rad",
         }
+    }
+
+    /// Whether it says where the frame of a measurement is.
+    #[must_use]
+    pub const fn is_of_frame(&self) -> bool {
+        matches!(self, Self::MeasuredPosition { .. } | Self::MeasuredTurn { .. })
+    }
+
+    /// Whether it is a load.
+    pub(super) const fn is_load(&self) -> bool {
+        matches!(self, Self::Parameter(_)) && self.is_of_case()
     }
 
     /// Whether it is a number of a case, else one of the robot.
@@ -262,6 +291,8 @@ impl Quantity {
             | Self::ShorteningOffset { .. }
             | Self::Gain { .. }
             | Self::MarkerOffset { .. }
+            | Self::MeasuredPosition { .. }
+            | Self::MeasuredTurn { .. }
             | Self::BasePosition { .. }
             | Self::BaseTurn { .. } => true,
         }

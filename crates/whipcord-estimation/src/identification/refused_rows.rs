@@ -8,6 +8,7 @@ use super::forward::Forward;
 use super::quantity::Quantity;
 use super::rows::{Row, Skipped};
 use whipcord::robot::{Cable, Robot};
+use whipcord::shape::Solution;
 
 /// Whether answers depend on the steps before them.
 pub(super) fn has_history(forward: &Forward<'_>, experiment: usize) -> bool {
@@ -34,9 +35,26 @@ impl Forward<'_> {
     }
 
     fn add_refused(&mut self, experiment: usize, x: &[f64], refused: &mut Vec<Skipped>) {
+        let (solutions, without) = self.answers(experiment, x);
+        refused.extend(without);
+        for (step, solution) in solutions.iter().enumerate() {
+            let Some(solution) = solution else { continue };
+            if let Err(reason) = self.see(experiment, step, solution, |_, _, _| {}) {
+                refused.push(Skipped { row: Row { experiment, step }, reason });
+            }
+        }
+    }
+
+    /// The answers to the steps of an experiment up to the last in which something was seen, and the rows without.
+    pub(super) fn answers(
+        &mut self,
+        experiment: usize,
+        x: &[f64],
+    ) -> (Vec<Option<Solution>>, Vec<Skipped>) {
+        let mut refused = Vec::new();
         let observed: BTreeSet<usize> =
             self.experiments[experiment].observations.iter().map(|seen| seen.step).collect();
-        let Some(&last) = observed.last() else { return };
+        let Some(&last) = observed.last() else { return (Vec::new(), refused) };
         let has_history = has_history(self, experiment);
         let all = |reason: NoAnswerReason, from: usize| {
             let steps = observed.iter().filter(move |step| **step >= from);
@@ -48,7 +66,7 @@ impl Forward<'_> {
         };
         let (prepared, case) = match self.prepare(experiment, x) {
             Ok(prepared) => prepared,
-            Err(reason) => return refused.extend(all(reason, 0)),
+            Err(reason) => return (Vec::new(), all(reason, 0)),
         };
         let mut solutions = vec![None; last + 1];
         if has_history {
@@ -74,11 +92,6 @@ impl Forward<'_> {
                 }
             }
         }
-        for (step, solution) in solutions.iter().enumerate() {
-            let Some(solution) = solution else { continue };
-            if let Err(reason) = self.see(experiment, step, solution, |_, _, _| {}) {
-                refused.push(Skipped { row: Row { experiment, step }, reason });
-            }
-        }
+        (solutions, refused)
     }
 }

@@ -121,6 +121,11 @@ fn commands(robot: &Robot, case: &Case, step: usize) -> Vec<f64> {
     let earlier = case.motors.len().saturating_sub(case.before.len() + 1);
     let motors = case.motors.get(earlier + step).into_iter().flatten();
     let mut all: Vec<f64> = motors.map(|command| command.unwrap_or(0.0)).collect();
+    if !case.loads_before.is_empty() {
+        let loads = case.loads_before.get(step).unwrap_or(&case.loads);
+        let gravity = loads.gravity.unwrap_or_default();
+        all.extend([loads.tip_force, loads.tip_moment, gravity].iter().flat_map(|v| v.to_array()));
+    }
     let is_driven = |cable: usize| {
         let motor = robot.motor_of(cable).and_then(|motor| case.motor_command(motor));
         motor.is_some()
@@ -140,6 +145,9 @@ fn commands(robot: &Robot, case: &Case, step: usize) -> Vec<f64> {
 
 /// Whether all but the commands is the same.
 fn is_alike(experiments: &[Experiment], a: Row, b: Row) -> bool {
+    if experiments[a.experiment].frame != experiments[b.experiment].frame {
+        return false;
+    }
     let (a, b) = (&experiments[a.experiment].case, &experiments[b.experiment].case);
     core::ptr::eq(a, b) || (a.loads == b.loads && a.base == b.base && a.obstacles == b.obstacles)
 }

@@ -61,6 +61,12 @@ pub(super) fn without(experiments: &[Experiment], rows: &BTreeSet<Row>) -> Vec<E
                 Some(place) => *place = commands,
                 None => of.case.commands = commands,
             }
+            let loads = of.case.loads_before.get(other).unwrap_or(&of.case.loads).clone();
+            match of.case.loads_before.get_mut(step) {
+                Some(place) => *place = loads,
+                None if step + 1 == steps => of.case.loads = loads,
+                None => {}
+            }
             if of.case.motors.len() >= steps {
                 of.case.motors[earlier + step] = of.case.motors[earlier + other].clone();
             }

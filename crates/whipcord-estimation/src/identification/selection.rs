@@ -55,8 +55,12 @@ pub fn ladder(
         rms_pixels: plain.rms_pixels,
         validated: None,
     }];
-    for count in 1..=unknowns.len() {
-        let own = &unknowns[..count];
+    // The frames of measurements are no rungs: every one has them.
+    let (frames, rungs_of): (Vec<Unknown>, Vec<Unknown>) =
+        unknowns.iter().cloned().partition(|unknown| unknown.quantity.is_of_frame());
+    for count in 1..=rungs_of.len() {
+        let own: Vec<Unknown> = rungs_of[..count].iter().chain(&frames).cloned().collect();
+        let own = &own[..];
         let found = identify(robot, experiments, own, settings)?;
         rungs.push(Rung {
             unknowns: count,

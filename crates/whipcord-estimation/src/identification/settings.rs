@@ -46,6 +46,8 @@ pub struct Settings {
     pub iterations: usize,
     /// Whether rows that the model has no answer to are left out, and said in the result; else there is no fit then.
     pub skips: bool,
+    /// From how many places the search starts: the best end counts.
+    pub starts: usize,
     /// What is told of each evaluation.
     pub progress: Progress,
 }
@@ -100,6 +102,7 @@ impl Settings {
             confidence: 0.95,
             iterations: 100,
             skips: false,
+            starts: 1,
             progress: Progress(None),
         }
     }

@@ -9,7 +9,7 @@ use super::forward::Forward;
 use super::logarithm::Logarithms;
 use super::method::DerivativeMethod;
 use super::noise::Fitted;
-use super::outcome::{Estimate, Identified, Noise, Residual};
+use super::outcome::{Estimate, Identified, Noise, Residual, Starts};
 use super::settings::Settings;
 use super::unresolved::Unresolved;
 use crate::uncertainty::Spread;
@@ -23,6 +23,11 @@ pub(super) fn tell(
     workspace: &Workspace,
 ) -> Result<Identified, IdentifyError> {
     let (answers, unstable) = forward.stability(x);
+    let mut frames = Vec::with_capacity(forward.experiments.len());
+    for experiment in 0..forward.experiments.len() {
+        let frame = forward.frame_of(experiment, x);
+        frames.push(frame.map_err(|reason| IdentifyError::no_answer(experiment, reason))?);
+    }
     let forward = &*forward;
     let unknowns = forward.unknowns;
     let n = unknowns.len();
@@ -114,6 +119,8 @@ pub(super) fn tell(
         bic: fitted.deviance.map(|deviance| deviance + (count as f64).ln() * numbers),
         robot: robot.unwrap_or_else(|| forward.robot.clone()),
         cases,
+        frames,
+        starts: Starts { tried: 1, agree: 1 },
         residuals,
         skipped: Vec::new(),
         robustness: settings.robustness,

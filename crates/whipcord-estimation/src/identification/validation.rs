@@ -7,6 +7,7 @@ use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
 use super::forward::{Forward, measured};
 use super::identify::identify;
+use super::registered::placed;
 use super::rows::{Row, Skipped, only, rows, without};
 use super::settings::Settings;
 use crate::observation::Observation;
@@ -253,6 +254,7 @@ fn predict(
     settings: &Settings,
     values: &[f64],
 ) -> Result<Predicted, IdentifyError> {
+    let held = &placed(robot, held, (unknowns, values), settings)?[..];
     let mut forward = Forward::new(robot, held, unknowns, settings)?;
     let skipped = forward.refused(values);
     let left_out: BTreeSet<Row> = skipped.iter().map(|of| of.row).collect();

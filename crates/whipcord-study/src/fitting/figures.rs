@@ -76,10 +76,15 @@ fn robot(fit: &Fit, e: usize) -> Result<Option<(Vec<usize>, String)>, PlotError>
         own.into_iter().any(|residual| residual.observation == index && is_outlier(residual.weight))
     };
     let (mut measured, mut outliers) = (Vec::new(), Vec::new());
+    let to_world = fit.found.frames[e].inverse();
     for (index, of) in fit.experiments[e].observations.iter().enumerate() {
         match of.seen {
-            Seen::Position(at) if steps.contains(&of.step) && doubted(index) => outliers.push(at),
-            Seen::Position(at) if steps.contains(&of.step) => measured.push(at),
+            Seen::Position(at) if steps.contains(&of.step) && doubted(index) => {
+                outliers.push(to_world.transform(at));
+            }
+            Seen::Position(at) if steps.contains(&of.step) => {
+                measured.push(to_world.transform(at));
+            }
             _ => {}
         }
     }

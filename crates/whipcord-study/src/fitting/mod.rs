@@ -13,7 +13,6 @@ use whipcord::{Case, Model, Robot, Warning};
 use whipcord_estimation::identification::{
     Analyses, Experiment, Identified, Quantity, Row, Unknown, Unstable,
 };
-use whipcord_estimation::registration::Alignment;
 use whipcord_io::{
     AnswerOf, CaseFile, FileWarning, NonFinite, fit_json, status_words, warnings_json,
 };
@@ -122,7 +121,7 @@ impl Fit {
         let all = [
             self.instability(),
             self.left_out(),
-            remarks::stands_out(&self.analyses),
+            remarks::stands_out(&self.analyses, self.found.robot.backbone().length),
             remarks::drifts(&self.analyses),
         ];
         all.into_iter().flatten().collect()
@@ -264,17 +263,12 @@ fn warnings(model: &Model, file: &CaseFile, robot: &Robot, case: &Case) -> Vec<F
 
 const REPORT: &str = "report.html";
 
-/// Whether a measurement of this case is in a frame of its own, from which it asks to be moved, and the place of the
-/// base is not estimated: that is what a fit has in place of the motion.
-#[must_use]
-pub fn moves_unasked(alignment: Alignment, experiment: usize, unknowns: &[Unknown]) -> bool {
-    alignment != Alignment::None && !moves_base(experiment, unknowns)
-}
-
-/// Whether the place of this case's base is estimated.
+/// Whether the place of this case's base is estimated, or that of its measurement.
 fn moves_base(experiment: usize, unknowns: &[Unknown]) -> bool {
     unknowns.iter().any(|unknown| {
-        matches!(unknown.quantity, Quantity::BasePosition { .. } | Quantity::BaseTurn { .. })
+        let of_base =
+            matches!(unknown.quantity, Quantity::BasePosition { .. } | Quantity::BaseTurn { .. });
+        (of_base || unknown.quantity.is_of_frame())
             && unknown.experiment.is_none_or(|only| only == experiment)
     })
 }

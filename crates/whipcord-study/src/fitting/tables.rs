@@ -303,6 +303,15 @@ pub fn notes(fit: &Fit) -> Vec<String> {
     let unresolved = fit.found.unresolved.iter().map(|unresolved| format!("! {unresolved}"));
     let mut notes: Vec<String> = warnings.chain(unresolved).collect();
     notes.extend(repeats(&fit.analyses));
+    let starts = fit.found.starts;
+    if starts.tried > 1 {
+        notes.push(format!(
+            "best of {} starts: {} of them end{} at these estimates",
+            starts.tried,
+            starts.agree,
+            if starts.agree == 1 { "s" } else { "" }
+        ));
+    }
     if let Some(test) = fit.analyses.test.as_ref().filter(|test| !test.skipped.is_empty()) {
         let first = &test.skipped[0];
         notes.push(format!(

@@ -1,6 +1,6 @@
 //! The score in pictures: errors against commands, along the backbone and from row to row, and the worst rows.
 
-use whipcord::{Actuation, Case, Drive, Model, ModelKind, Robot, Shortening, Stations};
+use whipcord::{Actuation, Case, Drive, Model, Robot, Shortening, Stations};
 use whipcord_plot::{
     Acting, AxisSpec, Chart, Colour, FINE_STATIONS, FigureOptions, Layer, Marker, PlotError,
     RobotView, Series, label, robot_figure,
@@ -226,12 +226,14 @@ fn worst_rows(score: &Score<'_>) -> Result<Vec<Figure>, PlotError> {
         rows.extend(own.iter().filter_map(|row| Some((file, row.row, row.error?))));
     }
     rows.sort_by(|a, b| b.2.total_cmp(&a.2));
+    rows.truncate(DRAWN);
+    let mut views = views(score, best, &rows);
     let mut figures = Vec::new();
-    for (number, (file, row, error)) in rows.into_iter().take(DRAWN).enumerate() {
+    for (number, (file, row, error)) in rows.into_iter().enumerate() {
         let of = score.file(file);
         let model = &score.files[file][best];
         let Some(case) = case_of(&of.case, row) else { continue };
-        let Some(view) = view(model.model, &of.robot, &case) else { continue };
+        let Some(view) = views[number].take() else { continue };
         let measured = markers(model, row).map(|marker| marker.measured).collect();
         let options = FigureOptions {
             title: score.label(file, row),
@@ -273,13 +275,48 @@ fn case_of(case: &Case, row: usize) -> Option<Case> {
     }
 }
 
-fn view(kind: ModelKind, robot: &Robot, case: &Case) -> Option<RobotView> {
-    let solve = |stations| {
-        let model = Model::new(kind, stations, Actuation::Natural);
-        model.prepare(robot, &case.loads).ok()?.solve_to_the_end(case).ok()
-    };
-    let solution = solve(Stations::Equal(FINE_STATIONS)).or_else(|| solve(Stations::Disks))?;
-    Some(RobotView::model(label(kind, &solution), &solution))
+/// The answers of a model to these rows, each of a file: drawn at many stations, or at the disks where the way to the rows has to
+/// be gone again, once for all of them.
+fn views(score: &Score<'_>, best: usize, rows: &[(usize, usize, f64)]) -> Vec<Option<RobotView>> {
+    let mut views: Vec<Option<RobotView>> = vec![None; rows.len()];
+    for (number, &(file, row, _)) in rows.iter().enumerate() {
+        if views[number].is_some() {
+            continue;
+        }
+        let of = score.file(file);
+        let kind = score.files[file][best].model;
+        let prepare = |stations| {
+            Model::new(kind, stations, Actuation::Natural).prepare(&of.robot, &of.case.loads).ok()
+        };
+        if !of.robot.has_history() || of.case.independent || of.case.before.is_empty() {
+            let Some(case) = case_of(&of.case, row) else { continue };
+            let solve = |stations| prepare(stations)?.solve_to_the_end(&case).ok();
+            let solution = solve(Stations::Equal(FINE_STATIONS)).or_else(|| solve(Stations::Disks));
+            views[number] =
+                solution.map(|solution| RobotView::model(label(kind, &solution), &solution));
+            continue;
+        }
+        let wanted: Vec<(usize, usize)> = rows
+            .iter()
+            .enumerate()
+            .filter(|(_, (of, ..))| *of == file)
+            .map(|(number, (_, row, _))| (number, *row))
+            .collect();
+        let last = wanted.iter().map(|(_, row)| *row).max().unwrap_or(row);
+        let (Some(mut prepared), Some(case)) = (prepare(Stations::Disks), of.case.step(last))
+        else {
+            continue;
+        };
+        let mut step = 0;
+        // Up to a step without an answer, those before it are drawn.
+        let _ = prepared.solve_steps(&case, |solution| {
+            for (number, _) in wanted.iter().filter(|(_, row)| *row == step) {
+                views[*number] = Some(RobotView::model(label(kind, &solution), &solution));
+            }
+            step += 1;
+        });
+    }
+    views
 }
 
 fn markers(model: &FileScore, row: usize) -> impl Iterator<Item = &MarkerScore> {

@@ -5,6 +5,7 @@ pub mod figures;
 mod measures;
 pub mod output;
 pub mod report;
+mod run;
 mod solve;
 pub mod tables;
 
@@ -12,6 +13,7 @@ use whipcord::ModelKind;
 
 pub use data::{FileScore, MarkerScore, RowScore, Score};
 pub use measures::{Measures, Summary, Worst};
+pub use run::Solved;
 pub use solve::{Answers, Job, SolvedRow, Subject, Unsolved};
 
 impl<'a> Score<'a> {

@@ -1,63 +1,144 @@
 //! Whether intervals of 95 % hold the true values of a robot with motors, and whether what was not fitted is as far off as the noise.
 
-use super::laboratory::{FILE, Truth, measure, random_rows, robot, settings, unknowns};
-use crate::identification::synthetic::Normal;
-use whipcord_estimation::identification::{hold_out, identify, split};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// All zeros at once could hardly be told from the stiffness: only cables that go slack tell them apart.
-const PATHS: [&str; 4] = [
-    "motors[*].stiffness",
-    "motors[0].angle_offset",
-    "motors[1].angle_offset",
-    "cables[*].routing.angle",
-];
+use super::laboratory::{FILE, Truth, measure_by, random_rows, robot, unknowns_of};
+use crate::identification::synthetic::{Normal, model};
+use whipcord::ModelKind;
+use whipcord_estimation::identification::{Settings, hold_out, identify, split};
+
 const NOISE: f64 = 3e-4;
 
-/// In how many of the runs, and of the unknowns, the interval holds the truth; and the root mean square distance of what was not
-/// fitted.
-fn held(runs: u64, rows: usize) -> (usize, f64) {
-    let truth = Truth { stiffness: 5e3, offsets: [0.02, -0.03, 0.0], angles: [0.02; 3], ..FILE };
-    let values = [5e3, 0.02, -0.03, 0.02];
-    let (file, mut unknowns) = (robot(&FILE), unknowns(&PATHS));
-    // Cables that go slack and taut make local minima; this is about the lowest.
-    unknowns[0].start = Some(5e3);
-    let (mut held, mut squares) = (0, 0.0);
-    for run in 0..runs {
-        let mut random = Normal::new(run + 1);
-        let commands = random_rows(rows, &mut random);
-        let seen = [measure(&truth, &commands, NOISE, &mut random)];
-        let [kept, rest] = split(&seen, 0.2, run).unwrap();
-        let found = identify(&file, &kept, &unknowns, &settings()).unwrap();
-        assert!(found.status.is_converged(), "{:?}", found.status);
-        for (estimate, truth) in found.estimates.iter().zip(values) {
-            let [low, high] = estimate.interval.unwrap();
-            held += usize::from(low <= truth && truth <= high);
+/// Laboratories that fit the same unknowns.
+struct Study {
+    kind: ModelKind,
+    truth: Truth,
+    file: Truth,
+    /// The unknowns with their true values.
+    unknowns: [(&'static str, f64); 4],
+    rows: usize,
+}
+
+impl Study {
+    /// Drives with stiffness and backlash, and cables without friction. All zeros at once could hardly be told from the stiffness: only
+    /// cables that go slack tell them apart.
+    fn of_drives(rows: usize) -> Self {
+        Self {
+            kind: ModelKind::Cosserat,
+            truth: Truth { stiffness: 5e3, offsets: [0.02, -0.03, 0.0], angles: [0.02; 3], ..FILE },
+            file: FILE,
+            unknowns: [
+                ("motors[*].stiffness", 5e3),
+                ("motors[0].angle_offset", 0.02),
+                ("motors[1].angle_offset", -0.03),
+                ("cables[*].routing.angle", 0.02),
+            ],
+            rows,
         }
-        let estimates: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
-        let test = hold_out(&file, &rest, &unknowns, &settings(), &estimates).unwrap();
-        squares += test.rms_distance.unwrap().powi(2);
     }
-    (held, (squares / runs as f64).sqrt())
+
+    /// The same with rubbing cables, whose rows are steps in order.
+    fn of_friction(rows: usize) -> Self {
+        Self {
+            kind: ModelKind::PiecewiseConstantCurvature,
+            truth: Truth { stiffness: 5e3, offsets: [0.02, -0.03, 0.0], friction: 0.15, ..FILE },
+            file: Truth { friction: 0.1, ..FILE },
+            unknowns: [
+                ("motors[*].stiffness", 5e3),
+                ("motors[0].angle_offset", 0.02),
+                ("motors[1].angle_offset", -0.03),
+                ("cables[*].friction", 0.15),
+            ],
+            rows,
+        }
+    }
+
+    /// How many of the intervals of a run hold the truth, and the mean square distance of what was not fitted.
+    fn run(&self, run: u64) -> (usize, f64) {
+        let (file, settings) = (robot(&self.file), Settings::new(model(self.kind)));
+        let mut unknowns = unknowns_of(&file, &self.unknowns.map(|(path, _)| path));
+        // Cables that go slack and taut make local minima; this is about the lowest.
+        unknowns[0].start = Some(self.truth.stiffness);
+        let mut random = Normal::new(run + 1);
+        let commands = random_rows(self.rows, &mut random);
+        let seen = [measure_by(&settings.model, &self.truth, &commands, NOISE, &mut random)];
+        let [kept, rest] = split(&seen, 0.2, run).unwrap();
+        let found = identify(&file, &kept, &unknowns, &settings).unwrap();
+        assert!(found.status.is_converged(), "run {run}: {:?}", found.status);
+        let pairs = found.estimates.iter().zip(self.unknowns);
+        let held = pairs.filter(|(estimate, (_, truth))| {
+            let [low, high] = estimate.interval.unwrap();
+            low <= *truth && *truth <= high
+        });
+        let held = held.count();
+        let estimates: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
+        let test = hold_out(&file, &rest, &unknowns, &settings, &estimates).unwrap();
+        (held, test.rms_distance.unwrap().powi(2))
+    }
+
+    /// In how many of the runs, and of the unknowns, the interval holds the truth; and the root mean square distance of what was not
+    /// fitted, in units of the noise. The same for any number of threads.
+    fn held(&self, runs: u64) -> (usize, f64) {
+        let (next, found) = (AtomicU64::new(0), Mutex::new(vec![(0, 0.0); runs as usize]));
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    loop {
+                        let run = next.fetch_add(1, Ordering::Relaxed);
+                        if run >= runs {
+                            break;
+                        }
+                        let one = self.run(run);
+                        found.lock().unwrap()[run as usize] = one;
+                    }
+                });
+            }
+        });
+        let found = found.into_inner().unwrap();
+        let squares: f64 = found.iter().map(|(_, square)| square).sum();
+        let rms = (squares / runs as f64).sqrt();
+        (found.iter().map(|(held, _)| held).sum(), rms / (NOISE * 3f64.sqrt()))
+    }
 }
 
 /// Of 12 runs with 4 unknowns each: 45.6 are expected; 41 or more in all but 1 of 100 such tests (binomially distributed).
 #[test]
 fn of_few_runs() {
-    let (held, rms) = held(12, 40);
+    let (held, rms) = Study::of_drives(40).held(12);
     assert!((41..=48).contains(&held), "{held} of 48");
-    assert!((rms / (NOISE * 3f64.sqrt()) - 1.0).abs() < 0.15, "{rms}");
+    assert!((rms - 1.0).abs() < 0.15, "{rms}");
+}
+
+/// As above, with friction.
+#[test]
+fn of_few_runs_with_friction() {
+    let (held, rms) = Study::of_friction(20).held(6);
+    assert!((19..=24).contains(&held), "{held} of 24");
+    assert!((rms - 1.0).abs() < 0.3, "{rms}");
+}
+
+fn study(of: &Study) {
+    let (held, floor) = of.held(200);
+    println!(
+        "{} rows: {held} of 800 intervals hold the truth; held out: {floor:.3} × the noise",
+        of.rows
+    );
+    assert!((0.93..0.97).contains(&(held as f64 / 800.0)), "{held}");
+    assert!((floor - 1.0).abs() < 0.02, "{floor}");
 }
 
 /// `cargo test --release -p whipcord-estimation --test estimation -- --ignored --nocapture study_of_motors`
 #[test]
-#[ignore = "a study of minutes; of_few_runs asks the same of fewer"]
+#[ignore = "a study of many minutes; of_few_runs asks the same of fewer"]
 fn study_of_motors() {
-    let (held, rms) = held(200, 150);
-    let floor = rms / (NOISE * 3f64.sqrt());
-    println!(
-        "{:.1} % of 200 runs × 4 unknowns; held out: {floor:.3} × the noise",
-        held as f64 / 8.0
-    );
-    assert!((0.93..0.97).contains(&(held as f64 / 800.0)), "{held}");
-    assert!((floor - 1.0).abs() < 0.02, "{floor}");
+    study(&Study::of_drives(2000));
+}
+
+/// `cargo test --release -p whipcord-estimation --test estimation -- --ignored --nocapture study_of_friction`
+#[test]
+#[ignore = "a study of many minutes; of_few_runs_with_friction asks the same of fewer"]
+fn study_of_friction() {
+    study(&Study::of_friction(200));
 }

@@ -19,6 +19,8 @@ pub struct Truth {
     pub turn: f64,
     /// More shortening of the cables than commanded, in m.
     pub slack: [f64; 3],
+    /// Of all cables in their holes.
+    pub friction: f64,
 }
 
 pub const FILE: Truth = Truth {
@@ -29,6 +31,7 @@ pub const FILE: Truth = Truth {
     radius: 0.008,
     turn: 0.0,
     slack: [0.0; 3],
+    friction: 0.0,
 };
 
 /// Three cables, each with a spool.
@@ -36,7 +39,8 @@ pub fn robot(truth: &Truth) -> Robot {
     let cables = [0.0, 120.0, 240.0].into_iter().zip(truth.angles).map(|(degrees, off)| {
         let Routing::Straight { angle, .. } = straight(degrees) else { unreachable!() };
         let routing = Routing::Straight { angle: angle + off, radius: truth.radius };
-        Cable::new(format!("c{degrees}"), routing)
+        let friction = (truth.friction > 0.0).then_some(truth.friction);
+        Cable { friction, ..Cable::new(format!("c{degrees}"), routing) }
     });
     let motors = truth.offsets.into_iter().enumerate().map(|(i, offset)| Motor {
         stiffness: Some(truth.stiffness),
@@ -74,6 +78,17 @@ pub fn random_rows(count: usize, random: &mut Normal) -> Vec<[f64; 3]> {
 
 /// What a tracker sees of the middle and the tip of a real robot.
 pub fn measure(truth: &Truth, rows: &[[f64; 3]], noise: f64, random: &mut Normal) -> Experiment {
+    measure_by(&rod(), truth, rows, noise, random)
+}
+
+/// The same of a robot that is as this model says.
+pub fn measure_by(
+    model: &Model,
+    truth: &Truth,
+    rows: &[[f64; 3]],
+    noise: f64,
+    random: &mut Normal,
+) -> Experiment {
     let real = robot(truth);
     let mut case = commands(&real, rows);
     case.base.rotation = UnitQuaternion::exp(Vec3::Z * truth.turn);
@@ -84,7 +99,7 @@ pub fn measure(truth: &Truth, rows: &[[f64; 3]], noise: f64, random: &mut Normal
             }
         }
     }
-    let mut prepared = rod().prepare(&real, &case.loads).unwrap();
+    let mut prepared = model.prepare(&real, &case.loads).unwrap();
     let (mut observations, mut step) = (Vec::new(), 0);
     prepared
         .solve_steps(&case, |solution| {
@@ -102,7 +117,8 @@ pub fn measure(truth: &Truth, rows: &[[f64; 3]], noise: f64, random: &mut Normal
         })
         .unwrap();
     // The file has its own idea of what the motors do.
-    let case = commands(&robot(&FILE), rows);
+    let file = Truth { friction: truth.friction, ..FILE };
+    let case = commands(&robot(&file), rows);
     let labels = vec![RowLabel::default(); rows.len()];
     let mut seen = vec![Experiment { case, observations, labels, ..Experiment::default() }];
     disturb(&mut seen, random, [noise, 0.0]);
@@ -118,7 +134,10 @@ pub fn settings() -> Settings {
 }
 
 pub fn unknowns(paths: &[&str]) -> Vec<Unknown> {
-    let file = robot(&FILE);
+    unknowns_of(&robot(&FILE), paths)
+}
+
+pub fn unknowns_of(file: &Robot, paths: &[&str]) -> Vec<Unknown> {
     let of = |path: &&str| {
         let path: ParameterPath = path.parse().unwrap();
         path.unknown(file.cables(), file.motors()).unwrap()

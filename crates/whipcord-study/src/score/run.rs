@@ -1,0 +1,125 @@
+//! The score of files, solved by several threads.
+
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+
+use whipcord::{Cancel, ModelKind};
+use whipcord_io::CaseFile;
+
+use super::solve::{Answers, Job, Subject};
+use super::{Score, report};
+use crate::failure::Failure;
+use crate::files::{Folder, plot_failure, unique_names};
+use crate::score::{figures, output};
+
+/// The answers to all measured rows, of which [`Solved::score`] makes a score.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    models: Vec<ModelKind>,
+    jobs: Vec<Job>,
+    answers: Vec<Answers>,
+}
+
+/// Where files and models stand in the answers.
+fn subjects<'a>(cases: &[&'a CaseFile]) -> Vec<Subject<'a>> {
+    cases.iter().copied().map(Subject::new).collect()
+}
+
+impl Solved {
+    /// Solves every measured row of every file by these models, in as many threads, by default one for each processor. The
+    /// answers are the same for any number. `tell` is told how many pieces of work there are, then of each that is done.
+    ///
+    /// # Errors
+    /// [`Failure`] for files without measurements in space, and where the work was cancelled.
+    pub fn of(
+        cases: &[&CaseFile],
+        models: Vec<ModelKind>,
+        threads: Option<NonZero<usize>>,
+        cancel: &Cancel,
+        tell: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Self, Failure> {
+        let subjects = subjects(cases);
+        let unmeasured = subjects.iter().filter(|subject| subject.rows.is_empty());
+        let unmeasured: Vec<String> = unmeasured
+            .map(|subject| {
+                format!(
+                    "error: {}: nothing was measured in space: add [measured] with `table`, a CSV file with the columns x, y and z",
+                    subject.file.path.display()
+                )
+            })
+            .collect();
+        if !unmeasured.is_empty() {
+            return Err(Failure::Input(unmeasured.join("\n")));
+        }
+        let jobs = Job::all(&subjects, &models);
+        let answers = solve(&jobs, &subjects, threads, cancel, tell);
+        if cancel.is_cancelled() {
+            return Err(Failure::Solve("error: not all rows were solved".to_owned()));
+        }
+        Ok(Self { models, jobs, answers })
+    }
+
+    /// The score of these files, which are those that were solved.
+    #[must_use]
+    pub fn score<'a>(self, cases: &[&'a CaseFile]) -> Score<'a> {
+        let names = unique_names(cases.iter().map(|case| case.path.as_path()));
+        Score::new(subjects(cases), names, self.models, &self.jobs, self.answers)
+    }
+}
+
+impl Score<'_> {
+    /// Writes the report, the pictures unless they are not wanted, and the tables to a folder. The report ends with these notes.
+    ///
+    /// # Errors
+    /// [`Failure`] for what cannot be drawn or written.
+    pub fn write(&self, folder: &Folder, draws: bool, notes: &[String]) -> Result<(), Failure> {
+        let drawn = match draws {
+            false => Vec::new(),
+            true => figures::figures(self).map_err(|error| plot_failure(folder.path(), &error))?,
+        };
+        for figure in &drawn {
+            folder.write(&format!("{}.svg", figure.name), &figure.svg)?;
+        }
+        folder.write_table("score.csv", &output::summary_csv(self))?;
+        folder.write_table("rows.csv", &output::rows_csv(self))?;
+        folder.write("report.html", &report::html(self, &drawn, notes))
+    }
+}
+
+/// The answers of all jobs in their order, whatever the number of threads.
+fn solve(
+    jobs: &[Job],
+    subjects: &[Subject<'_>],
+    threads: Option<NonZero<usize>>,
+    cancel: &Cancel,
+    tell: &(dyn Fn(usize, usize) + Sync),
+) -> Vec<Answers> {
+    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    tell(0, jobs.len());
+    let found: Vec<Mutex<Answers>> = jobs.iter().map(|_| Mutex::default()).collect();
+    let work = || {
+        while let Some((number, job)) = {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            jobs.get(number).map(|job| (number, job))
+        } {
+            let answers = job.solve(&subjects[job.file], cancel);
+            *found[number].lock().unwrap_or_else(PoisonError::into_inner) = answers;
+            tell(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
+        }
+    };
+    let threads = threads.or_else(|| thread::available_parallelism().ok());
+    let workers = threads.map_or(1, NonZero::get).min(jobs.len());
+    thread::scope(|scope| {
+        let handles: Vec<_> = (1..workers).map(|_| scope.spawn(work)).collect();
+        work();
+        for handle in handles {
+            if let Err(panic) = handle.join() {
+                std::panic::resume_unwind(panic);
+            }
+        }
+    });
+    let answers = found.into_iter();
+    answers.map(|of| of.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
+}
