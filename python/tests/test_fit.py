@@ -168,15 +168,18 @@ def test_what_cannot_be_fitted_is_refused(cases: list[Case]) -> None:
     assert stopped.value.iterations == 1
 
 
-def test_a_measurement_in_a_frame_of_its_own_is_refused(cases: list[Case], tmp_path: Path) -> None:
+def test_a_measurement_in_a_frame_of_its_own_is_moved(cases: list[Case], tmp_path: Path) -> None:
     path = tmp_path / "moved.toml"
     cases[0].save(path)
     text = path.read_text().replace('registration = "none"\n', "")
     path.write_text(text.replace("[measured]\n", '[measured]\nregistration = "rigid"\n'))
     moved = whipcord.load(path)
     assert moved.measured is not None and moved.measured.registration == "rigid"
-    with pytest.raises(InputError, match=r"cases\[0\].measured.registration: a fit moves no measurement"):
-        whipcord.fit([moved], [YOUNG])
+    found = whipcord.fit([moved], [YOUNG])
+    parameters = [estimate.parameter for estimate in found.estimates]
+    assert parameters[1:] == [f"measured.{of}[{axis}]" for of in ("position", "turn") for axis in range(3)]
+    one = whipcord.fit([moved], [YOUNG], one_frame=True)
+    assert one[YOUNG].value == pytest.approx(found[YOUNG].value) and one.estimates[1].case is None
 
 
 def test_markers_in_opposite_order_are_spoken_of(cases: list[Case], tmp_path: Path) -> None:

@@ -56,6 +56,7 @@ from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
+from .scoring import CaseScore, Measures, ModelScore, RowScore, Score, score
 from .solution import (
     Branches,
     CableOverlap,
@@ -70,6 +71,14 @@ from .solution import (
     ObjectState,
     Shape,
     Solution,
+)
+from .stereo import (
+    PointsInSpace,
+    StereoCalibration,
+    StereoPair,
+    Triangulated,
+    measure_stereo,
+    triangulate,
 )
 from .viewing import Viewer
 from .warning import WhipcordWarning
@@ -88,6 +97,7 @@ __all__ = [
     "CalibrationError",
     "Camera",
     "Case",
+    "CaseScore",
     "Comparison",
     "Contact",
     "CriticalPoint",
@@ -115,8 +125,10 @@ __all__ = [
     "Marks",
     "Material",
     "Measured",
+    "Measures",
     "ModelError",
     "ModelFit",
+    "ModelScore",
     "Motor",
     "MotorState",
     "ObjectContact",
@@ -128,13 +140,16 @@ __all__ = [
     "Place",
     "PointLoad",
     "PointMass",
+    "PointsInSpace",
     "Profile",
     "Reference",
     "Robot",
     "Routing",
     "Row",
+    "RowScore",
     "Run",
     "Rung",
+    "Score",
     "Section",
     "SectionStiffness",
     "Shape",
@@ -142,7 +157,10 @@ __all__ = [
     "SolveError",
     "Standing",
     "Step",
+    "StereoCalibration",
+    "StereoPair",
     "Suspect",
+    "Triangulated",
     "Unknown",
     "Unresolved",
     "UnstableAnswer",
@@ -158,11 +176,14 @@ __all__ = [
     "load",
     "materials",
     "measure",
+    "measure_stereo",
     "models",
     "overlay",
     "plot",
+    "score",
     "solve_cases",
     "suite",
+    "triangulate",
 ]
 
 

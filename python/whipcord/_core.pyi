@@ -21,15 +21,18 @@ __all__ = [
     "Model",
     "Outcomes",
     "Photo",
+    "Scored",
     "Seen",
     "Setup",
     "Solution",
     "benchmark",
     "calibrate",
+    "calibrate_two",
     "derivatives",
     "distances",
     "examples",
     "fit",
+    "in_space",
     "locate_orthographic",
     "main",
     "marks_csv",
@@ -37,13 +40,16 @@ __all__ = [
     "overlay",
     "parse_quantity",
     "picture",
+    "points_csv",
     "pull_back_batch",
+    "score",
     "solve_batch",
     "solve_cases",
     "suite",
     "svg",
     "table_in_si",
     "toml",
+    "triangulate",
     "write_file",
 ]
 
@@ -151,6 +157,17 @@ def calibrate(
     seen: list[Seen], distortion: str
 ) -> tuple[Camera, _Deviations, tuple[float, list[float], float], list[int], _Refused, list[str]]: ...
 
+_Points = tuple[_Array, _Array, _Array, _Array, _Array]
+
+def calibrate_two(
+    cameras: list[Camera], seen: list[list[Seen]], board: Board | None = None
+) -> tuple[list[Camera], dict[str, Any]]: ...
+def triangulate(cameras: list[Camera], pixels: list[_Array], deviation: float) -> _Points: ...
+def in_space(
+    cameras: list[Camera], marks: list[list[Any]], has_numbers: bool, limit: float, deviation: float
+) -> tuple[list[int], _Points, list[tuple[list[int], float | None, str]], list[list[int]]]: ...
+def points_csv(step: int | None, points: list[Any]) -> str: ...
+
 @final
 class Photo:
     @staticmethod
@@ -210,6 +227,8 @@ def fit(
     ladder: bool,
     profile: bool,
     skip: bool,
+    one_frame: bool,
+    starts: int,
 ) -> Fitted: ...
 
 @final
@@ -219,6 +238,13 @@ class Fitted:
     def setups(self) -> list[Setup]: ...
     def text(self, number: int, folder: str) -> str | None: ...
     def report(self, folder: str) -> Any: ...
+
+def score(setups: list[Setup], models: list[Model], threads: int | None = None) -> Scored: ...
+
+@final
+class Scored:
+    def json(self, rows: bool) -> str: ...
+    def report(self, folder: str, figures: bool) -> Any: ...
 
 @final
 class Setup:

@@ -17,6 +17,7 @@ from .errors import InputError
 if TYPE_CHECKING:
     from .calibration import Calibration, Distortion
     from .photographs import PhotoLike
+    from .stereo import StereoCalibration
 
 __all__ = ["Camera", "Located"]
 
@@ -167,6 +168,54 @@ class Camera:
         from .calibration import calibrate
 
         return calibrate(photos, board, square, marker, dictionary, size, distortion)
+
+    @staticmethod
+    def calibrate_stereo(
+        first: Iterable[PhotoLike] | Iterable[tuple[npt.ArrayLike, npt.ArrayLike]],
+        second: Iterable[PhotoLike] | Iterable[tuple[npt.ArrayLike, npt.ArrayLike]],
+        *,
+        board: str | None = None,
+        square: float | str | None = None,
+        marker: float | str | None = None,
+        dictionary: str | None = None,
+        size: Sequence[int] | None = None,
+        lenses: Sequence[Camera | None] = (None, None),
+        distortion: Distortion = "5",
+    ) -> StereoCalibration:
+        """Two cameras and their relative pose, by photographs of a flat board that both took at one time.
+
+        The standard deviations of the pose are those by the errors of the corners. They do not contain the errors of the lenses: lenses
+        that are sought from a few of the same photographs are less sure than that.
+
+        Parameters
+        ----------
+        first, second
+            Photographs of each camera, in the same order, or points and pixels, as for :meth:`calibrate`. Without a board the points of
+            both photographs of a pair have one numbering.
+        board, square, marker, dictionary, size
+            As for :meth:`calibrate`.
+        lenses
+            Cameras whose lenses are known, and None for a lens that is sought in the same photographs. The first camera keeps its
+            pose.
+        distortion
+            Coefficients that are sought of lenses that are not known.
+
+        Raises
+        ------
+        CalibrationError
+            Where the photographs do not fix the lenses or the pose.
+
+        Examples
+        --------
+        >>> pair = Camera.calibrate_stereo(left, right, board="charuco:8x6", square="30 mm", marker="22 mm",
+        ...                                dictionary="DICT_4X4_50", lenses=lenses)  # doctest: +SKIP
+        >>> points = pair.triangulate(left_pixels, right_pixels)  # doctest: +SKIP
+        """
+        from .stereo import calibrate_stereo
+
+        return calibrate_stereo(
+            first, second, board, square, marker, dictionary, size, lenses, distortion
+        )
 
     @property
     def projection(self) -> str:

@@ -231,6 +231,8 @@ class Fit:
     """Steps of the search."""
     evaluations: int
     """How often all shapes were computed."""
+    starts: Mapping[str, int]
+    """From how many places the search started (``tried``), and how many ended at these estimates (``agree``)."""
     estimates: tuple[Estimate, ...]
     """The estimates, in the order of the unknowns."""
     correlations: Array
@@ -397,6 +399,8 @@ def fit(
     ladder: bool = False,
     profile: bool = False,
     skip_rows: bool = True,
+    one_frame: bool = False,
+    starts: int = 1,
     timeout: float | None = None,
 ) -> Fit:
     """Estimates parameters of a robot from what was measured, with their uncertainty.
@@ -436,6 +440,12 @@ def fit(
         Whether to compute the profile likelihood of each parameter, for what the measurements hardly determine.
     skip_rows
         Whether rows that the model has no answer to are left out, with a warning; else there is no fit then.
+    one_frame
+        Whether all cases were measured in one frame, as by a tracker that was never moved: a rigid registration is then one motion for
+        all of them, and for those of `test`; else each case has its own.
+    starts
+        Places from which the search starts: the values of the case and, between the bounds or around these values, others. The best
+        end counts.
     timeout
         Seconds after which all of it is ended, with :class:`whipcord.errors.WhipcordTimeout`.
 
@@ -491,6 +501,8 @@ def fit(
         bool(ladder),
         bool(profile),
         bool(skip_rows),
+        bool(one_frame),
+        max(whole(starts, "starts"), 1),
     )
     return _told(fitted, json.loads(fitted.json()))
 
@@ -550,6 +562,7 @@ def _told(fitted: _core.Fitted, said: dict[str, Any]) -> Fit:
         status=said["status"],
         iterations=said["iterations"],
         evaluations=said["evaluations"],
+        starts=said["starts"],
         estimates=tuple(Estimate(**one) for one in estimates),
         correlations=np.array(said["correlations"], dtype=np.float64),
         noise=said["noise"]["level"],

@@ -14,13 +14,13 @@ use crate::wait::interruptible;
 /// A board that cameras are calibrated with.
 #[pyclass(frozen, module = "whipcord._core")]
 pub struct Board {
-    inner: boards::Board,
+    pub inner: boards::Board,
 }
 
 /// What a photograph shows of a board, or why nothing of it can be used.
 #[pyclass(frozen, module = "whipcord._core")]
 pub struct Seen {
-    inner: Result<SeenBoard, Unseen>,
+    pub inner: Result<SeenBoard, Unseen>,
 }
 
 /// Focal lengths, principal point, distortion coefficients and pixels: the standard deviations of them.

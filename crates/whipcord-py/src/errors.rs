@@ -8,8 +8,9 @@ use whipcord::batch::BatchError;
 use whipcord::{ModelKind, RobotError, SolveError};
 use whipcord_estimation::identification::{Identified, IdentifyError, NoAnswerReason};
 use whipcord_io::{FileError, FileProblem};
+use whipcord_vision::NoPoints;
 use whipcord_vision::PhotoError;
-use whipcord_vision::boards::NoCalibration;
+use whipcord_vision::boards::{NoCalibration, NoStereo};
 use whipcord_vision::detect::DetectError;
 
 /// An exception of this class of `whipcord.errors`, with these attributes.
@@ -84,6 +85,25 @@ pub fn calibration(py: Python<'_>, error: &NoCalibration) -> PyErr {
             error.refused.iter().map(|(number, why)| (*number, why.to_string())).collect();
         values.set_item("refused", refused)
     })
+}
+
+/// Why pairs of photographs of a board do not give the pose of the second camera.
+pub fn stereo(py: Python<'_>, error: &NoStereo) -> PyErr {
+    let mut message = error.to_string();
+    for (number, why) in &error.refused {
+        message += &format!("\n  pair {}: {why}", number + 1);
+    }
+    exception(py, "CalibrationError", message, |values| {
+        values.set_item("used", Vec::<usize>::new())?;
+        let refused: Vec<(usize, String)> =
+            error.refused.iter().map(|(number, why)| (*number, why.to_string())).collect();
+        values.set_item("refused", refused)
+    })
+}
+
+/// Why two photographs give no points in space.
+pub fn not_in_space(py: Python<'_>, error: &NoPoints) -> PyErr {
+    exception(py, "DetectionError", error.to_string(), |_| Ok(()))
 }
 
 /// What the command says where a file cannot be written.

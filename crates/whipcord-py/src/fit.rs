@@ -4,14 +4,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use whipcord::{Model as Method, Robot};
+use whipcord::{Model as Method, Pose, Robot};
 use whipcord_estimation::identification::{
     Asked, Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, analyse, identify,
-    split,
+    registered, split,
 };
-use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, Fit};
-use whipcord_study::fitting::{self, moves_unasked, not_converged};
+use whipcord_study::fitting::{self, not_converged};
 
 use crate::errors;
 use crate::file_data::FileData;
@@ -33,7 +32,8 @@ type AskedUnknown = (String, bool, Option<f64>, Option<f64>, Option<f64>, Option
 /// Fits the cases, which are of one robot.
 #[pyfunction]
 #[pyo3(signature = (
-    setups, model, parameters, each, loss, confidence, iterations, validate, models, test, part, ladder, profile, skip
+    setups, model, parameters, each, loss, confidence, iterations, validate, models, test, part, ladder, profile, skip,
+    one_frame, starts
 ))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn fit(
@@ -52,6 +52,8 @@ pub fn fit(
     ladder: bool,
     profile: bool,
     skip: bool,
+    one_frame: bool,
+    starts: usize,
 ) -> PyResult<Fitted> {
     let Some((first, others)) = setups.split_first() else {
         return Err(errors::input(py, "cases", "there is no case to fit".to_owned()));
@@ -68,7 +70,7 @@ pub fn fit(
         let all = setups.iter().enumerate();
         all.map(|(i, setup)| experiment(py, &format!("{of}[{i}]"), setup)).collect()
     };
-    let mut experiments = measurements(&setups, "cases")?;
+    let experiments = measurements(&setups, "cases")?;
     let files: Vec<Option<&Fit>> =
         setups.iter().map(|setup| setup.file_data.fit.as_ref()).collect();
     let unknowns = if parameters.is_empty() && each.is_empty() {
@@ -86,19 +88,6 @@ pub fn fit(
         let message = "nothing is to be estimated: give parameters, such as \"backbone.diameter\", or [fit] in the file";
         return Err(errors::input(py, "parameters", message.to_owned()));
     }
-    for (i, setup) in setups.iter().enumerate() {
-        let measured = setup.file_data.measured.as_ref();
-        let alignment = measured.map_or(Alignment::None, |measured| measured.alignment);
-        if moves_unasked(alignment, i, &unknowns) {
-            let path = format!("cases[{i}].measured.registration");
-            let message = format!(
-                "{path}: a fit moves no measurement, which \"{}\" asks for: estimate where the base is, with \
-                 base.position[0] to [2] and base.turn[0] to [2] for each case, or leave out the registration",
-                alignment.name()
-            );
-            return Err(errors::input(py, &path, message));
-        }
-    }
     let robustness = match loss {
         "squares" => Robustness::Squares,
         "huber" => Robustness::Huber,
@@ -111,14 +100,27 @@ pub fn fit(
         }
     };
     let (method, limit) = model.begin();
-    let settings =
-        Settings { robustness, confidence, iterations, skips: skip, ..Settings::new(method) };
+    let settings = Settings {
+        robustness,
+        confidence,
+        iterations,
+        skips: skip,
+        starts,
+        ..Settings::new(method)
+    };
     let cases: Vec<CaseFile> =
         setups.iter().enumerate().map(|(i, setup)| file(py, i, setup)).collect::<PyResult<_>>()?;
     let file_data = setups.iter().map(|setup| setup.file_data.clone()).collect();
     let models: Vec<Method> =
         models.iter().map(|model| model.inner.cancelled_by(&limit.cancel)).collect();
     let robot = first.robot.clone();
+    let asked = (experiments, unknowns);
+    let registering = settings.clone();
+    let of_robot = robot.clone();
+    let registered = within(py, &limit, move || {
+        registered(&of_robot, &asked.0, &asked.1, one_frame, &registering)
+    })?;
+    let (mut experiments, unknowns) = registered.map_err(|error| errors::identify(py, &error))?;
     let mut held = None;
     if let Some((fraction, seed)) = part {
         let parts = split(&experiments, fraction, seed);
@@ -190,7 +192,8 @@ impl Fitted {
     fn text(&self, py: Python<'_>, number: usize, folder: PathBuf) -> PyResult<Option<String>> {
         let Some(file) = &self.file_data[number].file else { return Ok(None) };
         let found = &self.inner.found;
-        let text = file.with_numbers_of(&found.robot, &found.cases[number], &folder);
+        let offset = found.marker_offset(number);
+        let text = file.with_numbers_of(&found.robot, &found.cases[number], offset, &folder);
         let text = text.map_err(|error| errors::input(py, "case", error.to_string()))?;
         Ok(text.keeps_text.then_some(text.text))
     }
@@ -215,6 +218,8 @@ fn experiment(py: Python<'_>, path: &str, setup: &Setup) -> PyResult<Experiment>
         case: (*setup.case).clone(),
         cameras: measured.cameras.iter().map(|of| of.camera).collect(),
         observations: measured.observations.clone(),
+        alignment: measured.alignment,
+        frame: Pose::IDENTITY,
         labels: setup.file_data.file.as_ref().map(|file| file.row_labels()).unwrap_or_default(),
     })
 }
@@ -244,7 +249,7 @@ fn unknown(
 }
 
 /// The file of a case; one that was made in Python has none, and gets the text that it would be saved as.
-fn file(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<CaseFile> {
+pub fn file(py: Python<'_>, i: usize, setup: &Setup) -> PyResult<CaseFile> {
     if let Some(file) = &setup.file_data.file {
         return Ok((**file).clone());
     }

@@ -20,8 +20,10 @@ mod object_state;
 mod overlay;
 mod photo;
 mod prepared;
+mod score;
 mod setup;
 mod solution;
+mod stereo;
 mod wait;
 
 use std::ffi::OsString;
@@ -72,9 +74,13 @@ mod _core {
     #[pymodule_export]
     use super::photo::{Photo, marks_csv, picture};
     #[pymodule_export]
+    use super::score::{Scored, score};
+    #[pymodule_export]
     use super::setup::Setup;
     #[pymodule_export]
     use super::solution::Solution;
+    #[pymodule_export]
+    use super::stereo::{calibrate_two, in_space, points_csv, triangulate};
 
     /// Version of the library.
     #[pymodule_export]

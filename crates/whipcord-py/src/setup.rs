@@ -147,6 +147,10 @@ impl Setup {
 
     /// The tables of a robot file that describes it, in SI.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        if !self.case.loads_before.is_empty() {
+            let message = "the loads differ from step to step, which only the file with its table of commands says";
+            return Err(errors::input(py, "case", message.to_owned()));
+        }
         let title = (!self.title.trim().is_empty()).then_some(self.title.as_str());
         let table = whipcord_io::describe(title, &self.robot, &self.case);
         let mut table = table.map_err(|error| errors::input(py, "case", error.to_string()))?;

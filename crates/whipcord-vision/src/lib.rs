@@ -11,10 +11,12 @@ mod annotate;
 pub mod boards;
 mod coverage;
 pub mod detect;
+mod pairing;
 mod photo;
 mod plane;
 mod raster;
 pub mod render;
 
 pub use annotate::annotated;
+pub use pairing::{LeftOut, NoPoints, PointInSpace, PointsInSpace};
 pub use photo::{Photo, PhotoError};

@@ -4,12 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use whipcord::Pose;
-use whipcord_estimation::camera::{
-    Camera, MatchError, TriangulateError, Triangulated, match_in_order, triangulate,
-};
+use whipcord_estimation::camera::{Camera, MatchError};
 use whipcord_io::{SpacePoint, load_camera, points_csv};
-use whipcord_vision::annotated;
 use whipcord_vision::detect::{Base, Mark};
+use whipcord_vision::{NoPoints, PointInSpace, PointsInSpace, annotated};
 
 use super::measure::{MeasureArgs, View};
 use crate::inputs::{Settings, read_one};
@@ -23,28 +21,6 @@ use whipcord_study::table::{Align, Table};
 /// Largest epipolar distance, and standard deviation of a column or row, in pixels, where they are not given.
 const EPIPOLAR: f64 = 3.0;
 const DEVIATION: f64 = 0.3;
-
-/// A disk or marker that both photographs show.
-struct Point {
-    disk: usize,
-    marks: [Mark; 2],
-    found: Triangulated,
-}
-
-/// Numbers in each photograph of one disk or marker, and why it is left out.
-struct LeftOut {
-    disks: [usize; 2],
-    epipolar: Option<f64>,
-    why: String,
-}
-
-/// What both photographs show.
-struct Points {
-    used: Vec<Point>,
-    left_out: Vec<LeftOut>,
-    /// Numbers of what one photograph alone shows.
-    single: [Vec<usize>; 2],
-}
 
 /// Finds, triangulates, writes the files, and returns what standard output shows.
 pub fn run(args: &MeasureArgs, second: &Path, style: Style) -> Result<String, Failure> {
@@ -146,101 +122,38 @@ fn matched(
     cameras: [&Camera; 2],
     marks: &[Vec<(usize, Mark)>; 2],
     has_numbers: bool,
-) -> Result<Points, Failure> {
-    let names = || format!("{}, {}", photos[0].display(), photos[1].display());
+) -> Result<PointsInSpace, Failure> {
     let limit = args.epipolar.unwrap_or(EPIPOLAR);
     let deviation = args.pixel_deviation.unwrap_or(DEVIATION);
-    let (pairs, single) = if has_numbers {
-        by_number(marks)
-    } else {
-        let pixels = marks
-            .each_ref()
-            .map(|marks| -> Vec<[f64; 2]> { marks.iter().map(|(_, mark)| mark.pixel).collect() });
-        let found = match_in_order(cameras, [&pixels[0], &pixels[1]], limit);
-        let found = found.map_err(|error| {
-            let help = match error {
-                MatchError::Cameras(_) => CAMERAS,
-                MatchError::NoCommon { .. } => WRONG,
-                MatchError::Ambiguous { .. } => {
-                    "--robot or --count, with --hidden and --stereo-hidden; --epipolar with a smaller distance"
-                }
-            };
-            Failure::Solve(format!("error: {}: {error}\nhelp: {help}", names()))
-        })?;
-        (found.pairs, found.single)
-    };
-    if pairs.is_empty() {
-        return Err(Failure::Solve(format!(
-            "error: {}: no disk or marker is seen in both photographs\nhelp: fewer numbers in --hidden and --stereo-hidden",
-            names()
-        )));
-    }
-    let (mut used, mut left_out) = (Vec::new(), Vec::new());
-    let count = pairs.len();
-    for [i, j] in pairs {
-        let ((disk, first), (other, second)) = (marks[0][i], marks[1][j]);
-        let out = |epipolar, why| LeftOut { disks: [disk, other], epipolar, why };
-        match triangulate(cameras, [first.pixel, second.pixel], deviation) {
-            Ok(found) if found.epipolar > limit => {
-                let distance = fixed(found.epipolar, 1);
-                let why = format!("{distance} pixels from the epipolar constraint");
-                left_out.push(out(Some(found.epipolar), why));
+    let found = PointsInSpace::of(cameras, [&marks[0], &marks[1]], has_numbers, limit, deviation);
+    found.map_err(|error| {
+        let help = match error {
+            NoPoints::Match(MatchError::Cameras(_)) => CAMERAS,
+            NoPoints::Match(MatchError::NoCommon { .. }) | NoPoints::MostLeftOut { .. } => WRONG,
+            NoPoints::Match(MatchError::Ambiguous { .. }) => {
+                "--robot or --count, with --hidden and --stereo-hidden; --epipolar with a smaller distance"
             }
-            Ok(found) => used.push(Point { disk, marks: [first, second], found }),
-            Err(error @ TriangulateError::NoBaseline { .. }) => {
-                return Err(Failure::Solve(format!(
-                    "error: {}: {error}\nhelp: {CAMERAS}",
-                    names()
-                )));
-            }
-            Err(error) => left_out.push(out(None, error.to_string())),
-        }
-    }
-    if 2 * left_out.len() > count {
-        let mut text = format!(
-            "error: {}: {} of {count} disks or markers are not where both cameras can see them, with at most {limit} pixels from the epipolar \
-             constraint:",
-            names(),
-            left_out.len()
-        );
-        for out in &left_out {
-            text += &format!("\n  {}: {}", out.disks[0], out.why);
-        }
-        return Err(Failure::Solve(format!("{text}\nhelp: {WRONG}")));
-    }
-    let single = [0, 1].map(|photo| single[photo].iter().map(|&k| marks[photo][k].0).collect());
-    Ok(Points { used, left_out, single })
+            NoPoints::NoCommon => "fewer numbers in --hidden and --stereo-hidden",
+        };
+        let [first, second] = photos.map(Path::display);
+        Failure::Solve(format!("error: {first}, {second}: {error}\nhelp: {help}"))
+    })
 }
 
 const CAMERAS: &str =
     "cameras with their poses, as `whipcord camera calibrate --stereo` writes them";
 const WRONG: &str = "--camera and --stereo-camera in the order of the photographs, --base and --stereo-base at the same end of the robot, and photographs of one moment; or a larger --epipolar";
 
-/// Which entries of the two lists have the same number, and which of each list are in it alone.
-fn by_number(marks: &[Vec<(usize, Mark)>; 2]) -> (Vec<[usize; 2]>, [Vec<usize>; 2]) {
-    let place =
-        |photo: usize, number: usize| marks[photo].iter().position(|(other, _)| *other == number);
-    let pairs = marks[0].iter().enumerate();
-    let pairs = pairs.filter_map(|(i, (number, _))| Some([i, place(1, *number)?])).collect();
-    let single = [0, 1].map(|photo| {
-        let own = marks[photo].iter().enumerate();
-        own.filter(|(_, (number, _))| place(1 - photo, *number).is_none()).map(|(k, _)| k).collect()
-    });
-    (pairs, single)
-}
-
-/// Root mean square epipolar distance in pixels; none without points.
-fn rms(points: &Points) -> Option<f64> {
-    let squares: f64 = points.used.iter().map(|point| point.found.epipolar.powi(2)).sum();
-    let count = points.used.len();
-    (count > 0).then(|| (squares / count as f64).sqrt())
-}
-
-fn object(args: &MeasureArgs, photos: [&Path; 2], cameras: [&Path; 2], points: &Points) -> Value {
+fn object(
+    args: &MeasureArgs,
+    photos: [&Path; 2],
+    cameras: [&Path; 2],
+    points: &PointsInSpace,
+) -> Value {
     let used: Vec<Value> = points
         .used
         .iter()
-        .map(|Point { disk, marks, found }| {
+        .map(|PointInSpace { disk, marks, found }| {
             json!({
                 "disk": disk,
                 "position": found.point.to_array(),
@@ -266,21 +179,21 @@ fn object(args: &MeasureArgs, photos: [&Path; 2], cameras: [&Path; 2], points: &
         "step": args.step,
         "pixel_deviation": args.pixel_deviation.unwrap_or(DEVIATION),
         "epipolar_limit": args.epipolar.unwrap_or(EPIPOLAR),
-        "epipolar": rms(points),
+        "epipolar": points.epipolar(),
         "points": used,
         "left_out": left_out,
         "in_one_photo": points.single,
     })
 }
 
-fn summary(args: &MeasureArgs, photos: [&Path; 2], points: &Points, style: Style) -> String {
+fn summary(args: &MeasureArgs, photos: [&Path; 2], points: &PointsInSpace, style: Style) -> String {
     let name = format!("{}, {}", photos[0].display(), photos[1].display());
     let mut text = format!("{}\n", style.heading(name));
     let (count, kind) = (points.used.len(), args.kind.name());
     text += &format!("{count} {kind} in space, in mm, from base to tip\n\n");
     let columns = ["disk", "x", "y", "z", "±x", "±y", "±z", "epipolar"];
     let mut table = Table::new(columns.map(|name| (name, Align::Right)));
-    for Point { disk, found, .. } in &points.used {
+    for PointInSpace { disk, found, .. } in &points.used {
         let mut row = vec![disk.to_string()];
         row.extend(found.point.to_array().map(|x| fixed(1e3 * x, 3)));
         row.extend(found.deviations().to_array().map(|x| fixed(1e3 * x, 3)));
@@ -288,7 +201,7 @@ fn summary(args: &MeasureArgs, photos: [&Path; 2], points: &Points, style: Style
         table.row(row);
     }
     text += &table.text(style);
-    if let Some(rms) = rms(points) {
+    if let Some(rms) = points.epipolar() {
         text += &format!("\nepipolar distance: {} pixels RMS\n", fixed(rms, 2));
     }
     for out in &points.left_out {

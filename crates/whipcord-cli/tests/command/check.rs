@@ -15,6 +15,7 @@ fn a_robot_is_put_in_words() {
         "tapered-arm",
         "composite-finger",
         "rubbing-finger",
+        "hysteresis-loop",
         "soft-finger",
     ] {
         let text = succeed(&["check", &format!("examples/{name}.toml")]);

@@ -44,12 +44,12 @@ pub enum UnusedPair {
 }
 
 /// The pose of the second of two cameras relative to the first, from what both photographs of each pair show of a board. The
-/// lenses and the sizes of their images are given.
+/// lenses and the sizes of their images are given. Without a board, the points of both photographs are numbered alike.
 ///
 /// # Errors
 /// [`NoStereo`] where the pairs do not fix it.
 pub fn stereo(
-    board: &Board,
+    board: Option<&Board>,
     seen: [&[Result<SeenBoard, Unseen>]; 2],
     lenses: [&Pinhole; 2],
     sizes: [[u32; 2]; 2],
@@ -95,12 +95,13 @@ pub fn stereo(
 }
 
 fn by_pairs(
-    board: &Board,
+    board: Option<&Board>,
     pairs: &[SeenByBoth],
     lenses: [&Pinhole; 2],
     sizes: [[u32; 2]; 2],
 ) -> Result<StereoCalibration, StereoError> {
-    calibrate_stereo(lenses, sizes.map(Some), pairs, &board.symmetries())
+    let symmetries = board.map(Board::symmetries).unwrap_or_default();
+    calibrate_stereo(lenses, sizes.map(Some), pairs, &symmetries)
 }
 
 impl Board {

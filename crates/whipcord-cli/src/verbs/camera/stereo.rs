@@ -61,7 +61,7 @@ pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
     };
     let sides = [side(0)?, side(1)?];
     let found = stereo(
-        &board,
+        Some(&board),
         [&sides[0].seen, &sides[1].seen],
         [&sides[0].lens, &sides[1].lens],
         [sides[0].size, sides[1].size],
