@@ -10,6 +10,7 @@ use super::quantity::Quantity;
 use whipcord::Linearization;
 use whipcord::case::Shortening;
 use whipcord::derivatives::{Change, Hold, Place};
+use whipcord::error::SolveError;
 use whipcord::parameter::Parameter;
 use whipcord::shape::Solution;
 
@@ -51,14 +52,23 @@ impl Forward<'_> {
         let (prepared, case) = self.prepare(experiment, x)?;
         let mut answers: Vec<(Solution, Option<Linearization>)> = Vec::new();
         match prepared {
-            prepared if asks => prepared
-                .solve_steps_with_derivatives(
+            prepared if asks => {
+                let answered = prepared.solve_steps_with_derivatives(
                     &case,
                     &parameters,
                     |step| observed.contains(&step),
                     |solution, derivatives| answers.push((solution, derivatives)),
-                )
-                .map_err(|(_, error)| error)?,
+                );
+                match answered {
+                    Ok(()) => {}
+                    // There is an answer; only how it came about in a step is not known well enough.
+                    Err((_, SolveError::NoDerivatives | SolveError::NoDerivativesOfRest)) => {
+                        self.differ(experiment);
+                        return self.predict_with_columns(experiment, x, into, columns);
+                    }
+                    Err((_, error)) => return Err(error.into()),
+                }
+            }
             prepared => prepared
                 .solve_steps(&case, |solution| answers.push((solution, None)))
                 .map_err(|(_, error)| error)?,
@@ -148,6 +158,23 @@ impl Forward<'_> {
             })?;
         }
         Ok(())
+    }
+
+    /// From here on, what the model would differentiate in an experiment comes by differences.
+    fn differ(&mut self, experiment: usize) {
+        for methods in &mut self.methods[experiment] {
+            let is_of_model = |method: &DerivativeMethod| {
+                matches!(
+                    method,
+                    DerivativeMethod::Parameter(_)
+                        | DerivativeMethod::Offset { .. }
+                        | DerivativeMethod::Gain { .. }
+                )
+            };
+            if methods.iter().any(is_of_model) {
+                *methods = vec![DerivativeMethod::Differences];
+            }
+        }
     }
 
     /// Adds the columns of an experiment that come by differences, extrapolated (Richardson); one-sided where an

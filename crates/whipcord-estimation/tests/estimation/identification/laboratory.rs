@@ -76,6 +76,17 @@ pub fn random_rows(count: usize, random: &mut Normal) -> Vec<[f64; 3]> {
     (0..count).map(row).collect()
 }
 
+/// Rows that lead the robot about in small steps.
+pub fn random_path(count: usize, random: &mut Normal) -> Vec<[f64; 3]> {
+    let (mut way, mut size) = (0.0, 0.3);
+    let row = |_| {
+        way += 0.6 * (random.uniform() - 0.3);
+        size = (size + 0.12 * (random.uniform() - 0.5)).clamp(0.1, 0.5);
+        [0.0, 1.0, 2.0].map(|i| size * (way - core::f64::consts::TAU * i / 3.0).cos())
+    };
+    (0..count).map(row).collect()
+}
+
 /// What a tracker sees of the middle and the tip of a real robot.
 pub fn measure(truth: &Truth, rows: &[[f64; 3]], noise: f64, random: &mut Normal) -> Experiment {
     measure_by(&rod(), truth, rows, noise, random)
