@@ -44,7 +44,9 @@ class Triangulated:
     @property
     def deviation(self) -> Array:
         """(n, 3) standard deviations of the coordinates in m."""
-        return np.sqrt(np.maximum(np.einsum("nii->ni", self.covariance), 0.0))
+        variances: Array = np.einsum("nii->ni", self.covariance)
+        deviations: Array = np.sqrt(np.maximum(variances, 0.0))
+        return deviations
 
     def __len__(self) -> int:
         return len(self.position)
