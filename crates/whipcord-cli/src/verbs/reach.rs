@@ -281,7 +281,7 @@ fn new_file(
 ) -> Result<(String, &'static str), Failure> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let case = reached.case_beside(&old.robot, &old.case);
-    let file = old.with_numbers_of(&old.robot, &case, folder);
+    let file = old.with_numbers_of(&old.robot, &case, Vec3::ZERO, folder);
     let file = file.map_err(|error| {
         Failure::Input(format!("error: the commands cannot be written: {error}"))
     })?;

@@ -102,7 +102,7 @@ fn a_shape_is_read_from_a_table() {
     // Written for another folder, it names the same file.
     let below = folder.path().join("below");
     std::fs::create_dir(&below).unwrap();
-    let text = file.with_numbers_of(&file.robot, &file.case, &below).unwrap();
+    let text = file.with_numbers_of(&file.robot, &file.case, Vec3::ZERO, &below).unwrap();
     assert!(text.keeps_text && text.text.contains("shape = \"../shape.csv\""), "{}", text.text);
 }
 

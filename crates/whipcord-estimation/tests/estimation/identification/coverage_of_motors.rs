@@ -123,6 +123,7 @@ fn of_few_runs_with_friction() {
     assert!((rms - 1.0).abs() < 0.3, "{rms}");
 }
 
+#[expect(clippy::print_stdout, reason = "the result of a study")]
 fn study(of: &Study) {
     let (held, floor) = of.held(200);
     println!(
