@@ -182,7 +182,7 @@ fn sized(sizes: &[f64], one: &str, many: &str, unit: fn(f64) -> unit::Unit) -> O
     (!sizes.is_empty()).then(|| format!("{name} {words}{}", unit::written(largest, unit(largest))))
 }
 
-/// Arc lengths and vectors of a profile: evenly, and where it kinks.
+/// Arc lengths and vectors of a profile: evenly, and at its corners.
 fn along(profile: &Profile, length: f64, kind: Kind) -> Vec<(f64, Vec3)> {
     let mut places = Vec::new();
     for piece in profile.pieces() {

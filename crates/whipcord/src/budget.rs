@@ -44,6 +44,8 @@ pub(crate) struct Meter {
 
 /// An integration step takes about as long as the elimination of a dense matrix takes for so much of the cube of its rows.
 const ELIMINATION: usize = 3_000;
+/// The same of a solve with factors that are known, of the square of its rows.
+const SUBSTITUTION: usize = 150;
 
 /// A count that can be raised through a shared reference: of a solve, which is the work of one thread.
 #[derive(Debug, Default)]
@@ -114,6 +116,11 @@ impl Meter {
     /// Counts the elimination of a dense matrix with so many rows, as the integration steps that take as long.
     pub fn eliminate(&self, rows: usize) {
         self.integrate(rows.saturating_pow(3) / ELIMINATION);
+    }
+
+    /// Counts so many solves with a dense matrix of so many rows, likewise: each assembles it, compares it and substitutes.
+    pub fn substitute(&self, rows: usize, solves: usize) {
+        self.integrate(solves.saturating_mul(rows * rows) / SUBSTITUTION);
     }
 
     /// Whether all of the budget is spent.

@@ -218,7 +218,7 @@ impl Profile {
         })
     }
 
-    /// Arc lengths in m at which it begins, kinks or ends.
+    /// Arc lengths in m at which it begins, has a corner or ends.
     pub fn knots(&self) -> impl Iterator<Item = f64> + '_ {
         let count = match self {
             Self::Constant { .. } => 2,

@@ -128,8 +128,8 @@ impl Complementarity {
         if self.contacts.iter().any(|contact| contact.coefficient > 0.0) {
             if !self.are_dependent {
                 let forces = self.forces.clone();
-                let settled = self.settle().and_then(|()| self.solve_with_friction(false));
-                return settled.or_else(|_| {
+                let found = self.find_sticking().and_then(|()| self.solve_with_friction(false));
+                return found.or_else(|_| {
                     self.forces.clone_from(&forces);
                     self.solve_with_friction(false).or_else(|_| {
                         // From nearer, where it goes round in circles.
@@ -214,7 +214,7 @@ impl Complementarity {
 
     /// With friction, forces under which each contact does what it did, but for those that could not: of several states that hold, the
     /// one that is next to what was.
-    fn settle(&mut self) -> Result<(), Unsolved> {
+    fn find_sticking(&mut self) -> Result<(), Unsolved> {
         let lines = self.gaps.len();
         let state = |contact: &Contact| {
             let [i, x, y] = [0, 1, 2].map(|k| contact.first + k);

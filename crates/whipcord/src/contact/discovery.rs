@@ -177,7 +177,7 @@ impl Pairs {
                 self.near.iter().position(|pair| is_near(pair, beside) && is_between(pair))
             {
                 self.move_to(between, arc_length, model, scene);
-                self.near[between].is_settled = true;
+                self.near[between].is_placed = true;
                 elsewhere = true;
                 continue;
             } else if self.near.iter().any(|pair| is_near(pair, close)) {

@@ -38,7 +38,7 @@ const LIES_ON: f64 = 1e-2;
 pub(crate) struct Holding {
     /// Arc length in m of the cross-section of each contact.
     pub places: Vec<f64>,
-    /// Whether a contact is about to open or to close, to stick or to slide: the answer has a kink there.
+    /// Whether a contact is about to open or to close, to stick or to slide: the answer has one-sided derivatives there.
     pub is_about_to_change: bool,
     /// `G` of each contact.
     geometric: Vec<[[f64; 6]; 6]>,

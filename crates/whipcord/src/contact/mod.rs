@@ -5,7 +5,7 @@
 //! | module | content |
 //! |---|---|
 //! | `model` | the interface to a model |
-//! | `pushed_places` | the cross-sections that are pushed, and their compliance |
+//! | `loaded_places` | the cross-sections that are pushed, and their compliance |
 //! | `rod`, `rod_response`, `refinement`, `dense_output` | what both Cosserat rods have of it |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
@@ -19,6 +19,7 @@
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
 //! | `approach`, `drawn_out` | where it may come to if it finds no rest |
 //! | `step_length` | how far the robot may move in one step on the way |
+//! | `equilibrium` | the equilibrium at one place of the way, in which contacts come and go |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
 mod approach;
@@ -30,12 +31,14 @@ mod dense_output;
 mod differences;
 mod discovery;
 mod drawn_out;
+mod equilibrium;
 mod features;
 mod free_path;
 mod friction;
 mod held_contact;
 mod holding;
 mod homotopy;
+mod loaded_places;
 pub(crate) mod model;
 mod object;
 mod object_pair;
@@ -44,7 +47,6 @@ mod overlap;
 mod pair;
 mod pairs;
 mod path;
-mod pushed_places;
 mod refinement;
 mod relaxation;
 mod rim_places;
@@ -59,9 +61,9 @@ mod two_bodies;
 pub(crate) use dense_output::DenseOutput;
 pub(crate) use free_path::{Unobstructed, last_of, rubbing_or_free, solve_free};
 pub(crate) use holding::Holding;
+pub(crate) use loaded_places::LoadedPlaces;
 pub(crate) use model::{is_same_shape, with_pushes};
 pub(crate) use path::{solve, solve_holding, solve_rubbing};
-pub(crate) use pushed_places::PushedPlaces;
 pub(crate) use refinement::{Refinement, centres};
-pub(crate) use rod::{PushedRod, RodAdapter, on_few_steps_or_more, watched};
+pub(crate) use rod::{ContactRod, RodAdapter, on_few_steps_or_more, watched};
 pub(crate) use rod_response::{RodHoles, RodResponse};

@@ -39,7 +39,7 @@ pub(super) struct Pair {
     /// How it moves along the backbone; `None` where it keeps its place.
     pub slide: Option<Slide>,
     /// Whether it keeps its place along the backbone from now on.
-    pub is_settled: bool,
+    pub is_placed: bool,
 }
 
 impl Pair {
@@ -53,7 +53,7 @@ impl Pair {
             given: [0.0; 6],
             grip: None,
             slide: None,
-            is_settled: false,
+            is_placed: false,
         }
     }
 

@@ -99,7 +99,7 @@ impl Pairs {
                 grip.refresh(&pose, &pair.nearest, rounding, from);
             }
             let slides = is_alone
-                && !pair.is_settled
+                && !pair.is_placed
                 && pair.member.part == Part::Backbone
                 && obstacle.movable.is_none();
             let place = (pair.member.arc_length, rounding);

@@ -4,17 +4,15 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::dampers::Dampers;
 use super::drawn_out::DrawnOut;
-use super::friction::Grip;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
 use super::model::{Compliant, Push};
-use super::object::{Object, Objects};
-use super::object_pair::ObjectPair;
-use super::pair::{OVERLAP, Pair};
+use super::object::Objects;
+use super::pair::OVERLAP;
 use super::pairs::Pairs;
 use super::scene::{Present, Scene};
-use super::step::{NoStep, Scratch, turned};
-use super::step_length::{STRIDE, StepLength};
+use super::step::Scratch;
+
 use crate::case::{CableCommand, Case};
 use crate::error::{Obstruction, SolveError};
 use crate::obstacle::Obstacle;
@@ -23,16 +21,6 @@ use crate::shape::{Part, Solution, Wrench};
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
 pub(super) const MET: f64 = 1e-9;
-/// On the way to the answer, where disks without friction are all that touches: nothing remembers such a place.
-const MET_ON_WAY: f64 = 1e-5;
-/// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
-const NEARLY_MET: f64 = 1e-7;
-/// Contacts of the backbone that are nearer than this to their places along it, as a part of the length, are there.
-const NEARLY_THERE: f64 = 1e-7;
-/// Steps that bring no progress before the iteration ends.
-const PATIENCE: usize = 8;
-/// Steps of Newton's method at one place of the way; each may find another contact.
-const STEPS: usize = 40;
 /// A nudge, relative to the force scale.
 const NUDGE: f64 = 2e-2;
 /// A known answer is where the model stands if no disk is farther from it than this part of the length.
@@ -51,10 +39,6 @@ const AHEAD: f64 = 2e-3;
 const JUMPS: usize = 20;
 /// A cross-section that moves farther than this part of the length while it does so has jumped.
 const JUMP: f64 = 0.02;
-/// The columns of so many contacts double the cost of an iteration.
-const COSTLY: f64 = 10.0;
-/// The dense equations of so many contacts cost as much as an iteration without contacts.
-const DENSE: f64 = 22.0;
 
 /// Why the robot does not get on.
 pub(super) enum Stop {
@@ -96,20 +80,20 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) objects: Objects,
     /// The obstacles that come from elsewhere.
     pub(super) drawn_out: Option<DrawnOut>,
-    pushes: Vec<Push>,
-    scratch: Scratch,
-    iterations: usize,
+    pub(super) pushes: Vec<Push>,
+    pub(super) scratch: Scratch,
+    pub(super) iterations: usize,
     pub(super) spent: f64,
     /// Of which [`Compliant::budget`] says how much there is at first.
     pub(super) budget: f64,
-    residual: f64,
+    pub(super) residual: f64,
     /// Whether the contacts change an odd number of directions from stable to unstable or back; `None` until a
     /// step has told.
     pub(super) odd: Option<bool>,
     /// A small force that decides which way a robot slips off.
     pub(super) nudge: Option<Push>,
     /// Whether the equilibrium that is looked for is none but a place on the way to the answer.
-    is_on_way: bool,
+    pub(super) is_on_way: bool,
     /// How far on the way there is an equilibrium.
     pub(super) reached: f64,
     /// Where on the way the robot slipped off.
@@ -550,196 +534,5 @@ impl<M: Compliant> PathTracker<'_, M> {
             None => Obstruction::Leaps,
         };
         SolveError::Obstructed { reached: way, touching: names, why }
-    }
-
-    /// The equilibrium under a case with the obstacles. `Some(part)` where the robot would move too far at
-    /// once: a shorter step, by this part, is in order.
-    pub(super) fn touch(&mut self, case: &Case, before: &[Vec3]) -> Result<Option<f64>, Stop> {
-        let (mut least, mut since) = (f64::INFINITY, 0);
-        let mut looked = false;
-        self.pairs.begin_search();
-        for _ in 0..STEPS {
-            self.pairs.pushes(&mut self.pushes);
-            self.dampers.pushes(&mut self.pushes);
-            self.pushes.extend(self.nudge);
-            self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
-            self.iterations += 1;
-            self.charge()?;
-            let step = StepLength { scene: &self.scene, before, length: self.length };
-            if let Some(part) = step.too_far(|k| self.model.centre(k)) {
-                return Ok(Some(part));
-            }
-            self.pairs.refresh(self.model, &self.scene);
-            if self.objects.count() > 0 {
-                self.objects.refresh(&self.scene, self.length);
-                self.objects.discover(&self.scene, self.length);
-                if let Some(object) = self.objects.lost(self.length) {
-                    return Err(Stop::Lost(self.not_held(object)));
-                }
-            }
-            if self.pairs.discover(self.model, &self.scene, false) && !looked {
-                // The model has not been asked there yet.
-                looked = true;
-                (least, since) = (f64::INFINITY, 0);
-                continue;
-            }
-            self.objects.balance(&self.pairs, self.model);
-            self.residual = self.error();
-            if self.residual <= MET && self.pairs.discover(self.model, &self.scene, true) && !looked
-            {
-                looked = true;
-                (least, since) = (f64::INFINITY, 0);
-                continue;
-            }
-            looked = false;
-            // A known answer that is met at once still has to be judged.
-            let met = if self.is_on_way && self.are_only_disks() { MET_ON_WAY } else { MET };
-            if self.residual <= met && (self.odd.is_some() || !self.is_touching()) {
-                return self.arrived();
-            }
-            if self.residual < 0.5 * least {
-                (least, since) = (self.residual, 0);
-            } else {
-                since += 1;
-            }
-            if since > PATIENCE {
-                if self.residual < NEARLY_MET && self.is_clear() {
-                    return self.arrived();
-                }
-                break;
-            }
-            self.pairs.pushes(&mut self.pushes);
-            self.dampers.pushes(&mut self.pushes);
-            let Scratch { compliance, drift, .. } = &mut self.scratch;
-            self.model.compliance(&self.pushes, compliance, drift).map_err(Stop::Model)?;
-            let (length, cap) = (self.length, STRIDE * self.length);
-            let stepped = {
-                let Self { pairs, dampers, objects, model, scene, scratch, .. } = &mut *self;
-                scratch.step((pairs, dampers, objects), *model, scene, (length, cap))
-            };
-            match stepped {
-                Ok(stepped) => {
-                    self.odd = Some(stepped.odd);
-                    // An object that is on its way has no progress to show.
-                    if stepped.part < 1.0 && self.objects.count() > 0 {
-                        since = 0;
-                    }
-                }
-                Err(NoStep::Contacts) => return Err(Stop::NotConverged(self.residual)),
-                Err(NoStep::Model(error)) => return Err(Stop::Model(error)),
-            }
-        }
-        Err(Stop::NotConverged(self.residual))
-    }
-
-    /// Counts an iteration with the contacts that there are, and ends the solve where it has spent its budget or its
-    /// contacts are too many.
-    fn charge(&mut self) -> Result<(), Stop> {
-        if self.model.cancel().is_cancelled() {
-            return Err(Stop::Cancelled);
-        }
-        let (contacts, most) = (self.pairs.near.len(), self.pairs.most());
-        if contacts > most {
-            return Err(Stop::Spent(Obstruction::TooManyContacts { contacts, most }));
-        }
-        // Dampers have columns as contacts have.
-        let pushes = (contacts + self.dampers.all.len()) as f64;
-        let columns = 1.0 + pushes / COSTLY;
-        self.spent += self.model.effort() * columns + (pushes / DENSE).powi(3);
-        if self.spent > self.budget {
-            let Self { iterations, residual, .. } = *self;
-            return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
-        }
-        Ok(())
-    }
-
-    /// Whether the contacts hold: eq. (6).
-    fn arrived(&mut self) -> Result<Option<f64>, Stop> {
-        let is_held = self.is_touching() || !self.dampers.all.is_empty();
-        if is_held {
-            // It is linearised once more.
-            self.spent += self.model.effort();
-            if self.odd == Some(self.model.stands_alone()) {
-                return Err(Stop::Slips);
-            }
-        }
-        Ok(None)
-    }
-
-    /// Whether no known contact is open or overlaps by more than is claimed of an answer.
-    fn is_clear(&self) -> bool {
-        let clear = |pair: &Pair| {
-            let gap = pair.nearest.gap / self.length;
-            gap >= -OVERLAP && (pair.force <= 0.0 || gap <= OVERLAP)
-        };
-        self.pairs.near.iter().all(clear)
-    }
-
-    /// Whether nothing is near obstacles but disks without friction.
-    fn are_only_disks(&self) -> bool {
-        let is_plain = |pair: &Pair| {
-            pair.grip.is_none() && !pair.keeps_place && pair.member.part != Part::Backbone
-        };
-        self.objects.count() == 0
-            && self.dampers.all.is_empty()
-            && self.pairs.near.iter().all(is_plain)
-    }
-
-    fn is_touching(&self) -> bool {
-        self.pairs.near.iter().any(|pair| pair.force > 0.0)
-            || self.objects.count() > 0 && self.objects.near.iter().any(|pair| pair.force > 0.0)
-    }
-
-    /// What is left of the balance of an object that nothing holds.
-    fn not_held(&self, object: &Object) -> Obstruction {
-        let Wrench { force, moment } = object.imbalance;
-        let object = self.scene.get(object.number).name.clone();
-        Obstruction::NotHeld { object, force: force.norm(), moment: moment.norm() }
-    }
-
-    /// The equilibrium without pushes.
-    pub(super) fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
-        for _ in 0..STEPS {
-            self.model.consider(case, &[])?;
-            if self.model.residual() <= MET || self.model.cancel().is_cancelled() {
-                break;
-            }
-            self.model.advance(&[], 1.0)?;
-        }
-        Ok(())
-    }
-
-    /// What is left of the conditions of contact, relative to length and force scale.
-    fn error(&self) -> f64 {
-        let scale = self.model.force_scale();
-        let dampers = self.dampers.residual(self.model, scale, self.length);
-        let converged = self.model.residual().max(dampers);
-        let contact = |gap: f64, force: f64, grip: Option<Grip>| {
-            let gap = gap / self.length;
-            let overlaps = if gap < -OVERLAP { -gap } else { 0.0 };
-            let open = if force > 0.0 { gap.abs() } else { overlaps };
-            let lack =
-                grip.map_or(0.0, |grip| grip.complementarity_residual(force, scale / self.length));
-            (open, lack)
-        };
-        let of = |pair: &Pair| {
-            let (open, lack) = contact(pair.nearest.gap, pair.force, pair.grip);
-            let left = pair.slide.map_or(0.0, |slide| slide.left().abs() / self.length);
-            let open = if left > NEARLY_THERE && pair.force > 0.0 { open.max(left) } else { open };
-            let turned = turned(pair);
-            let [force, moment] =
-                [0, 3].map(|i| Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm());
-            open.max((force + moment / self.length + lack) / (scale + pair.force))
-        };
-        let of_object = |pair: &ObjectPair| {
-            let (open, lack) = contact(pair.nearest.gap, pair.force, pair.grip);
-            open.max(lack / (scale + pair.force))
-        };
-        let of_robot = self.pairs.near.iter().map(of).fold(converged, f64::max);
-        if self.objects.count() == 0 {
-            return of_robot;
-        }
-        let lack = self.objects.least_balanced().map_or(0.0, |(_, lack)| lack);
-        self.objects.near.iter().map(of_object).fold(of_robot.max(lack), f64::max)
     }
 }

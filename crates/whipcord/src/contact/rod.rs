@@ -56,7 +56,7 @@ const FEW_STATIONS: usize = 24;
 /// A rod that stands where it is, in equilibrium or not, under loads and wrenches on places of it. Under the wrenches of its
 /// contacts alone a robot may buckle though the contacts hold it, so that an equilibrium under given wrenches cannot be asked
 /// for: it takes one step of Newton's method at a time, and [`crate::contact`] changes the wrenches along with the shape.
-pub(crate) trait PushedRod: Default {
+pub(crate) trait ContactRod: Default {
     /// Where it stands, to go back to.
     type Kept: Default;
 
@@ -144,7 +144,7 @@ pub(crate) trait PushedRod: Default {
 }
 
 /// A rod among obstacles.
-pub(crate) struct RodAdapter<'a, R: PushedRod> {
+pub(crate) struct RodAdapter<'a, R: ContactRod> {
     robot: &'a Robot,
     /// As the user wants the answer.
     options: &'a Options,
@@ -165,10 +165,10 @@ pub(crate) struct RodAdapter<'a, R: PushedRod> {
     rubs: bool,
     /// Whether anything has touched on the way.
     has_touched: bool,
-    is_pushed: bool,
+    is_touched: bool,
 }
 
-impl<'a, R: PushedRod> RodAdapter<'a, R> {
+impl<'a, R: ContactRod> RodAdapter<'a, R> {
     /// A rod whose cables have these lengths in m before actuation; `stiffness` is that of bending at the base, and it has at least
     /// so many steps where the accuracy that is asked for does not say how many.
     pub fn new(
@@ -196,7 +196,7 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
             steps,
             rubs: robot.cables().iter().any(Cable::has_friction),
             has_touched: false,
-            is_pushed: false,
+            is_touched: false,
         };
         adapter.found.refinement().steps = steps;
         if options.stations.arc_lengths(robot).len() <= FEW_STATIONS {
@@ -207,7 +207,7 @@ impl<'a, R: PushedRod> RodAdapter<'a, R> {
     }
 }
 
-impl<R: PushedRod> RodAdapter<'_, R> {
+impl<R: ContactRod> RodAdapter<'_, R> {
     /// The same with steps that end at the stations too, so that these can be differentiated.
     pub fn with_stations(mut self) -> Self {
         self.stations.extend(self.options.stations.arc_lengths(self.robot));
@@ -274,7 +274,7 @@ fn sorted(places: &mut Vec<f64>, apart: f64) {
     }
 }
 
-impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
+impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
     fn watched(&self) -> &[f64] {
         &self.watched
     }
@@ -322,7 +322,7 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
-        self.is_pushed = pushes.iter().any(|push| push.wrench != Wrench::default());
+        self.is_touched = pushes.iter().any(|push| push.wrench != Wrench::default());
         let pushes = by_place(&self.robot.disks().arc_lengths, pushes);
         self.case = with_pushes(case, &pushes);
         let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
@@ -371,11 +371,11 @@ impl<R: PushedRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn has_touched(&self) -> bool {
-        self.has_touched || self.is_pushed
+        self.has_touched || self.is_touched
     }
 
     fn keep(&mut self) {
-        self.has_touched |= self.is_pushed;
+        self.has_touched |= self.is_touched;
         self.found.keep(&mut self.kept);
     }
 

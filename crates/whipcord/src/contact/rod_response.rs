@@ -2,14 +2,14 @@
 
 use whipcord_numerics::Vec3;
 
-use super::pushed_places::PushedPlaces;
+use super::loaded_places::LoadedPlaces;
 use crate::derivatives::{Derivatives, Motion, OpenChange, unit_wrench};
 use crate::statics::command::Command;
-use crate::statics::friction::{Holes, Passages, PushedHoles, Response};
+use crate::statics::friction::{CondensedHoles, Holes, Passages, Response};
 
 /// The holes of a rod whose cables rub.
 pub(crate) struct RodHoles<'a> {
-    pub state: &'a mut PushedHoles,
+    pub state: &'a mut CondensedHoles,
     pub holes: &'a Holes,
     pub commands: &'a [Command],
 }
@@ -21,11 +21,13 @@ pub(crate) struct RodResponse {
     /// Newton's step while the wrenches stay as they are.
     closing: Motion,
     /// The nodes that are pushed.
-    nodes: PushedPlaces<usize>,
+    nodes: LoadedPlaces<usize>,
     /// How everything moves with each component of a wrench on each of these nodes.
     by_push: Vec<Motion>,
     /// Where cables rub.
     open: Option<OpenResponse>,
+    /// Whether the tensions of these are eliminated.
+    pub is_eliminated: bool,
 }
 
 /// The response at constant tensions of all strands.
@@ -66,8 +68,8 @@ impl OpenResponse {
 
 impl RodResponse {
     pub fn new(derivatives: Derivatives, closing: Motion) -> Self {
-        let (nodes, by_push) = (PushedPlaces::default(), Vec::new());
-        Self { derivatives, closing, nodes, by_push, open: None }
+        let (nodes, by_push) = (LoadedPlaces::default(), Vec::new());
+        Self { derivatives, closing, nodes, by_push, open: None, is_eliminated: false }
     }
 
     /// Of a rod whose cables rub.
@@ -77,23 +79,24 @@ impl RodResponse {
         Self { open, ..Self::new(derivatives, Motion::default()) }
     }
 
-    /// Eliminates the tensions of the strands of a rod whose cables rub, with pushes at these nodes. Whether the equations of the holes
-    /// change an odd number of directions from stable to unstable; `None` where they are singular.
-    pub fn eliminate(&mut self, of_pushes: &[usize], at: RodHoles<'_>) -> Option<bool> {
-        let Self { derivatives, closing, nodes, by_push, open } = self;
+    /// Eliminates the tensions of the strands of a rod whose cables rub, with pushes at these nodes; `None` where the equations of the
+    /// holes are singular.
+    pub fn eliminate(&mut self, of_pushes: &[usize], at: RodHoles<'_>) -> Option<()> {
+        let Self { derivatives, closing, nodes, by_push, open, .. } = self;
         let open = open.as_mut()?;
         nodes.set(of_pushes);
         let components = nodes.places().iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
         let respond = |(node, i): (usize, usize)| derivatives.open_response(node, unit_wrench(i));
         open.by_push = components.map(respond).collect();
         let RodHoles { state, holes, commands } = at;
-        let odd = state.linearise(holes, commands, |response, by| open.fill(response, by))?;
+        state.linearise(holes, commands, |response, by| open.fill(response, by))?;
         let mut columns = state.columns().iter();
         *closing = open.completed(&open.closing.motion, columns.next()?.clone());
         by_push.clear();
         let pairs = open.by_push.iter().zip(columns);
         by_push.extend(pairs.map(|(push, column)| open.completed(&push.motion, column.clone())));
-        Some(odd)
+        self.is_eliminated = true;
+        Some(())
     }
 
     /// How the nodes of pushes move with each component of each of them, by rows, and how with the step that is left.
@@ -103,7 +106,7 @@ impl RodResponse {
         compliance: &mut Vec<f64>,
         drift: &mut Vec<f64>,
     ) {
-        let Self { derivatives, closing, nodes, by_push, open } = self;
+        let Self { derivatives, closing, nodes, by_push, open, .. } = self;
         if open.is_none() {
             nodes.set(of_pushes);
             by_push.clear();
@@ -121,7 +124,7 @@ impl RodResponse {
     }
 
     /// What changes of the pushes add to the dead force behind a node: pushes are no forces of followers.
-    pub fn pushed_beyond(&self, node: usize, changes: &[[f64; 6]]) -> Vec3 {
+    pub fn wrench_beyond(&self, node: usize, changes: &[[f64; 6]]) -> Vec3 {
         self.nodes.beyond(node, changes)
     }
 

@@ -44,21 +44,14 @@ impl Cosserat {
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         self.check_among_obstacles(case).map_err(|error| (0, error))?;
-        let needed = self.strength(case, workspace).steps().max(FRICTION_STEPS);
-        let (mut found, mut number) = (Vec::new(), 0);
-        let followed = contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
-            found.clear();
-            let mut adapter = self.adapter(steps);
-            let each = |of_step| found.push(of_step);
-            let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, each);
-            followed.map_err(|(n, error)| {
-                number = n;
-                error
-            })
-        });
+        let steps = self.strength(case, workspace).steps().max(FRICTION_STEPS);
+        let mut found = Vec::new();
+        let each_found = |of_step| found.push(of_step);
+        let followed =
+            contact::solve_rubbing(&mut self.adapter(steps), &self.robot, case, each_found);
         contact::rubbing_or_free(case, found, |alone| self.solve(alone, None, workspace))
             .try_for_each(|solution| solution.map(&mut each))?;
-        followed.map_err(|error| (number, error))
+        followed
     }
 
     fn check_among_obstacles(&self, case: &Case) -> Result<(), SolveError> {

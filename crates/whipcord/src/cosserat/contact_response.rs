@@ -15,7 +15,7 @@ use super::prepared::{Cosserat, Workspace};
 use super::state::{Direction, Node, State};
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{DenseOutput, PushedRod, Refinement, RodHoles, RodResponse};
+use crate::contact::{ContactRod, DenseOutput, Refinement, RodHoles, RodResponse};
 use crate::derivatives::{
     Cables, Derivatives, NoDerivatives, OpenStrands, Solved, StepGap, Strands, Varying,
 };
@@ -26,7 +26,7 @@ use crate::section::Fault;
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::elimination::Change;
-use crate::statics::friction::{History, PushedHoles};
+use crate::statics::friction::{CondensedHoles, History};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
@@ -53,9 +53,8 @@ pub(super) struct ContactResponse {
     pub gap: f64,
     linear: Option<RodResponse>,
     refinement: Refinement,
-    /// Where cables rub, and whether the equations of their holes change the parity of (6).
-    holes: PushedHoles,
-    odd: bool,
+    /// Where cables rub.
+    holes: CondensedHoles,
     response: ResponseScratch,
 }
 
@@ -66,7 +65,7 @@ pub(super) struct Kept {
     state: State,
     trajectory: Trajectory,
     shape: DenseOutput,
-    holes: PushedHoles,
+    holes: CondensedHoles,
 }
 
 /// Where its nodes are.
@@ -100,6 +99,15 @@ impl ContactResponse {
         let beyond = changed.iter().zip(&holes.at_rest).map(|(by, rest)| rest + by).collect();
         let slip_states = nodes.carried_steps(grid, from, slip_states);
         self.holes.carry(tensions, beyond, slip_states);
+    }
+
+    /// Eliminates the tensions of cables that rub where that is not done; `false` where they are singular.
+    fn eliminate(&mut self) -> bool {
+        let Self { linear, holes: state, workspace, contact_grid, .. } = self;
+        let friction = contact_grid.as_ref().and_then(|at| at.friction.as_ref());
+        let (Some(linear), Some(Friction { holes, .. })) = (linear, friction) else { return true };
+        let at = RodHoles { state, holes, commands: &workspace.commands };
+        linear.is_eliminated || linear.eliminate(&[], at).is_some()
     }
 
     /// Lengths and angles of the passages of cables that rub where it has shot, and what the equations of the holes leave.
@@ -207,7 +215,7 @@ impl ContactResponse {
     }
 }
 
-impl PushedRod for ContactResponse {
+impl ContactRod for ContactResponse {
     type Kept = Kept;
 
     fn refinement(&mut self) -> &mut Refinement {
@@ -373,12 +381,9 @@ impl PushedRod for ContactResponse {
         let derivatives = self.derivatives(contact_grid, (robot, case), &taut, &[])?;
         let tensions = &self.chain.state.tensions;
         let gaps: Vec<StepGap> = self.chain.gaps().collect();
-        if let Some(Friction { holes, .. }) = &contact_grid.friction {
+        if contact_grid.friction.is_some() {
             let closing = derivatives.open_closing(&gaps, &[]);
-            let linear = self.linear.insert(RodResponse::rubbing(derivatives, closing));
-            let (state, commands) = (&mut self.holes, &self.workspace.commands[..]);
-            let odd = linear.eliminate(&[], RodHoles { state, holes, commands });
-            self.odd = odd.ok_or(SolveError::NoDerivatives)?;
+            self.linear = Some(RodResponse::rubbing(derivatives, closing));
             return Ok(());
         }
         let commands = self.workspace.commands.iter().enumerate();
@@ -421,16 +426,18 @@ impl PushedRod for ContactResponse {
         let nodes: Vec<usize> = places.map(|at| contact_grid.node(at)).collect();
         if let Some(Friction { holes, .. }) = &contact_grid.friction {
             let (state, commands) = (&mut self.holes, &self.workspace.commands[..]);
-            match linear.eliminate(&nodes, RodHoles { state, holes, commands }) {
-                Some(odd) => self.odd = odd,
+            if linear.eliminate(&nodes, RodHoles { state, holes, commands }).is_none() {
                 // Nothing finite comes of it.
-                None => return drift.push(f64::NAN),
+                return drift.push(f64::NAN);
             }
         }
         linear.compliance(&nodes, compliance, drift);
     }
 
     fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64 {
+        if !self.eliminate() {
+            return 0.0;
+        }
         let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &self.linear) else {
             return part;
         };
@@ -458,7 +465,7 @@ impl PushedRod for ContactResponse {
                 // In the frame that turns with the cross-section.
                 moment: to_body.rotate(change.moment - change.turn.cross(moment)),
                 force: match has_followers {
-                    true => change.force - linear.pushed_beyond(k, changes),
+                    true => change.force - linear.wrench_beyond(k, changes),
                     false => Vec3::ZERO,
                 },
             }
@@ -476,6 +483,7 @@ impl PushedRod for ContactResponse {
 
     /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
     fn stands(&mut self) -> bool {
+        let odd = self.has_history() && self.eliminate() && self.holes.is_odd();
         let Some(contact_grid) = &self.contact_grid else { return true };
         let Workspace { scratch, commands, .. } = &self.workspace;
         let task = Task {
@@ -491,7 +499,7 @@ impl PushedRod for ContactResponse {
             let task = Task { commands: &[], ..task };
             let samples = &self.trajectory.samples;
             let is_known = self.response.eliminate(&task, at, &mut self.chain, samples);
-            return !is_known || self.chain.elimination.is_negative() == self.odd;
+            return !is_known || self.chain.elimination.is_negative() == odd;
         }
         let negative = self.chain.is_determinant_negative(&task, &mut self.trajectory);
         !negative.unwrap_or(false)

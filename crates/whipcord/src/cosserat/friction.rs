@@ -174,7 +174,7 @@ impl<'a> FrictionRod<'a> {
     }
 
     /// Finds the equilibrium whose cables have these tensions from end to end, into the chain.
-    fn settle_evenly(&mut self, even: &[Command], means: &[f64]) -> Result<(), Failure> {
+    fn converge_evenly(&mut self, even: &[Command], means: &[f64]) -> Result<(), Failure> {
         self.scratch.chain.varying.clear();
         let problem = Problem {
             commands: even,
@@ -237,10 +237,10 @@ impl PassageResponse for FrictionRod<'_> {
         self.seed();
     }
 
-    fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
+    fn converge(&mut self, tensions: &[f64]) -> Result<(), Failure> {
         let means = self.means(tensions);
         let even: Vec<Command> = means.iter().map(|&t| Command::Tension(t)).collect();
-        let evenly = self.settle_evenly(&even, &means);
+        let evenly = self.converge_evenly(&even, &means);
         self.pull(tensions);
         if evenly.is_ok() {
             self.seed();

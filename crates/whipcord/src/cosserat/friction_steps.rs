@@ -13,7 +13,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Cable;
 use crate::shape::{NoStability, SlipState, Solution, Verdict};
-use crate::statics::friction::{self, Course, History, PassageResponse as _};
+use crate::statics::friction::{self, Course, History, Holes, PassageResponse as _};
 use crate::statics::grid::Grid;
 use crate::statics::options::Accuracy;
 use crate::statics::outcome::{Failure, Found};
@@ -110,6 +110,8 @@ impl Cosserat {
         let mut rest_error: Option<f64> = None;
         let mut coarser: Option<(Found, Cow<'_, Grid>)> = None;
         let mut failed = None;
+        let is_known = |error: f64| error <= LAST_TOLERANCE * length;
+        let Some(last) = cases.last() else { return Err(SolveError::NoDerivatives) };
         let first = cases
             .iter()
             .map(|case| self.first_level(case, workspace))
@@ -122,7 +124,8 @@ impl Cosserat {
         let first = (0..=first).rev().find(|&level| 2 * nodes(level) <= MOST_NODES).unwrap_or(0);
         for level in first..=MAX_REFINEMENTS.max(first + 1) {
             if workspace.meter.has_ended() {
-                return Err(workspace.meter.end());
+                failed = Some(workspace.meter.end());
+                break;
             }
             if level > first + 1 && nodes(level) > MOST_NODES {
                 break;
@@ -139,7 +142,13 @@ impl Cosserat {
                         SolveError::UnreachableLength { .. } => FOLD_LEVEL,
                         _ => 0,
                     };
-                    if level >= last_level || workspace.meter.has_ended() {
+                    let has_ended = workspace.meter.has_ended();
+                    if has_ended && is_known(error) {
+                        // What the coarser grid has is known well enough.
+                        self.put_answer(coarser.as_ref(), level - 1, last, workspace)?;
+                        break;
+                    }
+                    if level >= last_level || has_ended {
                         return Err(failure);
                     }
                     (coarser, failed, rest_error) = (None, Some(failure), None);
@@ -170,11 +179,37 @@ impl Cosserat {
             coarser = Some((found, grid));
         }
         match coarser {
-            Some((found, grid)) if error <= LAST_TOLERANCE * length => {
+            Some((found, grid)) if is_known(error) => {
                 Ok(Refined { found, grid, error: Some(error) })
             }
             _ => Err(failed.unwrap_or(SolveError::StepsTooCoarse { error, tolerance, steps })),
         }
+    }
+
+    /// Puts the workspace to the answer to the last step of actuation, on the grid where that was found.
+    fn put_answer(
+        &self,
+        coarser: Option<&(Found, Cow<'_, Grid>)>,
+        level: usize,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<(), SolveError> {
+        let Some((_, grid)) = coarser else { return Ok(()) };
+        self.accept(case, workspace)?;
+        let Workspace { scratch, commands, meter, friction: memory, progress, .. } = workspace;
+        let FrictionWorkspace { levels, response, at, .. } = memory;
+        let Some(Level { history, answers }) = levels.get(level) else { return Ok(()) };
+        let Some(Answer { shape, profile, .. }) = answers.last() else { return Ok(()) };
+        progress.level = level;
+        scratch.applied.gather(grid, &case.loads, case.base.rotation);
+        scratch.trajectory.steps_left = usize::MAX;
+        let friction = self.friction_on(grid);
+        let problem = self.problem(grid, case, (commands, meter));
+        let mut rod = FrictionRod::new(&problem, (&friction, profile), scratch, response);
+        rod.set_shape(shape);
+        rod.measure(&history.tensions, at).map_err(|_| meter.end())?;
+        leave(&friction.holes, &history.base, &at.lengths, scratch);
+        Ok(())
     }
 
     /// Whether every taut cable with friction slides one way along all of its length.
@@ -396,13 +431,19 @@ fn take_step(
             break;
         }
     }
+    leave(holes, &history.base, &at.lengths, scratch);
+    Ok((found, answer))
+}
+
+/// Leaves the chain as it stands as the answer, with these tensions below the base and these lengths of the passages.
+fn leave(holes: &Holes, base: &[f64], of_passages: &[f64], scratch: &mut Scratch) {
     let Scratch { chain, poses, lengths, tensions, .. } = &mut *scratch;
     chain.varying.clear();
     chain.poses(poses);
-    holes.cable_lengths(&at.lengths, lengths);
-    tensions.clone_from(&history.base);
-    chain.state.tensions.clone_from(&history.base);
+    holes.cable_lengths(of_passages, lengths);
+    tensions.clear();
+    tensions.extend_from_slice(base);
+    chain.state.tensions.clone_from(tensions);
     scratch.base_wrench = base_wrench(scratch);
     (scratch.on_chain, scratch.sampled) = (true, true);
-    Ok((found, answer))
 }

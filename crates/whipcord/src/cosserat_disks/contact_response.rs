@@ -16,7 +16,7 @@ use super::unloaded::From;
 use super::workspace::Workspace;
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{DenseOutput, PushedRod, Refinement, RodHoles, RodResponse};
+use crate::contact::{ContactRod, DenseOutput, Refinement, RodHoles, RodResponse};
 use crate::derivatives::{
     Cables, Derivatives, Motion, NoDerivatives, NodeChange, OpenStrands, Solved, StepGap,
     StraightCables,
@@ -27,7 +27,7 @@ use crate::robot::Robot;
 use crate::section::{BodyWrench, Fault};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
-use crate::statics::friction::{History, Holes, Passages, PushedHoles};
+use crate::statics::friction::{CondensedHoles, History, Holes, Passages};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::passages::Passage;
@@ -50,9 +50,8 @@ pub(super) struct ContactResponse {
     gap: f64,
     linear: Option<RodResponse>,
     refinement: Refinement,
-    /// Where cables rub, and whether the equations of their holes change the parity of (6).
-    holes: PushedHoles,
-    odd: bool,
+    /// Where cables rub.
+    holes: CondensedHoles,
 }
 
 /// What it is to be kept for, to go back to.
@@ -266,15 +265,13 @@ impl ContactResponse {
         Ok(())
     }
 
-    /// Eliminates the tensions of the passages of a rod whose cables rub, with pushes at these nodes.
-    fn eliminate(&mut self, contact_mesh: &ContactMesh, nodes: &[usize]) -> Result<(), SolveError> {
-        let Self { linear, holes: state, workspace, odd, .. } = self;
-        let (Some(linear), Some(holes)) = (linear, &contact_mesh.model.holes) else {
-            return Ok(());
-        };
+    /// Eliminates the tensions of the passages of a rod whose cables rub where that is not done; `false` where they are singular.
+    fn eliminate(&mut self) -> bool {
+        let Self { linear, holes: state, workspace, contact_mesh, .. } = self;
+        let holes = contact_mesh.as_ref().and_then(|at| at.model.holes.as_ref());
+        let (Some(linear), Some(holes)) = (linear, holes) else { return true };
         let at = RodHoles { state, holes, commands: workspace.commands() };
-        *odd = linear.eliminate(nodes, at).ok_or(SolveError::NoDerivatives)?;
-        Ok(())
+        linear.is_eliminated || linear.eliminate(&[], at).is_some()
     }
 
     /// Which cables are taut.
@@ -391,7 +388,7 @@ impl ContactResponse {
     }
 }
 
-impl PushedRod for ContactResponse {
+impl ContactRod for ContactResponse {
     type Kept = Kept;
 
     fn refinement(&mut self) -> &mut Refinement {
@@ -454,10 +451,6 @@ impl PushedRod for ContactResponse {
             && let Some(contact_mesh) = &self.contact_mesh
         {
             self.linear = Some(self.linearised(contact_mesh, robot, case)?);
-            if contact_mesh.model.has_friction() {
-                let contact_mesh = Arc::clone(contact_mesh);
-                self.eliminate(&contact_mesh, &[])?;
-            }
         }
         Ok(())
     }
@@ -491,16 +484,18 @@ impl PushedRod for ContactResponse {
         let nodes: Vec<usize> = places.map(|at| contact_mesh.node(at)).collect();
         if let Some(holes) = &contact_mesh.model.holes {
             let (state, commands) = (&mut self.holes, self.workspace.commands());
-            match linear.eliminate(&nodes, RodHoles { state, holes, commands }) {
-                Some(odd) => self.odd = odd,
+            if linear.eliminate(&nodes, RodHoles { state, holes, commands }).is_none() {
                 // Nothing finite comes of it.
-                None => return drift.push(f64::NAN),
+                return drift.push(f64::NAN);
             }
         }
         linear.compliance(&nodes, compliance, drift);
     }
 
     fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64 {
+        if !self.eliminate() {
+            return 0.0;
+        }
         let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &self.linear) else {
             return part;
         };
@@ -520,7 +515,7 @@ impl PushedRod for ContactResponse {
             // The base is clamped, and nothing is left to act at the tip.
             let turn = if k == 0 { Vec3::ZERO } else { disks[k].turn };
             if k < last {
-                let force = disks[k].force - linear.pushed_beyond(at[k], changes);
+                let force = disks[k].force - linear.wrench_beyond(at[k], changes);
                 let change = NodeChange { turn, force, ..disks[k] };
                 *node = node.moved(part, &change, &nodes[at[k]], has_followers);
             } else {
@@ -542,10 +537,11 @@ impl PushedRod for ContactResponse {
     }
 
     fn stands(&mut self) -> bool {
+        let odd = self.has_history() && self.eliminate() && self.holes.is_odd();
         let Some(contact_mesh) = &self.contact_mesh else { return true };
         let task = contact_mesh.task(&self.workspace);
         let negative = self.chain.is_determinant_negative(&task).unwrap_or(false);
-        negative == (contact_mesh.model.has_friction() && self.odd)
+        negative == odd
     }
 
     fn has_history(&self) -> bool {

@@ -99,11 +99,11 @@ impl PassageResponse for Rubbing<'_> {
         self.scratch.chain.nodes.clone_from(shape);
     }
 
-    fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
+    fn converge(&mut self, tensions: &[f64]) -> Result<(), Failure> {
         let slopes = core::mem::take(&mut self.scratch.chain.slopes);
-        let settled = Rod::new(self.problem, self.scratch).settle(tensions);
+        let converged = Rod::new(self.problem, self.scratch).find_equilibrium(tensions);
         self.scratch.chain.slopes = slopes;
-        settled
+        converged
     }
 
     fn measure(&mut self, tensions: &[f64], at: &mut Passages) -> Result<f64, Fault> {

@@ -40,7 +40,7 @@ impl<'a> Rod<'a> {
     }
 
     /// Finds the chain at these tensions from the robot without load.
-    pub fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
+    pub fn find_equilibrium(&mut self, tensions: &[f64]) -> Result<(), Failure> {
         self.respond_with(tensions, false, false).map_err(|fault| self.failure(fault, tensions))?;
         let Problem { frame, mesh, .. } = *self.problem;
         let Scratch { chain, groups, unloaded, .. } = &mut *self.scratch;

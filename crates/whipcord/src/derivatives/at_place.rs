@@ -4,11 +4,11 @@ use whipcord_numerics::Twist;
 
 use super::change::Place;
 use super::column::Source;
+use super::local::local;
 use super::node_change::NodeChange;
 use super::rod::Derivatives;
 use super::sliding_holes::Cause;
-use crate::kinematics::{Compliance, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6};
-use crate::statics::command::Command;
+use crate::kinematics::{Local, Matrix6};
 use crate::statics::hold::Hold;
 
 impl Derivatives {
@@ -109,24 +109,9 @@ impl Derivatives {
     /// # Panics
     /// When there is no such station or disk.
     pub fn at(&self, place: Place) -> Result<Local, crate::SolveError> {
-        let yielding = |hold: Hold| -> Result<Compliance, crate::SolveError> {
-            let compliance = self.compliance(place, hold)?;
-            Ok(Compliance { compliance, stiffness: compliance.inverse(self.length) })
-        };
-        let driven = |&grid: &usize| match self.commands[grid] {
-            Command::Tension(_) => DrivenBy::Tension,
-            Command::Length { .. } => DrivenBy::Shortening,
-        };
-        Ok(Local {
-            driven_by: self.place_of.iter().map(driven).collect(),
-            actuation_jacobian: self.actuation_jacobian(place),
-            length_jacobian: self.length_by_command(),
-            compliances: Ok(Compliances {
-                tensions_held: yielding(Hold::Tensions)?,
-                lengths_held: yielding(Hold::Lengths)?,
-            }),
-            method: DerivativeMethod::Exact,
-        })
+        let commands = self.place_of.iter().map(|&grid| &self.commands[grid]);
+        let jacobians = (self.actuation_jacobian(place), self.length_by_command());
+        local(self.length, commands, jacobians, |hold| self.compliance(place, hold))
     }
 
     /// How the lengths of the cables change with their tensions in m/N, all others held: by rows of

@@ -23,9 +23,10 @@ use whipcord_numerics::{Twist, Vec3};
 use super::backward::{Cotangent, Gradient};
 use super::change::{Change, Place, Places};
 use super::linear_system::{KnownPlaces, LinearSystem, ParameterChange, add, dot};
+use super::local::local;
 use super::sliding_holes::{AnswerHoles, Cause, SlidingHoles};
 use crate::error::SolveError;
-use crate::kinematics::{Compliance, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6};
+use crate::kinematics::{Local, Matrix6};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::friction::Carried;
@@ -399,24 +400,9 @@ impl CoordinateDerivatives {
     /// # Panics
     /// When there is no such station or disk.
     pub fn at(&self, place: Place) -> Result<Local, SolveError> {
-        let yielding = |hold: Hold| -> Result<Compliance, SolveError> {
-            let compliance = self.compliance(place, hold)?;
-            Ok(Compliance { compliance, stiffness: compliance.inverse(self.length) })
-        };
-        let driven_by = |cable: &CoordinateCable| match cable.command {
-            Command::Tension(_) => DrivenBy::Tension,
-            Command::Length { .. } => DrivenBy::Shortening,
-        };
-        Ok(Local {
-            driven_by: self.cables.iter().map(driven_by).collect(),
-            actuation_jacobian: self.actuation_jacobian(place),
-            length_jacobian: self.length_by_command(),
-            compliances: Ok(Compliances {
-                tensions_held: yielding(Hold::Tensions)?,
-                lengths_held: yielding(Hold::Lengths)?,
-            }),
-            method: DerivativeMethod::Exact,
-        })
+        let commands = self.cables.iter().map(|cable| &cable.command);
+        let jacobians = (self.actuation_jacobian(place), self.length_by_command());
+        local(self.length, commands, jacobians, |hold| self.compliance(place, hold))
     }
 
     /// Whether a contact of the answer is about to open or to close, to stick or to slide.

@@ -6,7 +6,7 @@
 //! (`lanes`); without load the sections of the `quadrature` do, through the steps of `magnus`; `linear`
 //! is the choice between them. `elimination` solves the linear problem between base and tip; `partials`
 //! says where a parameter enters, with `mass_change` and `spread_change`; `touching` adds what the contacts of an answer push; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
-//! what one source changes, `change` is what comes out, `at_place` what is said of one place. `rod` is what is kept of an
+//! what one source changes, `change` is what comes out, `at_place` what is said of one place, put together in `local`. `rod` is what is kept of an
 //! answer and `of_answer` makes it; `cables`, `setting`, `node_change`, `effect` and `column` are data of these. Where cables run straight
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
 //! tensions of their own, which follow from `sliding_holes`. `coordinates` has the same of
@@ -32,6 +32,7 @@ mod forward;
 mod friction_change;
 mod linear;
 mod linear_system;
+mod local;
 mod magnus;
 mod mass_change;
 mod node_change;

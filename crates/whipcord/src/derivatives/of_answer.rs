@@ -293,14 +293,14 @@ impl Derivatives {
         sliding.carried(|p| self.raw(Source::Parameter(p)).lengths)
     }
 
-    /// Whether a cable with friction is about to slide in a hole where it sticks, or has only begun to slide: the answer has a kink
+    /// Whether a cable with friction is about to slide in a hole where it sticks, or has only begun to slide: the answer has one-sided derivatives
     /// there, and these are the derivatives of the case that the answer is in.
     #[must_use]
     pub fn is_hole_about_to_change(&self) -> bool {
         self.sliding.as_ref().is_some_and(|sliding| sliding.held.is_about_to_change())
     }
 
-    /// Whether a contact of the answer is about to open or to close, to stick or to slide: it has a kink there, and these are the
+    /// Whether a contact of the answer is about to open or to close, to stick or to slide: it has one-sided derivatives there, and these are the
     /// derivatives of the side that the answer is on.
     #[must_use]
     pub const fn is_contact_about_to_change(&self) -> bool {

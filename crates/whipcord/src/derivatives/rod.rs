@@ -23,7 +23,7 @@ use crate::statics::hold::{Critical, HeldCables};
 /// turn. So the two are work-conjugate, and under dead forces a compliance is symmetric. (A dead
 /// *moment* has no potential for turns about more than one axis; follower loads have none at all.)
 ///
-/// Cables that are slack stay slack: at the very load at which one goes slack the answer has a kink,
+/// Cables that are slack stay slack: at the very load at which one goes slack the answer has one-sided derivatives,
 /// and the derivatives are those of the side that the answer says.
 ///
 /// ```

@@ -169,7 +169,7 @@ pub(super) struct Spans {
 
 /// What a dead wrench on a section does to its span, the near disk and what acts there held.
 #[derive(Clone, Debug)]
-pub(super) struct Pushed {
+pub(super) struct PlaceWrench {
     pub span: usize,
     pub effect: Effect,
     /// At the kept nodes of the span.
@@ -534,13 +534,13 @@ impl Spans {
     }
 
     /// What a dead wrench on a node of the grid does to its span, the one behind the node.
-    pub fn push(&self, node: usize, wrench: Wrench, rows: usize) -> Pushed {
+    pub fn push(&self, node: usize, wrench: Wrench, rows: usize) -> PlaceWrench {
         let span = self.span_behind(node);
         let start = Effect { moment: -wrench.moment, force: -wrench.force, ..Effect::default() };
         let explicit = self.carry(span, node, start, NOTHING, HELD);
         let mut lengths = vec![0.0; rows];
         let (effect, inside) = self.solve(span, [Vec3::ZERO; 3], &explicit, HELD, &mut lengths);
-        Pushed { span, effect, inside, lengths }
+        PlaceWrench { span, effect, inside, lengths }
     }
 
     fn span_behind(&self, node: usize) -> usize {

@@ -6,7 +6,7 @@ use super::layout::Section;
 use super::loads::InnerLoad;
 use super::motion::{Coordinates, MOST, MOST_BENT, Motion, bend};
 use super::pivots::negative_pivots;
-use super::pushed::Pushed;
+use super::place_wrench::PlaceWrench;
 use super::task::{Asked, Elimination, Right, Task};
 use crate::shape::Wrench;
 
@@ -254,7 +254,11 @@ impl Chain {
     }
 
     /// The same with the responses to the tensions, and to these wrenches behind them, eq. (11).
-    pub fn eliminate_pushed(&mut self, task: &Task<'_>, pushes: &[Pushed]) -> Option<usize> {
+    pub fn eliminate_with_wrenches(
+        &mut self,
+        task: &Task<'_>,
+        pushes: &[PlaceWrench],
+    ) -> Option<usize> {
         let cables = task.tensions.len();
         self.eliminate_with(task, 0.0, 1 + cables + pushes.len(), |side| match side {
             0 => Right::Closing,
@@ -381,7 +385,7 @@ impl Chain {
                         }
                     }
                 }
-                if let Some(Pushed { work, .. }) = push {
+                if let Some(PlaceWrench { work, .. }) = push {
                     self.column.iter_mut().zip(work).for_each(|(x, work)| *x += work);
                 }
                 self.lu.solve(&mut self.column);
@@ -408,7 +412,7 @@ impl Chain {
                     moment +=
                         *moment_by * turned + moved.cross(load.force) + motion.end.cross(change);
                 }
-                if let Some(Pushed { about_start, .. }) = push {
+                if let Some(PlaceWrench { about_start, .. }) = push {
                     force += about_start.force;
                     moment += about_start.moment;
                 }

@@ -213,7 +213,7 @@ struct ContactAdapter<'a> {
     /// Whether that is of where it stands.
     is_linear: bool,
     /// Whether anything pushes it where it last looked.
-    is_pushed: bool,
+    is_touched: bool,
     kept: State,
     /// Where cables rub in their holes.
     holes: Option<HolesInContact<'a>>,
@@ -238,7 +238,7 @@ impl<'a> ContactAdapter<'a> {
             known: None,
             found: ContactResponse::default(),
             is_linear: false,
-            is_pushed: false,
+            is_touched: false,
             kept: State::default(),
             holes: model.friction.as_ref().map(HolesInContact::new),
         };
@@ -409,7 +409,7 @@ impl Compliant for ContactAdapter<'_> {
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         self.is_linear = false;
-        self.is_pushed = pushes.iter().any(|push| push.wrench != Wrench::default());
+        self.is_touched = pushes.iter().any(|push| push.wrench != Wrench::default());
         self.case = contact::with_pushes(case, pushes);
         self.model.accept(&self.case, self.workspace)?;
         let Workspace { commands, tensions, .. } = &mut *self.workspace;
@@ -469,14 +469,14 @@ impl Compliant for ContactAdapter<'_> {
     }
 
     fn has_touched(&self) -> bool {
-        self.is_pushed || self.holes.as_ref().is_some_and(|holes| holes.has_touched)
+        self.is_touched || self.holes.as_ref().is_some_and(|holes| holes.has_touched)
     }
 
     fn keep(&mut self) {
         let Workspace { scratch, tensions, commands, .. } = &*self.workspace;
         if let Some(holes) = &mut self.holes {
             holes.keep(commands);
-            holes.has_touched |= self.is_pushed;
+            holes.has_touched |= self.is_touched;
         }
         self.kept.q.clone_from(&scratch.chain.q);
         self.kept.tensions.clone_from(tensions);

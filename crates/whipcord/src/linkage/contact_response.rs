@@ -8,7 +8,7 @@ use super::holes_in_contact::HolesInContact;
 use super::pivots::positive_pivots;
 use super::places::Places;
 use super::task::Task;
-use crate::contact::PushedPlaces;
+use crate::contact::LoadedPlaces;
 use crate::error::SolveError;
 use crate::statics::command::{Command, LENGTH_REGULARISATION};
 use crate::statics::hold::{HeldCables, Hold};
@@ -16,7 +16,7 @@ use crate::statics::hold::{HeldCables, Hold};
 /// The linearised chain. The coordinates' part of it is left in the chain's memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactResponse {
-    pushed: PushedPlaces<f64>,
+    pushed: LoadedPlaces<f64>,
     /// How every place moves with the step that is left, then with each component on each place.
     twists: Vec<Twist>,
     /// How the tension of every cable changes with these.
@@ -49,8 +49,9 @@ impl ContactResponse {
         pushed.set(pushes);
         let places = Places::new(model, &chain.q, disks, pushed.places());
         chain.linearise(task);
-        let negative =
-            chain.eliminate_pushed(task, &places.pushed()).ok_or(SolveError::NoDerivatives)?;
+        let negative = chain
+            .eliminate_with_wrenches(task, &places.pushed())
+            .ok_or(SolveError::NoDerivatives)?;
         chain.length_by_tension(task, length_by_tension);
         let count = task.tensions.len();
         let by_tension = |i: usize, j: usize| length_by_tension[i * count + j];
@@ -115,11 +116,12 @@ impl ContactResponse {
         pushed.set(pushes);
         let places = Places::new(model, &chain.q, disks, pushed.places());
         chain.linearise(task);
-        let negative =
-            chain.eliminate_pushed(task, &places.pushed()).ok_or(SolveError::NoDerivatives)?;
-        let odd = holes.linearise(task, chain, commands, 6 * pushed.places().len());
-        let odd = odd.ok_or(SolveError::NoDerivatives)?;
-        self.stands = negative.is_multiple_of(2) != odd;
+        let negative = chain
+            .eliminate_with_wrenches(task, &places.pushed())
+            .ok_or(SolveError::NoDerivatives)?;
+        let wrenches = 6 * pushed.places().len();
+        holes.linearise(task, chain, commands, wrenches).ok_or(SolveError::NoDerivatives)?;
+        self.stands = negative.is_multiple_of(2) != holes.is_odd();
         tensions.clear();
         twists.clear();
         let count = task.tensions.len();

@@ -132,10 +132,10 @@ impl PassageResponse for RubbingChain<'_> {
         self.scratch.chain.q.clone_from(shape);
     }
 
-    fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure> {
+    fn converge(&mut self, tensions: &[f64]) -> Result<(), Failure> {
         let task = Task { tensions, ..self.task };
-        let settled = self.scratch.converge(&task, self.tolerance);
-        settled.map(|_| ()).map_err(|failure| of_cables(self.holes, failure))
+        let converged = self.scratch.converge(&task, self.tolerance);
+        converged.map(|_| ()).map_err(|failure| of_cables(self.holes, failure))
     }
 
     fn measure(&mut self, tensions: &[f64], at: &mut Passages) -> Result<f64, Fault> {

@@ -4,12 +4,12 @@ use super::chain::Chain;
 use super::friction::{Rubbing, Turned};
 use super::task::Task;
 use crate::statics::command::Command;
-use crate::statics::friction::{History, PushedHoles};
+use crate::statics::friction::{CondensedHoles, History};
 
 /// The holes in the Newton's method of contact.
 pub(super) struct HolesInContact<'a> {
     pub rubbing: &'a Rubbing,
-    holes: PushedHoles,
+    holes: CondensedHoles,
     turned: Turned,
     /// Whether an equilibrium was kept.
     pub has_started: bool,
@@ -19,7 +19,7 @@ pub(super) struct HolesInContact<'a> {
 
 impl<'a> HolesInContact<'a> {
     pub fn new(rubbing: &'a Rubbing) -> Self {
-        let (holes, turned) = (PushedHoles::default(), Turned::default());
+        let (holes, turned) = (CondensedHoles::default(), Turned::default());
         Self { rubbing, holes, turned, has_started: false, has_touched: false }
     }
 
@@ -51,14 +51,14 @@ impl<'a> HolesInContact<'a> {
         self.holes.assess(holes, commands)
     }
 
-    /// Eliminates the tensions from what was eliminated last with so many components of wrenches; see [`PushedHoles::linearise`].
+    /// Eliminates the tensions from what was eliminated last with so many components of wrenches; see [`CondensedHoles::linearise`].
     pub fn linearise(
         &mut self,
         task: &Task<'_>,
         chain: &Chain,
         commands: &[Command],
         wrenches: usize,
-    ) -> Option<bool> {
+    ) -> Option<()> {
         let Self { rubbing, holes, turned, .. } = self;
         holes.linearise(&rubbing.holes, commands, |response, by_wrench| {
             turned.responses(chain, task, response);
@@ -75,11 +75,16 @@ impl<'a> HolesInContact<'a> {
         })
     }
 
+    /// See [`CondensedHoles::is_odd`].
+    pub fn is_odd(&self) -> bool {
+        self.holes.is_odd()
+    }
+
     pub fn columns(&self) -> &[Vec<f64>] {
         self.holes.columns()
     }
 
-    /// See [`PushedHoles::follow`].
+    /// See [`CondensedHoles::follow`].
     pub fn follow(&mut self, commands: &[Command], changes: &[f64]) -> Vec<f64> {
         self.holes.follow(&self.rubbing.holes, commands, changes)
     }

@@ -26,8 +26,8 @@ mod local;
 mod motion;
 mod path;
 mod pivots;
+mod place_wrench;
 mod places;
-mod pushed;
 mod stability;
 mod stable_branch;
 mod statics;
@@ -405,7 +405,7 @@ impl Linkage {
         if !commands.iter().any(Command::is_length) {
             let task = Task { load, ..self.task(loads, tensions, meter) };
             return if is_warm {
-                scratch.settle_near(&task, tolerance, true)
+                scratch.converge_near(&task, tolerance, true)
             } else {
                 scratch.converge(&task, tolerance)
             };

@@ -5,7 +5,7 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 use super::Linkage;
 use super::chain::Chain;
 use super::motion::{Coordinates, Motion};
-use super::pushed::Pushed;
+use super::place_wrench::PlaceWrench;
 use super::task::Task;
 use crate::derivatives::unit_wrench;
 use crate::shape::Wrench;
@@ -31,14 +31,14 @@ impl<'a> Places<'a> {
     }
 
     /// The components of a wrench in the frame of the base on each of them, forces first.
-    pub fn pushed(&self) -> Vec<Pushed> {
+    pub fn pushed(&self) -> Vec<PlaceWrench> {
         let of_place = |&(section, motion): &(usize, Motion)| {
             let to_section = self.disks[section].rotation.conjugate();
             (0..6).map(move |component| {
                 let Wrench { force, moment } = unit_wrench(component);
                 let seen =
                     Wrench { force: to_section.rotate(force), moment: to_section.rotate(moment) };
-                Pushed::new(section, &motion, seen)
+                PlaceWrench::new(section, &motion, seen)
             })
         };
         self.list.iter().flat_map(of_place).collect()

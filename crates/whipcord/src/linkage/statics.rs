@@ -210,7 +210,7 @@ impl Scratch {
 
     /// Equilibrium from where the chain is, which is near it; where it is `strict` the way there is one of
     /// stable tangents.
-    pub fn settle_near(
+    pub fn converge_near(
         &mut self,
         task: &Task<'_>,
         tolerance: f64,
@@ -225,7 +225,7 @@ impl Scratch {
 
     /// Equilibrium from where the chain is, and where none is found there, from rest if it is `thorough`. Where
     /// there is none the chain stays as it was.
-    fn settle_beside(
+    fn converge_beside(
         &mut self,
         task: &Task<'_>,
         tolerance: f64,
@@ -237,7 +237,7 @@ impl Scratch {
             return Ok(effort);
         }
         let found = match thorough {
-            true => self.settle_in_steps(task, tolerance, LEAST_TRIED_STEP),
+            true => self.converge_in_steps(task, tolerance, LEAST_TRIED_STEP),
             false => Err(self.failure(task, 0.0, effort)),
         };
         if found.is_err() {
@@ -249,11 +249,11 @@ impl Scratch {
     /// Equilibrium from rest: at once, else along the load. Where that loses its stability on the way, it is
     /// followed on all the same.
     pub fn converge(&mut self, task: &Task<'_>, tolerance: f64) -> Result<Effort, Failure> {
-        self.settle_in_steps(task, tolerance, LEAST_STEP)
+        self.converge_in_steps(task, tolerance, LEAST_STEP)
     }
 
     /// The same, in steps along the load that are no shorter than `least` of it.
-    fn settle_in_steps(
+    fn converge_in_steps(
         &mut self,
         task: &Task<'_>,
         tolerance: f64,
@@ -389,7 +389,7 @@ impl TensionResponse for Responder<'_> {
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
         let task = Task { tensions, ..self.task };
         let converged = if warm {
-            let beside = self.scratch.settle_beside(
+            let beside = self.scratch.converge_beside(
                 &task,
                 self.tolerance,
                 self.rescues > 0 && !self.is_spent(),
@@ -403,7 +403,7 @@ impl TensionResponse for Responder<'_> {
             self.allowed = self.allowed.saturating_add(self.scratch.spent - spent);
             converged
         };
-        let unsettled = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
+        let diverged = Fault { kind: SectionFault::Diverged, arc_length: 0.0 };
         match converged {
             Ok(effort) => {
                 self.effort.iterations += effort.iterations;
@@ -413,13 +413,13 @@ impl TensionResponse for Responder<'_> {
             }
             Err(failure) => {
                 self.failure = Some(failure);
-                return Err(unsettled);
+                return Err(diverged);
             }
         }
         let Scratch { chain, length_by_tension, .. } = &mut *self.scratch;
         let how = Elimination { shift: 0.0, asked: Asked::Responses };
         chain.linearise(&task);
-        chain.eliminate(&task, how).ok_or(unsettled)?;
+        chain.eliminate(&task, how).ok_or(diverged)?;
         chain.length_by_tension(&task, length_by_tension);
         Ok(())
     }

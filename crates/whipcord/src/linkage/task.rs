@@ -6,7 +6,7 @@ use super::division::Division;
 use super::layout::Section;
 use super::loads::AppliedLoads;
 use super::motion::Coordinates;
-use super::pushed::Pushed;
+use super::place_wrench::PlaceWrench;
 use crate::budget::Meter;
 use crate::statics::quadratic_form::across;
 
@@ -75,7 +75,7 @@ pub(super) enum Right<'a> {
     /// The tension of a cable, in N.
     Tension(usize),
     /// A dead wrench.
-    Push(&'a Pushed),
+    Push(&'a PlaceWrench),
     /// One of its own for each section.
     Given(&'a [Coordinates]),
     /// A generalised force of 1 on one coordinate of a section.

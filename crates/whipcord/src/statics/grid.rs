@@ -1,6 +1,6 @@
 //! Steps along the backbone and what is known of the robot at their quadrature nodes.
 //!
-//! Disks, stations, cable ends, kinks of a routing, places of loads and places at which the backbone's
+//! Disks, stations, cable ends, corners of a routing, places of loads and places at which the backbone's
 //! stiffness or rest curvature is given all lie between steps, never inside one, so that the
 //! integrators keep their order.
 

@@ -76,7 +76,7 @@ pub enum Accuracy {
     /// The steps are halved until the estimated error of every position and of every cable's length
     /// is below this fraction of the length; where lengths are given, at the tensions found.
     Tolerance(f64),
-    /// At least this many steps from base to tip. Disks, stations, cable ends, kinks of a routing
+    /// At least this many steps from base to tip. Disks, stations, cable ends, corners of a routing
     /// and places of loads always end a step.
     Steps(usize),
 }

@@ -75,6 +75,8 @@ pub(super) struct Events {
     matrix: Vec<f64>,
     lengths: Vec<f64>,
     system: ReplacedRows,
+    /// How many linear problems were solved.
+    pub solves: usize,
 }
 
 /// Where holes come to rest within a substep.
@@ -305,12 +307,13 @@ impl Events {
 
     /// The rates in the modes as they are.
     fn solve(&mut self, law: &Law<'_>) -> bool {
-        let Self { at, beyond, rates, modes, response, matrix, system, lengths, .. } = self;
+        let Self { at, beyond, rates, modes, response, matrix, system, lengths, solves, .. } = self;
         let here = Iterate { tensions: &at.tensions, beyond, turns: &at.turns };
         let now = Law { commands: &at.commands, ..*law };
         let n = here.tensions.len();
         let Rates { commands, tensions: changes, .. } = rates;
         linear_system(&now, here, modes, response, Some(commands), (matrix, changes));
+        *solves += 1;
         if system.solve(matrix, changes).is_err() || !changes.iter().all(|x| x.is_finite()) {
             return false;
         }

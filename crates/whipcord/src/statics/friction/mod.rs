@@ -9,7 +9,7 @@
 //! | `newton` | shape and tensions in one semismooth Newton's method |
 //! | `events` | where the holes slide and stop in a substep, by the linear response of the shape |
 //! | `substeps` | a step of actuation, divided where the linear response misses too much |
-//! | `pushed_holes` | the holes of a robot among obstacles, in the Newton's method of its contacts |
+//! | `condensed_holes` | the holes of a robot among obstacles, in the Newton's method of its contacts |
 //! | `way` | the way of a step: its commands, its state, and where holes come to rest on it |
 //! | `trail` | the ends of the substeps, and where holes stop in between, for derivatives |
 //! | `standing` | how the cables stand in their holes there |
@@ -20,13 +20,13 @@
 
 mod carried;
 mod carrying;
+mod condensed_holes;
 mod events;
 mod held;
 mod holes;
 mod law;
 mod linear_problem;
 mod newton;
-mod pushed_holes;
 mod response;
 mod standing;
 mod substeps;
@@ -35,10 +35,10 @@ mod way;
 
 pub(crate) use carried::Carried;
 pub(crate) use carrying::{Carrying, Place};
+pub(crate) use condensed_holes::CondensedHoles;
 pub(crate) use held::{HeldHoles, HoleChange, HoleSource};
 pub(crate) use holes::{History, Holes, Slides};
 pub(crate) use newton::FrictionScratch;
-pub(crate) use pushed_holes::PushedHoles;
 pub(crate) use response::{PassageResponse, Passages, Response};
 pub(crate) use substeps::{Course, step};
 pub(crate) use trail::{Standing, SubstepEnd};

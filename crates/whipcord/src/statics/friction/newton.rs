@@ -12,6 +12,7 @@ use super::events::{Events, Station};
 use super::law::{Iterate, Law, Mode};
 use super::linear_problem::linear_system;
 use super::response::{PassageResponse, Passages, Response};
+use crate::budget::Meter;
 use crate::shape::SlipState;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Open;
@@ -53,6 +54,8 @@ pub(crate) struct FrictionScratch {
     pub(super) matrix: Vec<f64>,
     pub(super) changes: Vec<f64>,
     pub(super) system: ReplacedRows,
+    /// How many linear problems were solved with others' factors that are not counted yet.
+    solves: usize,
 }
 
 impl FrictionScratch {
@@ -84,6 +87,7 @@ impl FrictionScratch {
             };
             model.meter().iterate();
             model.meter().eliminate(self.tensions.len());
+            self.charge(model.meter());
             self.kept.clone_from(&self.tensions);
             recent.rotate_right(1);
             recent[0] = before;
@@ -125,6 +129,12 @@ impl FrictionScratch {
             return Ok(Effort { iterations: MAX_ITERATIONS, residual });
         }
         Err(failed(MAX_ITERATIONS, residual, None))
+    }
+
+    /// Counts the linear problems of the holes that were solved since it was last asked to.
+    pub(super) fn charge(&mut self, meter: &Meter) {
+        let solves = core::mem::take(&mut self.solves) + core::mem::take(&mut self.events.solves);
+        meter.substitute(self.tensions.len(), solves);
     }
 
     /// What is left of the equilibrium, and of the equations of the holes as a fraction of the length.
@@ -170,6 +180,7 @@ impl FrictionScratch {
         // What changes from one case to another is few rows.
         self.system.forget();
         for change in 0..MOST_CHANGES[1] {
+            self.solves += 1;
             self.assemble(law)?;
             if self.agree(law, change >= MOST_CHANGES[0]) {
                 break;

@@ -35,7 +35,7 @@ pub(crate) trait PassageResponse {
     ///
     /// # Errors
     /// Why there is none.
-    fn settle(&mut self, tensions: &[f64]) -> Result<(), Failure>;
+    fn converge(&mut self, tensions: &[f64]) -> Result<(), Failure>;
 
     /// Evaluates lengths and angles of the shape as it stands, and what is left of its equilibrium under these tensions.
     ///

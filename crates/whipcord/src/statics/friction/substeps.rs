@@ -106,7 +106,7 @@ impl Way<'_> {
     /// Puts the loads on the robot at rest, with its cables as they are there.
     fn load<M: PassageResponse>(&mut self, model: &mut M, history: &mut History<M::Shape>) {
         let zero = vec![0.0; self.holes.count()];
-        if model.settle(&zero).is_err() {
+        if model.converge(&zero).is_err() {
             return;
         }
         self.scratch.tensions.clone_from(&zero);
@@ -234,6 +234,7 @@ impl Way<'_> {
         self.stands = false;
         self.scratch.events.keeps_stops = history.trail.is_some();
         let is_followed = is_known && self.follow(history, false);
+        self.scratch.charge(model.meter());
         let no_event = self.scratch.events.count == 0;
         rest.clear();
         rest.extend_from_slice(if is_followed {
@@ -246,7 +247,9 @@ impl Way<'_> {
             self.stops.clone_from(&self.scratch.events.stops);
         }
         let mut effort = self.find(model, history, near, is_followed, rest)?;
-        if !is_known || !self.end(model) || !self.follow(history, true) {
+        let follows = is_known && self.end(model) && self.follow(history, true);
+        self.scratch.charge(model.meter());
+        if !follows {
             return Ok((effort, None));
         }
         self.stands = true;

@@ -163,6 +163,6 @@ impl Way<'_> {
                 passages.iter().for_each(|&p| tensions[p] = given);
             }
         }
-        model.settle(tensions)
+        model.converge(tensions)
     }
 }

@@ -6,14 +6,14 @@ use whipcord_numerics::{Twist, Vec3};
 
 /// Where pushes act; `T` is how a model names a cross-section.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PushedPlaces<T> {
+pub(crate) struct LoadedPlaces<T> {
     /// Each once, in order.
     places: Vec<T>,
     /// The number in these of each push.
     of_push: Vec<usize>,
 }
 
-impl<T: Copy + PartialOrd> PushedPlaces<T> {
+impl<T: Copy + PartialOrd> LoadedPlaces<T> {
     /// The places of these pushes.
     pub fn set(&mut self, of_pushes: &[T]) {
         let Self { places, of_push } = self;

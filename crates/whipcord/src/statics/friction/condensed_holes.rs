@@ -20,7 +20,7 @@ const EXACT: f64 = 30.0;
 
 /// The state of the holes, and of the last equilibrium.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PushedHoles {
+pub(crate) struct CondensedHoles {
     scratch: FrictionScratch,
     history: History<()>,
     /// Whether the state was assessed since the last equilibrium.
@@ -32,7 +32,7 @@ pub(crate) struct PushedHoles {
     lu: DenseLu,
 }
 
-impl PushedHoles {
+impl CondensedHoles {
     /// The robot at rest.
     pub fn reset(&mut self, holes: &Holes) {
         self.history = History::at_rest(holes);
@@ -80,34 +80,36 @@ impl PushedHoles {
     }
 
     /// Eliminates the tensions: from the response of lengths and angles to them and to closing the equilibrium, and to each component of the wrenches.
-    /// Whether the equations of the holes change an odd number of directions from stable to unstable; `None` where they are singular.
+    /// `None` where the equations of the holes are singular.
     pub fn linearise(
         &mut self,
         holes: &Holes,
         commands: &[Command],
         fill: impl FnOnce(&mut Response, &mut Vec<Passages>),
-    ) -> Option<bool> {
+    ) -> Option<()> {
         let Self { scratch, history, by_wrench, columns, lu, .. } = self;
         fill(&mut scratch.response, by_wrench);
         let law = Law { holes, commands, before: &history.beyond };
         scratch.solve(&law)?;
         let FrictionScratch { tensions, at, beyond, modes, matrix, changes, .. } = &*scratch;
-        let n = tensions.len();
-        lu.factor(n, matrix).ok()?;
+        lu.factor(tensions.len(), matrix).ok()?;
         columns.resize_with(1 + by_wrench.len(), Vec::new);
         columns[0].clone_from(changes);
         let here = Iterate { tensions, beyond, turns: &at.turns };
         for (column, by) in columns[1..].iter_mut().zip(&*by_wrench) {
-            column.resize(n, 0.0);
+            column.resize(tensions.len(), 0.0);
             right_side(&law, here, modes, (&by.lengths, &by.turns), column);
             lu.solve(column);
         }
-        if !columns.iter().flatten().all(|x| x.is_finite()) {
-            return None;
-        }
+        columns.iter().flatten().all(|x| x.is_finite()).then_some(())
+    }
+
+    /// Whether the equations of the holes, as they were linearised last, change an odd number of directions from stable to unstable.
+    pub fn is_odd(&self) -> bool {
         // Where the length beyond a hole is given, it falls with the tension.
-        let held = modes.iter().filter(|mode| matches!(mode, Mode::Held | Mode::Sticks)).count();
-        Some(lu.is_determinant_negative() != (held % 2 == 1))
+        let is_held = |mode: &&Mode| matches!(mode, Mode::Held | Mode::Sticks);
+        let held = self.scratch.modes.iter().filter(is_held).count();
+        self.lu.is_determinant_negative() != (held % 2 == 1)
     }
 
     /// How the tensions change with the step that is left, then with each component of the wrenches.

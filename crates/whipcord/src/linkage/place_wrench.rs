@@ -5,7 +5,7 @@ use crate::shape::Wrench;
 
 /// A dead wrench on a cross-section of a section, in the frame of the disk at the section's start.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pushed {
+pub(super) struct PlaceWrench {
     pub section: usize,
     /// Its work by the coordinates of the section.
     pub work: Coordinates,
@@ -13,7 +13,7 @@ pub(super) struct Pushed {
     pub about_start: Wrench,
 }
 
-impl Pushed {
+impl PlaceWrench {
     /// A wrench on the cross-section that moves like this.
     pub fn new(section: usize, motion: &Motion, Wrench { force, moment }: Wrench) -> Self {
         let work = |a: usize| moment.dot(motion.turn[a]) + force.dot(motion.shift[a]);

@@ -1,0 +1,223 @@
+//! The equilibrium at one place of the way: Newton's method, in which contacts come and go.
+
+use whipcord_numerics::Vec3;
+
+use super::friction::Grip;
+use super::model::Compliant;
+use super::object::Object;
+use super::object_pair::ObjectPair;
+use super::pair::{OVERLAP, Pair};
+use super::path::{MET, PathTracker, Stop};
+use super::step::{NoStep, Scratch, turned};
+use super::step_length::{STRIDE, StepLength};
+use crate::case::Case;
+use crate::error::{Obstruction, SolveError};
+use crate::shape::{Part, Wrench};
+
+/// On the way to the answer, where disks without friction are all that touches: nothing remembers such a place.
+const MET_ON_WAY: f64 = 1e-5;
+/// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
+const NEARLY_MET: f64 = 1e-7;
+/// Contacts of the backbone that are nearer than this to their places along it, as a part of the length, are there.
+const NEARLY_THERE: f64 = 1e-7;
+/// Steps that bring no progress before the iteration ends.
+const PATIENCE: usize = 8;
+/// Steps of Newton's method at one place of the way; each may find another contact.
+const STEPS: usize = 40;
+/// The columns of so many contacts double the cost of an iteration.
+const COSTLY: f64 = 10.0;
+/// The dense equations of so many contacts cost as much as an iteration without contacts.
+const DENSE: f64 = 22.0;
+
+impl<M: Compliant> PathTracker<'_, M> {
+    /// The equilibrium under a case with the obstacles. `Some(part)` where the robot would move too far at
+    /// once: a shorter step, by this part, is in order.
+    pub(super) fn touch(&mut self, case: &Case, before: &[Vec3]) -> Result<Option<f64>, Stop> {
+        let (mut least, mut since) = (f64::INFINITY, 0);
+        let mut looked = false;
+        self.pairs.begin_search();
+        for _ in 0..STEPS {
+            self.pairs.pushes(&mut self.pushes);
+            self.dampers.pushes(&mut self.pushes);
+            self.pushes.extend(self.nudge);
+            self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
+            self.iterations += 1;
+            self.charge()?;
+            let step = StepLength { scene: &self.scene, before, length: self.length };
+            if let Some(part) = step.too_far(|k| self.model.centre(k)) {
+                return Ok(Some(part));
+            }
+            self.pairs.refresh(self.model, &self.scene);
+            if self.objects.count() > 0 {
+                self.objects.refresh(&self.scene, self.length);
+                self.objects.discover(&self.scene, self.length);
+                if let Some(object) = self.objects.lost(self.length) {
+                    return Err(Stop::Lost(self.not_held(object)));
+                }
+            }
+            if self.pairs.discover(self.model, &self.scene, false) && !looked {
+                // The model has not been asked there yet.
+                looked = true;
+                (least, since) = (f64::INFINITY, 0);
+                continue;
+            }
+            self.objects.balance(&self.pairs, self.model);
+            self.residual = self.error();
+            if self.residual <= MET && self.pairs.discover(self.model, &self.scene, true) && !looked
+            {
+                looked = true;
+                (least, since) = (f64::INFINITY, 0);
+                continue;
+            }
+            looked = false;
+            // A known answer that is met at once still has to be judged.
+            let met = if self.is_on_way && self.are_only_disks() { MET_ON_WAY } else { MET };
+            if self.residual <= met && (self.odd.is_some() || !self.is_touching()) {
+                return self.arrived();
+            }
+            if self.residual < 0.5 * least {
+                (least, since) = (self.residual, 0);
+            } else {
+                since += 1;
+            }
+            if since > PATIENCE {
+                if self.residual < NEARLY_MET && self.is_clear() {
+                    return self.arrived();
+                }
+                break;
+            }
+            self.pairs.pushes(&mut self.pushes);
+            self.dampers.pushes(&mut self.pushes);
+            let Scratch { compliance, drift, .. } = &mut self.scratch;
+            self.model.compliance(&self.pushes, compliance, drift).map_err(Stop::Model)?;
+            let (length, cap) = (self.length, STRIDE * self.length);
+            let stepped = {
+                let Self { pairs, dampers, objects, model, scene, scratch, .. } = &mut *self;
+                scratch.step((pairs, dampers, objects), *model, scene, (length, cap))
+            };
+            match stepped {
+                Ok(stepped) => {
+                    self.odd = Some(stepped.odd);
+                    // An object that is on its way has no progress to show.
+                    if stepped.part < 1.0 && self.objects.count() > 0 {
+                        since = 0;
+                    }
+                }
+                Err(NoStep::Contacts) => return Err(Stop::NotConverged(self.residual)),
+                Err(NoStep::Model(error)) => return Err(Stop::Model(error)),
+            }
+        }
+        Err(Stop::NotConverged(self.residual))
+    }
+
+    /// Counts an iteration with the contacts that there are, and ends the solve where it has spent its budget or its
+    /// contacts are too many.
+    fn charge(&mut self) -> Result<(), Stop> {
+        if self.model.cancel().is_cancelled() {
+            return Err(Stop::Cancelled);
+        }
+        let (contacts, most) = (self.pairs.near.len(), self.pairs.most());
+        if contacts > most {
+            return Err(Stop::Spent(Obstruction::TooManyContacts { contacts, most }));
+        }
+        // Dampers have columns as contacts have.
+        let pushes = (contacts + self.dampers.all.len()) as f64;
+        let columns = 1.0 + pushes / COSTLY;
+        self.spent += self.model.effort() * columns + (pushes / DENSE).powi(3);
+        if self.spent > self.budget {
+            let Self { iterations, residual, .. } = *self;
+            return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
+        }
+        Ok(())
+    }
+
+    /// Whether the contacts hold: eq. (6).
+    fn arrived(&mut self) -> Result<Option<f64>, Stop> {
+        let is_held = self.is_touching() || !self.dampers.all.is_empty();
+        if is_held {
+            // It is linearised once more.
+            self.spent += self.model.effort();
+            if self.odd == Some(self.model.stands_alone()) {
+                return Err(Stop::Slips);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether no known contact is open or overlaps by more than is claimed of an answer.
+    fn is_clear(&self) -> bool {
+        let clear = |pair: &Pair| {
+            let gap = pair.nearest.gap / self.length;
+            gap >= -OVERLAP && (pair.force <= 0.0 || gap <= OVERLAP)
+        };
+        self.pairs.near.iter().all(clear)
+    }
+
+    /// Whether nothing is near obstacles but disks without friction.
+    fn are_only_disks(&self) -> bool {
+        let is_plain = |pair: &Pair| {
+            pair.grip.is_none() && !pair.keeps_place && pair.member.part != Part::Backbone
+        };
+        self.objects.count() == 0
+            && self.dampers.all.is_empty()
+            && self.pairs.near.iter().all(is_plain)
+    }
+
+    pub(super) fn is_touching(&self) -> bool {
+        self.pairs.near.iter().any(|pair| pair.force > 0.0)
+            || self.objects.count() > 0 && self.objects.near.iter().any(|pair| pair.force > 0.0)
+    }
+
+    /// What is left of the balance of an object that nothing holds.
+    fn not_held(&self, object: &Object) -> Obstruction {
+        let Wrench { force, moment } = object.imbalance;
+        let object = self.scene.get(object.number).name.clone();
+        Obstruction::NotHeld { object, force: force.norm(), moment: moment.norm() }
+    }
+
+    /// The equilibrium without pushes.
+    pub(super) fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
+        for _ in 0..STEPS {
+            self.model.consider(case, &[])?;
+            if self.model.residual() <= MET || self.model.cancel().is_cancelled() {
+                break;
+            }
+            self.model.advance(&[], 1.0)?;
+        }
+        Ok(())
+    }
+
+    /// What is left of the conditions of contact, relative to length and force scale.
+    fn error(&self) -> f64 {
+        let scale = self.model.force_scale();
+        let dampers = self.dampers.residual(self.model, scale, self.length);
+        let converged = self.model.residual().max(dampers);
+        let contact = |gap: f64, force: f64, grip: Option<Grip>| {
+            let gap = gap / self.length;
+            let overlaps = if gap < -OVERLAP { -gap } else { 0.0 };
+            let open = if force > 0.0 { gap.abs() } else { overlaps };
+            let lack =
+                grip.map_or(0.0, |grip| grip.complementarity_residual(force, scale / self.length));
+            (open, lack)
+        };
+        let of = |pair: &Pair| {
+            let (open, lack) = contact(pair.nearest.gap, pair.force, pair.grip);
+            let left = pair.slide.map_or(0.0, |slide| slide.left().abs() / self.length);
+            let open = if left > NEARLY_THERE && pair.force > 0.0 { open.max(left) } else { open };
+            let turned = turned(pair);
+            let [force, moment] =
+                [0, 3].map(|i| Vec3::new(turned[i], turned[i + 1], turned[i + 2]).norm());
+            open.max((force + moment / self.length + lack) / (scale + pair.force))
+        };
+        let of_object = |pair: &ObjectPair| {
+            let (open, lack) = contact(pair.nearest.gap, pair.force, pair.grip);
+            open.max(lack / (scale + pair.force))
+        };
+        let of_robot = self.pairs.near.iter().map(of).fold(converged, f64::max);
+        if self.objects.count() == 0 {
+            return of_robot;
+        }
+        let lack = self.objects.least_balanced().map_or(0.0, |(_, lack)| lack);
+        self.objects.near.iter().map(of_object).fold(of_robot.max(lack), f64::max)
+    }
+}
