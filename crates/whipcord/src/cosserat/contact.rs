@@ -14,7 +14,7 @@ use crate::refusal;
 use crate::shape::Solution;
 
 /// Steps from base to tip at least where cables rub, whose tension is constant in each.
-const FRICTION_STEPS: usize = 48;
+const FRICTION_STEPS: usize = 32;
 
 impl Cosserat {
     /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
