@@ -51,7 +51,7 @@ fn rows_are_steps() {
 #[test]
 fn rows_have_loads_of_their_own() {
     let rows = b"pan [deg],tip_force.x [mN],loads.tip_force_z [N],gravity.y\n10,50,0.1,-9.81\n20,0,-0.2,9.81\n30,-20,0,0\n";
-    let tail = "[commands]\ntable = \"rows.csv\"\nignore = []\n[loads]\ntip_moment = [\"0 N*m\", \"1 mN*m\", \"0 N*m\"]\n";
+    let tail = "[commands]\ntable = \"rows.csv\"\n[loads]\ntip_moment = [\"0 N*m\", \"1 mN*m\", \"0 N*m\"]\n";
     let up = "holes = [2, 2, 2, 2, 2]\ntension = \"3 N\"\n";
     let folder = tempfile::tempdir().unwrap();
     let arm = ARM.replace("holes = [2, 2, 2, 2, 2]\n", up);
