@@ -46,6 +46,17 @@ pub enum JumpKind {
     Shape,
 }
 
+impl JumpKind {
+    /// As in JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Commands => "commands",
+            Self::Shape => "shape",
+        }
+    }
+}
+
 impl Followed {
     /// How many points are reached.
     #[must_use]

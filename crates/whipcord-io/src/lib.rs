@@ -37,14 +37,14 @@ pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, SpacePoint, answer_json, contacts_csv, fit_json,
-    json_number, json_optional, loss_name, marks_csv, points_csv, problems_json, reach_json,
-    remove_unfinished, shape_csv, solution_json, status_words, steps_csv, stiffness_json,
-    warnings_json, write_atomically,
+    follow_json, json_number, json_optional, loss_name, marks_csv, points_csv, problems_json,
+    reach_json, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,
+    stiffness_json, warnings_json, write_atomically,
 };
 pub use read::{
     CableBounds, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit, Goal,
     LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, RateMismatch,
-    Reference, load_markers, load_shape, parameter_path,
+    Reference, load_markers, load_path, load_shape, parameter_path,
 };
 pub use render::{render, render_warnings};
 pub use schema::schema;

@@ -14,6 +14,7 @@ pub mod measure_stereo;
 pub mod new;
 pub mod overlay;
 pub mod reach;
+mod reach_path;
 mod reach_words;
 pub mod schema;
 pub mod score;

@@ -6,10 +6,10 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use whipcord::{Model, ModelKind, Pose, Solution, StabilityAnalysis, Stations, Vec3};
 use whipcord_inverse::{
-    CommandedBy, InverseError, InverseSolver, Preference, ReachOptions, ReachStatus, Reached,
-    Target, Tolerance,
+    CommandedBy, InverseError, InverseSolver, PathPoint, Preference, ReachOptions, ReachStatus,
+    Reached, Target, Tolerance,
 };
-use whipcord_io::{CaseFile, Clearance, load_shape, reach_json, warnings_json};
+use whipcord_io::{CaseFile, Clearance, load_path, load_shape, reach_json, warnings_json};
 use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
 
 use crate::deadline;
@@ -17,7 +17,7 @@ use crate::inputs::{Settings, read_one};
 use crate::model_arguments::{FourBarArguments, model_parser};
 use crate::path_argument::path_ending_in;
 use crate::target_argument::{Axis, Place, PoseArgument, angle, length};
-use crate::verbs::reach_words as words;
+use crate::verbs::{reach_path, reach_words as words};
 use crate::warnings::Warnings;
 use whipcord_study::failure::{Failure, message};
 use whipcord_study::files;
@@ -25,7 +25,7 @@ use whipcord_study::style::Style;
 
 /// Commands that bring the tip to a point, a pose or a direction, or the robot to a shape
 ///
-/// The target is that of [target] in the file, or is given by --tip, --pose, --axis or --shape. Limits of
+/// The target is that of [target] in the file, or is given by --tip, --pose, --axis, --shape or --path. Limits of
 /// tensions, shortenings and motors are those of [limits], [[cables]] and [[motors]]. If the target is not
 /// reached, standard error gives the nearest commands and the distance, and the exit status is 1. The output
 /// is in N, mm and degrees, with --json in SI units.
@@ -48,6 +48,10 @@ pub struct ReachArgs {
     /// CSV or Parquet file with points for disks: columns disk (from 1) and x, y, z with units, as in `x [mm]`
     #[arg(long, value_name = "CSV")]
     shape: Option<PathBuf>,
+    /// CSV or Parquet file with points for the tip at times, which are followed within the limits of the rates:
+    /// columns t, x, y, z with units, for poses also qw, qx, qy, qz
+    #[arg(long, value_name = "CSV", conflicts_with_all = ["tip", "pose", "axis", "shape"])]
+    path: Option<PathBuf>,
     /// Model
     #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
     kind: ModelKind,
@@ -66,7 +70,7 @@ pub struct ReachArgs {
     tolerance_angle: Option<f64>,
     /// Print the nearest commands where the target is not reached, with exit status 0
     #[arg(long)]
-    nearest: bool,
+    pub nearest: bool,
     /// Where the target is not reached, try to prove that it cannot be: a bound of the distance over all
     /// tensions within the limits. Only for cosserat, without loads and friction, with [limits] tension
     #[arg(long)]
@@ -79,15 +83,15 @@ pub struct ReachArgs {
     least: Option<Least>,
     /// Print one JSON object
     #[arg(long)]
-    json: bool,
+    pub json: bool,
     /// Draw the robot and the target; the name ends in .svg or .png
     #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["svg", "png"]))]
-    plot: Option<PathBuf>,
+    pub plot: Option<PathBuf>,
     /// Robot file to write with the commands found
     #[arg(short, long, value_name = "NEW")]
-    output: Option<PathBuf>,
+    pub output: Option<PathBuf>,
     #[command(flatten)]
-    warnings: Warnings,
+    pub warnings: Warnings,
 }
 
 /// Boxes of tensions that a proof may look at, which take some seconds.
@@ -144,7 +148,8 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
     }
     let mut warnings = file.warnings();
     args.warnings.tell(&file, &warnings)?;
-    let target = target(args, &file)?;
+    let path = path(args, &file)?;
+    let target = if path.is_empty() { Some(target(args, &file)?) } else { None };
     let length = file.robot.backbone().length;
     let mut goal = file.goal.clone();
     goal.tolerance = args.tolerance.or(goal.tolerance);
@@ -172,6 +177,10 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
         .with_tolerance((0.1 * tolerance.position / length).clamp(1e-12, 1e-6));
     let model = args.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
     let mut solver = solver(args, &file, &model)?;
+    let Some(target) = target else {
+        let task = reach_path::Task { file: &file, path: &path, tolerance, options: &options };
+        return reach_path::run(args, &task, &mut solver, &model, style);
+    };
     let reached = solver.reach(&target, &options).map_err(|error| failure(&file, &error))?;
     let mut answered = file.clone();
     answered.case = reached.case.clone();
@@ -184,7 +193,9 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
     args.warnings.tell(&answered, &of_answer)?;
     warnings.extend(of_answer);
     let picture = match &args.plot {
-        Some(path) => Some((path, draw(path, &answer, &model)?)),
+        Some(path) => {
+            Some((path, draw(path, (&answered, &model), &reached.solution, points(&target))?))
+        }
         None => None,
     };
     let written = match &args.output {
@@ -216,6 +227,16 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
     Ok(text)
 }
 
+/// The path of the command line, else that of the file where the command line has no target.
+fn path(args: &ReachArgs, file: &CaseFile) -> Result<Vec<PathPoint>, Failure> {
+    if let Some(path) = &args.path {
+        return load_path(path).map_err(|error| Failure::Input(message(&error)));
+    }
+    let has_target =
+        args.shape.is_some() || args.tip.is_some() || args.axis.is_some() || args.pose.is_some();
+    Ok(if has_target { Vec::new() } else { file.goal.path.clone() })
+}
+
 /// The target of the command line, else that of the file.
 fn target(args: &ReachArgs, file: &CaseFile) -> Result<Target, Failure> {
     if let Some(path) = &args.shape {
@@ -232,7 +253,7 @@ fn target(args: &ReachArgs, file: &CaseFile) -> Result<Target, Failure> {
     }
     point.map(Target::Tip).or_else(|| file.goal.target.clone()).ok_or_else(|| {
         Failure::Input(format!(
-            "error: {}: there is no target: add [target] to the file, such as tip = [\"40 mm\", \"0 mm\", \"120 mm\"], or give --tip, --pose, --axis or --shape",
+            "error: {}: there is no target: add [target] to the file, such as tip = [\"40 mm\", \"0 mm\", \"120 mm\"], or give --tip, --pose, --axis, --shape or --path",
             file.path.display()
         ))
     })
@@ -262,7 +283,7 @@ fn solver(args: &ReachArgs, file: &CaseFile, model: &Model) -> Result<InverseSol
     InverseSolver::new(model, robot, case, &limits, by).map_err(fail)
 }
 
-fn failure(file: &CaseFile, error: &InverseError) -> Failure {
+pub fn failure(file: &CaseFile, error: &InverseError) -> Failure {
     let message = format!("error: {}: {error}", file.path.display());
     match error {
         InverseError::Solve(error) | InverseError::NoStart(error) => {
@@ -292,21 +313,18 @@ fn new_file(
     Ok((file.text, note))
 }
 
-/// The robot at rest and in the answer, with the points that it was to reach.
-fn draw(path: &Path, answer: &Answer<'_>, model: &Model) -> Result<Vec<u8>, Failure> {
-    let Answer { file, reached, target, .. } = answer;
-    let solution = &reached.solution;
+/// The robot at rest and in an answer, with the points that it was to reach.
+pub fn draw(
+    path: &Path,
+    (file, model): (&CaseFile, &Model),
+    solution: &Solution,
+    targets: Vec<Vec3>,
+) -> Result<Vec<u8>, Failure> {
     let fine = model
         .at(Stations::Equal(FINE_STATIONS))
         .prepare(&file.robot, &file.case.loads)
         .and_then(|mut prepared| prepared.solve(&file.case, Some(solution)))
         .unwrap_or_else(|_| Solution { shape: solution.disks.clone(), ..solution.clone() });
-    let targets: Vec<Vec3> = match target {
-        Target::Tip(point) => vec![*point],
-        Target::Pose(Pose { position, .. }) => vec![*position],
-        Target::Axis { point, .. } => point.iter().copied().collect(),
-        Target::Shape(points) => points.iter().map(|(_, point)| *point).collect(),
-    };
     let options = FigureOptions {
         title: file.title.clone(),
         targets,
@@ -321,4 +339,14 @@ fn draw(path: &Path, answer: &Answer<'_>, model: &Model) -> Result<Vec<u8>, Fail
     let svg = robot_figure(&file.robot, &views, &options)
         .map_err(|error| files::plot_failure(path, &error))?;
     files::picture(&svg, path)
+}
+
+/// The points of a target.
+pub fn points(target: &Target) -> Vec<Vec3> {
+    match target {
+        Target::Tip(point) => vec![*point],
+        Target::Pose(Pose { position, .. }) => vec![*position],
+        Target::Axis { point, .. } => point.iter().copied().collect(),
+        Target::Shape(points) => points.iter().map(|(_, point)| *point).collect(),
+    }
 }

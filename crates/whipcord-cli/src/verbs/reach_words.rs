@@ -1,6 +1,6 @@
 //! Answers of `whipcord reach` in words.
 
-use whipcord::{Drive, UnitQuaternion, Vec3};
+use whipcord::{Drive, Robot, UnitQuaternion, Vec3};
 use whipcord_inverse::{Actuator, ReachStatus, SearchRange, Target};
 
 use super::reach::Answer;
@@ -148,17 +148,29 @@ fn error(answer: &Answer<'_>) -> String {
     parts.join(", ")
 }
 
-/// Each command with its number.
-fn commands(answer: &Answer<'_>) -> Vec<String> {
-    let robot = &answer.file.robot;
-    let of = |(actuator, value): (&Actuator, &f64)| match *actuator {
-        Actuator::Tension(cable) => format!("{} {}", robot.cables()[cable].name, newtons(*value)),
-        Actuator::Shortening(cable) => {
-            format!("{} shortened by {}", robot.cables()[cable].name, millimetres(*value))
+/// The name of what has a command, and the command.
+pub fn command(robot: &Robot, actuator: Actuator, value: f64) -> (&str, String) {
+    match actuator {
+        Actuator::Tension(cable) => {
+            // What rounding leaves of no tension is none.
+            let tension = if value.abs() < 1e-9 { 0.0 } else { value };
+            (&robot.cables()[cable].name, newtons(tension))
         }
+        Actuator::Shortening(cable) => (&robot.cables()[cable].name, millimetres(value)),
         Actuator::Motor(motor) => {
             let motor = &robot.motors()[motor];
-            format!("{} {}", motor.name, driven(motor.drive, *value))
+            (&motor.name, driven(motor.drive, value))
+        }
+    }
+}
+
+/// Each command with its number.
+fn commands(answer: &Answer<'_>) -> Vec<String> {
+    let of = |(actuator, value): (&Actuator, &f64)| {
+        let (name, words) = command(&answer.file.robot, *actuator, *value);
+        match actuator {
+            Actuator::Shortening(_) => format!("{name} shortened by {words}"),
+            Actuator::Tension(_) | Actuator::Motor(_) => format!("{name} {words}"),
         }
     };
     answer.solver.actuators().iter().zip(&answer.reached.commands).map(of).collect()
@@ -198,22 +210,15 @@ fn assumed(answer: &Answer<'_>) -> Option<String> {
     let ranges = answer.solver.search_ranges();
     let of = |searched: &SearchRange| {
         let ([least, greatest], [low, high]) = (searched.range, searched.assumed);
-        let said = |value: f64| match searched.actuator {
-            Actuator::Tension(_) => newtons(value),
-            Actuator::Shortening(_) => millimetres(value),
-            Actuator::Motor(motor) => driven(robot.motors()[motor].drive, value),
-        };
-        let name = match searched.actuator {
-            Actuator::Tension(cable) | Actuator::Shortening(cable) => &robot.cables()[cable].name,
-            Actuator::Motor(motor) => &robot.motors()[motor].name,
-        };
+        let said = |value: f64| command(robot, searched.actuator, value).1;
+        let (name, _) = command(robot, searched.actuator, 0.0);
         let words = match (low, high) {
             (false, false) => return None,
             (true, false) => format!("from {}", said(least)),
             (false, true) => format!("up to {}", said(greatest)),
             (true, true) => format!("from {} to {}", said(least), said(greatest)),
         };
-        Some((name.as_str(), words))
+        Some((name, words))
     };
     // What is assumed alike is said once.
     let mut groups: Vec<(Vec<&str>, String)> = Vec::new();

@@ -18,6 +18,7 @@ mod fit;
 mod hostile;
 mod measure;
 mod overlay;
+mod reach;
 mod reference;
 mod solve;
 mod start;

@@ -194,6 +194,8 @@ fn item(data: &Data, kind: &Kind) -> Item {
         {
             Item::Text(percent(*share))
         }
+        // And so does the rate of a force that may be a speed.
+        (Data::Number(rate, Dimension::ForceRate), _) => Item::Text(format!("{rate:?} N/s")),
         (Data::Number(value, _), _) => Item::Number(*value),
         (_, Kind::Either(kinds)) => match kinds.iter().find(|kind| fits(data, kind)) {
             Some(kind) => item(data, kind),

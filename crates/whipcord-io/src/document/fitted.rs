@@ -98,9 +98,9 @@ impl CaseFile {
         let cameras = cameras.take_while(|path| self.document().find(path).is_some());
         let meshes = (0..self.case.obstacles.len()).map(|k| format!("obstacles[{k}].file"));
         let meshes = meshes.filter(|path| self.document().find(path).is_some());
-        let files =
-            ["extends", "commands.table", "measured.disks", "measured.table", "target.shape"];
-        let files = files.map(str::to_owned).into_iter();
+        let files = ["extends", "commands.table", "measured.disks", "measured.table"];
+        let files = files.into_iter().chain(["target.shape", "target.path"]);
+        let files = files.map(str::to_owned);
         for path in files.chain(cameras).chain(meshes) {
             if let Some(Node { span, value: Value::Text(named) }) = self.document().find(&path)
                 && span.file == 0

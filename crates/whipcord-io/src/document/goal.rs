@@ -8,7 +8,7 @@ use super::{Item, Table};
 use crate::read::{CableBounds, Clearance, Goal};
 use crate::units::Dimension;
 
-/// Adds the tables `[target]`, `[limits]` and `[prefer]` to a file, and the limits of its cables: read again, it says the same. A shape is
+/// Adds the tables `[target]`, `[limits]` and `[prefer]` to a file, and the limits of its cables: read again, it says the same. A shape or a path is
 /// told by the name of its file.
 pub fn describe_goal(goal: &Goal, file: &mut Table) {
     if let Some((_, Item::List(cables))) =
@@ -21,6 +21,7 @@ pub fn describe_goal(goal: &Goal, file: &mut Table) {
         }
     }
     let mut target = Table::default();
+    let table = goal.table.as_ref().map(|path| path.display().to_string());
     match &goal.target {
         Some(Target::Tip(point)) => target.insert("tip", *point),
         Some(Target::Pose(pose)) => {
@@ -34,10 +35,8 @@ pub fn describe_goal(goal: &Goal, file: &mut Table) {
             target.insert_some("tip", *point);
             target.insert("axis", *direction);
         }
-        Some(Target::Shape(_)) => {
-            let table = goal.table.as_ref().map(|path| path.display().to_string());
-            target.insert_some("shape", table.as_deref());
-        }
+        Some(Target::Shape(_)) => target.insert_some("shape", table.as_deref()),
+        None if !goal.path.is_empty() => target.insert_some("path", table.as_deref()),
         None => {}
     }
     if !target.is_empty() {

@@ -20,7 +20,7 @@ pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
 pub use notices::{problems_json, warnings_json};
 pub use path::{Beside, answer_json};
-pub use reach::reach_json;
+pub use reach::{follow_json, reach_json};
 pub use stiffness::stiffness_json;
 
 /// A number that no output may hold: outputs are finite or there are none.

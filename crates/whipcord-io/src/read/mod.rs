@@ -22,7 +22,7 @@ pub(crate) use commands::{CommandedRobot, are_independent, read as commands};
 pub(crate) use disks::disks;
 pub(crate) use fit::fit;
 pub use fit::{Fit, parameter_path};
-pub use goal::{CableBounds, Clearance, Goal, RateMismatch, load_shape};
+pub use goal::{CableBounds, Clearance, Goal, RateMismatch, load_path, load_shape};
 pub(crate) use goal::{check_shortenings, goal};
 pub(crate) use loads::loads;
 pub(crate) use measured::{Extent, read as measured};

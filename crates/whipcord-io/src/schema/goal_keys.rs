@@ -41,6 +41,12 @@ pub(super) static TARGET: Table = Table {
             "CSV or Parquet file, relative to this one, with points for disks. Its columns are disk, the number from 1, the base disk, and x, y, z with a unit, as in `x [mm]`; in m without one. Disks that are not named may be anywhere.",
         ),
         key(
+            "path",
+            Kind::Text,
+            r#""path.csv""#,
+            "CSV or Parquet file, relative to this one, with points for the tip at times. Its columns are t, x, y, z with units, as in `x [mm]`; in s and m without one; for poses also qw, qx, qy, qz.",
+        ),
+        key(
             "tolerance",
             LENGTH,
             r#""0.1 mm""#,
@@ -54,10 +60,11 @@ pub(super) static TARGET: Table = Table {
         ),
     ],
     rules: &[
-        Rule::AtLeastOne(&["tip", "pose", "axis", "shape"]),
-        Rule::AtMostOne(&["tip", "pose", "shape"]),
+        Rule::AtLeastOne(&["tip", "pose", "axis", "shape", "path"]),
+        Rule::AtMostOne(&["tip", "pose", "shape", "path"]),
         Rule::AtMostOne(&["axis", "pose"]),
         Rule::AtMostOne(&["axis", "shape"]),
+        Rule::AtMostOne(&["axis", "path"]),
     ],
 };
 

@@ -1,10 +1,10 @@
 //! Targets and limits, read and written.
 
-use whipcord::{Shortening, Vec3};
-use whipcord_inverse::{Actuator, CableLimits, Preference, Target};
+use whipcord::{Shortening, UnitQuaternion, Vec3};
+use whipcord_inverse::{Actuator, CableLimits, PathPoint, Preference, Target};
 use whipcord_io::{
-    CaseFile, Clearance, Dimension, Goal, RateMismatch, describe, describe_goal, load, load_shape,
-    parse, toml,
+    CaseFile, Clearance, Dimension, Goal, RateMismatch, describe, describe_goal, load, load_path,
+    load_shape, parse, toml,
 };
 
 const ROBOT: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\n[disks]\ncount = 10\nhole_circle_radius = \"8 mm\"\nholes = 12\n[[cables]]\nname = \"left\"\nholes = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\ntension_limits = [1, \"9 N\"]\nshortening_limits = [\"-10 %\", \"10 %\"]\nrate_limit = \"2 N/s\"\n[[cables]]\nname = \"right\"\nholes = [7, 7, 7, 7, 7, 7, 7, 7, 7, 7]\n";
@@ -104,6 +104,39 @@ fn a_shape_is_read_from_a_table() {
     std::fs::create_dir(&below).unwrap();
     let text = file.with_numbers_of(&file.robot, &file.case, Vec3::ZERO, &below).unwrap();
     assert!(text.keeps_text && text.text.contains("shape = \"../shape.csv\""), "{}", text.text);
+}
+
+#[test]
+fn a_path_is_read_from_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).unwrap();
+        folder.path().join(name)
+    };
+    file("path.csv", "t [ms],x [mm],y [mm],z [mm]\n0,40,0,120\n500,0,0,180\n");
+    let robot = file("robot.toml", &format!("{ROBOT}[target]\npath = \"path.csv\"\n"));
+    let goal = load(robot).unwrap().goal;
+    let at =
+        |time, [x, y, z]: [f64; 3]| PathPoint { time, target: Target::Tip(Vec3::new(x, y, z)) };
+    assert_eq!(goal.path, [at(0.0, [0.04, 0.0, 0.12]), at(0.5, [0.0, 0.0, 0.18])]);
+    assert_eq!(goal.target, None);
+    let posed = file("posed.csv", "time,x,y,z,qw,qx,qy,qz\n1,0,0,0.1,2,0,0,0\n");
+    let points = load_path(&posed).unwrap();
+    assert!(
+        matches!(&points[0].target, Target::Pose(pose) if pose.rotation == UnitQuaternion::IDENTITY)
+    );
+    for (text, words) in [
+        ("", "the file has no rows"),
+        ("t,x,y\n0,0,0\n", "there is no column z"),
+        ("t,x,y,z,qw\n0,0,0,0,1\n", "there is no column `qx` beside the others"),
+        ("t,x,y,z,qw,qx,qy,qz\n0,0,0,0,0,0,0,0\n", "the orientation has no direction"),
+        ("t,x,y,z\n1,0,0,0\n0.5,0,0,0\n", "path.csv:3:1: error: the times do not ascend"),
+        ("t,x,y,z\n1,0,0,nan\n", "path.csv:2:7: error: this line has no `z`"),
+        ("t [mm],x,y,z\n1,0,0,0\n", "`mm` is no unit of a time"),
+    ] {
+        let error = load_path(&file("path.csv", text)).unwrap_err().to_string();
+        assert!(error.contains(words), "{text}{error}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use whipcord::robot::limits::{COORDINATE, FRACTION, LENGTH, Range, SPEED, TENSION};
 use whipcord::{Problem, Robot, Shortening, Vec3};
-use whipcord_inverse::{Actuator, CableLimits, Limits, Preference, Target, Tolerance};
+use whipcord_inverse::{Actuator, CableLimits, Limits, PathPoint, Preference, Target, Tolerance};
 
 use crate::check::{Data, Fields};
 use crate::error::{FileProblem, Problems};
@@ -16,14 +16,16 @@ use crate::schema::ANGLE_TOLERANCE;
 use crate::source::Sources;
 use crate::units::Dimension;
 
-pub use points::load_shape;
+pub use points::{load_path, load_shape};
 
 /// What is to be reached, within which limits.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Goal {
     /// What is to be reached.
     pub target: Option<Target>,
-    /// The file that a shape was read from.
+    /// Targets at times, one after the other, instead of one target.
+    pub path: Vec<PathPoint>,
+    /// The file that a shape or a path was read from.
     pub table: Option<PathBuf>,
     /// How far a point may be from its target in m.
     pub tolerance: Option<f64>,
@@ -133,6 +135,13 @@ pub(crate) fn goal(
             let path = sources.resolve(span.file, named);
             let points = points::shape(&path, Some(span), disks, sources, reader.problems);
             goal.target = points.map(Target::Shape);
+            goal.table = Some(path.canonicalize().unwrap_or(path));
+        }
+        if let Some(named) = table.text("path") {
+            let span = document.locate("target.path").span;
+            let path = sources.resolve(span.file, named);
+            let points = points::path(&path, Some(span), sources, reader.problems);
+            goal.path = points.unwrap_or_default();
             goal.table = Some(path.canonicalize().unwrap_or(path));
         }
     }

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use whipcord::Vec3;
 use whipcord::robot::limits::COORDINATE;
+use whipcord::{Pose, UnitQuaternion, Vec3};
+use whipcord_inverse::{PathPoint, Target};
 
 use crate::error::{FileError, FileProblem, Problems};
 use crate::read::table::{self, Grid, Row, Unit, problem, split_unit};
@@ -11,11 +12,47 @@ use crate::source::{Sources, Span, quoted};
 use crate::suggest;
 use crate::units::{Dimension, listed};
 
-/// What the first line of the file must be.
+/// What the first line of the file of a shape must be.
 const SHAPE: &str = "the first line names the columns: disk, x, y, z, each coordinate with its unit, as in `x [mm]`; then follows one line for each disk";
+/// The same for a path.
+const PATH: &str = "the first line names the columns: t, x, y, z, with units, as in `x [mm]`, and for poses also qw, qx, qy, qz; then follows one line for each point";
 
-/// The columns of a shape: the number of the disk, and its coordinates.
-const COLUMNS: [&str; 4] = ["disk", "x", "y", "z"];
+/// A kind of table.
+struct Kind {
+    what: &'static str,
+    header: &'static str,
+    columns: &'static [(&'static str, Dimension)],
+    /// How many of the columns, the first ones, must be there.
+    needed: usize,
+}
+
+const OF_SHAPE: Kind = Kind {
+    what: "a shape",
+    header: SHAPE,
+    columns: &[
+        ("disk", Dimension::Ratio),
+        ("x", Dimension::Length),
+        ("y", Dimension::Length),
+        ("z", Dimension::Length),
+    ],
+    needed: 4,
+};
+
+const OF_PATH: Kind = Kind {
+    what: "a path",
+    header: PATH,
+    columns: &[
+        ("t", Dimension::Time),
+        ("x", Dimension::Length),
+        ("y", Dimension::Length),
+        ("z", Dimension::Length),
+        ("qw", Dimension::Ratio),
+        ("qx", Dimension::Ratio),
+        ("qy", Dimension::Ratio),
+        ("qz", Dimension::Ratio),
+    ],
+    needed: 4,
+};
 
 /// The points of a shape in a file: numbers of disks from 0, and where they are to be in m.
 ///
@@ -29,7 +66,68 @@ pub fn load_shape(path: &Path, disks: usize) -> Result<Vec<(usize, Vec3)>, FileE
     }
 }
 
-/// The same of a file that another one may name at `named`, for a robot with so many disks where they are known.
+/// The points of a path in a file.
+///
+/// # Errors
+/// [`FileError`] with all that is wrong with it.
+pub fn load_path(path: &Path) -> Result<Vec<PathPoint>, FileError> {
+    let (mut sources, mut problems) = (Sources::default(), Problems::default());
+    match self::path(path, None, &mut sources, &mut problems) {
+        Some(points) if problems.is_empty() => Ok(points),
+        _ => Err(problems.into_error(sources)),
+    }
+}
+
+/// The points of a path in a file that another one may name at `named`.
+pub(super) fn path(
+    path: &Path,
+    named: Option<Span>,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Vec<PathPoint>> {
+    let grid = table::read(path, named, PATH, sources, problems)?;
+    let columns = columns(&grid, &OF_PATH, problems)?;
+    let has_turns = columns[4..].iter().any(Option::is_some);
+    if let Some(k) = (4..8).find(|k| has_turns && columns[*k].is_none()) {
+        let message = format!("there is no column `{}` beside the others", OF_PATH.columns[k].0);
+        problems.push(grid.header, || problem(message, PATH));
+        return None;
+    }
+    let mut points: Vec<PathPoint> = Vec::new();
+    for row in &grid.rows {
+        if problems.is_full() {
+            return None;
+        }
+        let mut number = |k: usize| {
+            let column = columns[k].as_ref()?;
+            value(row, column, OF_PATH.columns[k].0, problems)
+        };
+        let first = [0, 1, 2, 3].map(&mut number);
+        let turn = if has_turns { [4, 5, 6, 7].map(&mut number) } else { [None; 4] };
+        let [Some(time), Some(x), Some(y), Some(z)] = first else { continue };
+        let position = Vec3::new(x, y, z);
+        let target = match turn {
+            [Some(w), Some(x), Some(y), Some(z)] => {
+                let Some(rotation) = UnitQuaternion::from_wxyz([w, x, y, z]) else {
+                    let help = "give a quaternion (w, x, y, z) that is not zero";
+                    problems.push(row.span, || problem("the orientation has no direction", help));
+                    continue;
+                };
+                Target::Pose(Pose { position, rotation })
+            }
+            _ if has_turns => continue,
+            _ => Target::Tip(position),
+        };
+        if points.last().is_some_and(|before| before.time >= time) {
+            let help = "put the points in the order of their times, each time once";
+            problems.push(row.span, || problem("the times do not ascend", help));
+        }
+        points.push(PathPoint { time, target });
+    }
+    problems.is_empty().then_some(points)
+}
+
+/// The points of a shape in a file that another one may name at `named`, for a robot with so many disks where they are known.
 pub(super) fn shape(
     path: &Path,
     named: Option<Span>,
@@ -38,7 +136,10 @@ pub(super) fn shape(
     problems: &mut Problems,
 ) -> Option<Vec<(usize, Vec3)>> {
     let grid = table::read(path, named, SHAPE, sources, problems)?;
-    let [disk, axes @ ..] = columns(&grid, problems)?;
+    let [Some(disk), Some(x), Some(y), Some(z)] = &columns(&grid, &OF_SHAPE, problems)?[..] else {
+        return None;
+    };
+    let axes = [x, y, z];
     let mut points: Vec<(usize, Vec3)> = Vec::new();
     let mut spans: Vec<Span> = Vec::new();
     for row in &grid.rows {
@@ -46,7 +147,8 @@ pub(super) fn shape(
             return None;
         }
         let number = number_of_disk(row, disk.at, disks, problems);
-        let coordinates = [0, 1, 2].map(|k| coordinate(row, &axes[k], COLUMNS[k + 1], problems));
+        let coordinates =
+            [0, 1, 2].map(|k| value(row, axes[k], OF_SHAPE.columns[k + 1].0, problems));
         let (Some(number), [Some(x), Some(y), Some(z)]) = (number, coordinates) else { continue };
         if let Some(first) = points.iter().position(|(other, _)| *other == number) {
             let related = Some((spans[first], "it is first given here"));
@@ -67,24 +169,26 @@ struct Column {
     unit: Unit,
 }
 
-/// The columns in the order of their names; `None` where one is missing or unknown.
-fn columns(grid: &Grid, problems: &mut Problems) -> Option<[Column; 4]> {
-    let mut found: [Option<Column>; 4] = [const { None }; 4];
+/// The columns in the order of their names; `None` where one that is needed is missing, or one is unknown.
+fn columns(grid: &Grid, kind: &Kind, problems: &mut Problems) -> Option<Vec<Option<Column>>> {
+    let names = || kind.columns.iter().map(|(name, _)| *name);
+    let mut found: Vec<Option<Column>> = names().map(|_| None).collect();
     let mut is_refused = false;
     for (at, cell) in grid.columns.iter().enumerate() {
         let name = cell.value.text().unwrap_or_default();
         let (bare, unit) = split_unit(name);
-        let Some(k) = COLUMNS.iter().position(|known| bare.eq_ignore_ascii_case(known)) else {
-            let message = format!("there is no column `{}` in a shape", quoted(name));
+        let is = |known: &str| bare.eq_ignore_ascii_case(known) || (known == "t" && bare == "time");
+        let Some(k) = names().position(is) else {
+            let message = format!("there is no column `{}` in {}", quoted(name), kind.what);
             // A single letter or digit resembles every other one.
-            let near = suggest::nearest(bare, COLUMNS).filter(|_| bare.len() > 1);
-            let help =
-                near.map_or_else(|| SHAPE.to_owned(), |near| format!("did you mean `{near}`?"));
+            let near = suggest::nearest(bare, names()).filter(|_| bare.len() > 1);
+            let help = near
+                .map_or_else(|| kind.header.to_owned(), |near| format!("did you mean `{near}`?"));
             problems.push(cell.span, || problem(message, help));
             is_refused = true;
             continue;
         };
-        let dimension = if k == 0 { Dimension::Ratio } else { Dimension::Length };
+        let (name, dimension) = kind.columns[k];
         let unit = match unit {
             None => Ok(Unit::si(dimension)),
             Some(unit) => Unit::named(unit, &[dimension]),
@@ -95,21 +199,24 @@ fn columns(grid: &Grid, problems: &mut Problems) -> Option<[Column; 4]> {
                 is_refused = true;
             }
             Ok(_) if found[k].is_some() => {
-                let message = format!("the column `{}` is given twice", COLUMNS[k]);
+                let message = format!("the column `{name}` is given twice");
                 problems.push(cell.span, || problem(message, "leave out one of the two"));
                 is_refused = true;
             }
             Ok(unit) => found[k] = Some(Column { at, unit }),
         }
     }
-    let missing = COLUMNS.iter().zip(&found).filter(|(_, column)| column.is_none());
-    let missing: Vec<&str> = missing.map(|(name, _)| *name).collect();
-    if !missing.is_empty() && !is_refused {
-        let message = format!("there is no column {}", listed(missing, "and no column"));
-        problems.push(grid.header, || problem(message, SHAPE));
+    if is_refused {
+        return None;
     }
-    let [Some(disk), Some(x), Some(y), Some(z)] = found else { return None };
-    (!is_refused).then_some([disk, x, y, z])
+    let missing = names().zip(&found).take(kind.needed).filter(|(_, column)| column.is_none());
+    let missing: Vec<&str> = missing.map(|(name, _)| name).collect();
+    if !missing.is_empty() {
+        let message = format!("there is no column {}", listed(missing, "and no column"));
+        problems.push(grid.header, || problem(message, kind.header));
+        return None;
+    }
+    Some(found)
 }
 
 /// The number of a disk from 0.
@@ -142,8 +249,8 @@ fn number_of_disk(
     number.map(|number| number as usize - 1)
 }
 
-/// A coordinate in m.
-fn coordinate(row: &Row, column: &Column, name: &str, problems: &mut Problems) -> Option<f64> {
+/// A number in SI.
+fn value(row: &Row, column: &Column, name: &str, problems: &mut Problems) -> Option<f64> {
     let cell = &row.cells[column.at];
     let text = cell.value.text().unwrap_or_default();
     let Some(value) = column.unit.in_si(text) else {
@@ -151,7 +258,7 @@ fn coordinate(row: &Row, column: &Column, name: &str, problems: &mut Problems) -
             "" => format!("this line has no `{name}`"),
             _ => format!("`{}` is not a finite number", quoted(text)),
         };
-        let help = "write plain numbers with a decimal point; the unit is given in the first line, as in `x [mm]`; leave out disks that may be anywhere";
+        let help = "write plain numbers with a decimal point; the unit is given in the first line, as in `x [mm]`; leave out lines without a number";
         problems.push(cell.span, || problem(message, help));
         return None;
     };
