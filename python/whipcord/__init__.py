@@ -55,6 +55,7 @@ from .obstacles import Obstacle
 from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
+from .reaching import Followed, Jump, Limits, ReachBatch, Reached
 from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
 from .scoring import CaseScore, Measures, ModelScore, RowScore, Score, score
 from .solution import (
@@ -115,11 +116,14 @@ __all__ = [
     "Finding",
     "Fit",
     "FitError",
+    "Followed",
     "Gradient",
     "Gradients",
     "Grasp",
     "HeldOut",
     "InputError",
+    "Jump",
+    "Limits",
     "Loads",
     "Located",
     "Marks",
@@ -142,6 +146,8 @@ __all__ = [
     "PointMass",
     "PointsInSpace",
     "Profile",
+    "ReachBatch",
+    "Reached",
     "Reference",
     "Robot",
     "Routing",

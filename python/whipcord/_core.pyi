@@ -32,6 +32,7 @@ __all__ = [
     "distances",
     "examples",
     "fit",
+    "follow",
     "in_space",
     "locate_orthographic",
     "main",
@@ -42,6 +43,8 @@ __all__ = [
     "picture",
     "points_csv",
     "pull_back_batch",
+    "reach",
+    "reach_batch",
     "score",
     "solve_batch",
     "solve_cases",
@@ -57,6 +60,29 @@ VERSION: str
 
 def main(arguments: list[str]) -> int: ...
 def examples() -> list[tuple[str, bytes]]: ...
+def reach(
+    setup: Setup,
+    model: Model,
+    asked: dict[str, Any],
+    shape: list[tuple[int, list[float]]] | None,
+) -> tuple[Solution, dict[str, Any]]: ...
+def reach_batch(
+    setup: Setup,
+    model: Model,
+    asked: dict[str, Any],
+    rows: _Array,
+    threads: int | None,
+    nearest: bool,
+    progress: Callable[[int], None] | None,
+) -> dict[str, Any]: ...
+def follow(
+    setup: Setup,
+    model: Model,
+    asked: dict[str, Any],
+    rows: _Array | None,
+    times: list[float],
+    nearest: bool,
+) -> dict[str, Any]: ...
 def parse_quantity(text: str, dimension: str) -> float: ...
 def table_in_si(name: str, table: dict[str, Any]) -> dict[str, Any]: ...
 def materials() -> list[dict[str, Any]]: ...
@@ -267,6 +293,7 @@ class Setup:
     def disks(self) -> list[float]: ...
     def base(self) -> list[float]: ...
     def beside(self, other: Setup, measured: bool, reference: bool) -> Setup: ...
+    def beside_goal(self, other: Setup) -> Setup: ...
     def with_measured(self, measured: dict[str, Any]) -> Setup: ...
     def stations(self, model: Model) -> _Array: ...
     def solve(

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy.typing as npt
 
-from . import _core, models
-from ._commands import Commands, commanded, metres, paths, shortening_for
+from . import _core, models, reaching
+from ._commands import Commands, commanded, metres, paths, shortening_for, whole
 from ._description import Description
 from ._suggest import suggests
 from ._tables import Quantity
 from .batch import Batch, Gradients, pull_back_batch, solve_batch
 from .derivatives import Derivatives, Place
+from .errors import InputError
 from .models import ModelLike, StationsLike
+from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
 from .solution import Branches, Solution, begun
 from .viewing import HEIGHT, Viewer, view
 from .warning import distinct, tell
@@ -325,6 +328,196 @@ class Case(Description):
         return pull_back_batch(
             self, chosen, tension, shortening, motors, paths(parameters), weights, threads, progress
         )
+
+    @suggests
+    def reach(
+        self,
+        *,
+        tip: Sequence[Quantity] | npt.ArrayLike | None = None,
+        pose: PoseLike | None = None,
+        axis: npt.ArrayLike | None = None,
+        shape: npt.ArrayLike | None = None,
+        limits: Limits | Mapping[str, Any] | None = None,
+        least: str | None = None,
+        clearance: Quantity | None = None,
+        tolerance: Quantity | None = None,
+        tolerance_angle: Quantity | None = None,
+        by: str | None = None,
+        model: ModelLike = "cosserat",
+        starts: int = 32,
+        prove: bool = False,
+        timeout: float | None = None,
+    ) -> Reached:
+        """Commands that bring the robot to a target; by default to that of ``[target]`` of the file.
+
+        Parameters
+        ----------
+        tip
+            (3,) point for the tip in m, or texts with units.
+        pose
+            Position and orientation of the tip: a pair of a point and a quaternion (w, x, y, z), or a dict as
+            ``[target.pose]`` of a robot file.
+        axis
+            (3,) direction of the backbone at the tip, of any length; alone or with `tip`.
+        shape
+            (n, 3) points for the disks in m; a row of NaN for a disk that may be anywhere.
+        limits
+            Limits of all cables, instead of ``[limits]`` of the file. Limits of single cables and motors are those of the
+            file.
+        least
+            Which of several answers is given: that with the least ``"tension"`` (default), the least ``"change"`` of the
+            commands of this case, or the most ``"clearance"`` from obstacles.
+        clearance
+            Least distance from obstacles in m, 0 by default; ``"touch"`` where the robot may touch them.
+        tolerance
+            How far a point may be from its target in m; by default 1e-5 of the length of the backbone.
+        tolerance_angle
+            How far a direction may be from its target in rad.
+        by
+            Which commands are sought: ``"tensions"``, ``"lengths"`` or ``"motors"``; by default those of this case.
+        model
+            As for :meth:`solve`.
+        starts
+            Shapes from which the iteration may start, after the commands of this case.
+        prove
+            Whether to try to prove that a target cannot be reached, where it is not.
+        timeout
+            Seconds after which the search is ended; by default as long as it takes.
+
+        Returns
+        -------
+        Reached
+            Where it is not ``ok`` the target is not reached, and the commands are the nearest that were found.
+
+        Examples
+        --------
+        >>> case = load("examples/three-cable-segment.toml")
+        >>> answer = case.reach(tip=["20 mm", 0, "117.5 mm"], limits={"tension": [0, "40 N"]})
+        >>> answer.ok, answer.error < 2e-6
+        (True, True)
+        >>> case.reach(tip=[0, 0, 0.2]).status
+        'nearest'
+        """
+        disks = len(self._setup.disks())
+        points = reaching.shape_of(shape, disks)
+        target = reaching.target_of(tip, pose, axis)
+        if points is not None and target is not None:
+            given = ", ".join(target)
+            raise InputError(f"shape and {given} are both given: leave out one of them", path="shape")
+        asked = reaching.asked(by, whole(starts, "starts"), prove, tolerance, tolerance_angle)
+        chosen = models.core(model, timeout=timeout)
+        setup = reaching.with_goal(self, target, limits, least, clearance)
+        answer = reaching.reached(self, chosen, _core.reach(setup, chosen, asked, points))
+        tell(answer.solution.warnings)
+        return answer
+
+    @suggests
+    def reach_batch(
+        self,
+        targets: npt.ArrayLike,
+        *,
+        limits: Limits | Mapping[str, Any] | None = None,
+        least: str | None = None,
+        clearance: Quantity | None = None,
+        tolerance: Quantity | None = None,
+        tolerance_angle: Quantity | None = None,
+        by: str | None = None,
+        model: ModelLike = "cosserat",
+        starts: int = 32,
+        prove: bool = False,
+        nearest: bool = False,
+        threads: int | None = None,
+        progress: bool = False,
+        timeout: float | None = None,
+    ) -> ReachBatch:
+        """Commands for many targets, each by itself.
+
+        Parameters
+        ----------
+        targets
+            (N, 3) points for the tip in m, or (N, 7) points with quaternions (w, x, y, z).
+        limits, least, clearance, tolerance, tolerance_angle, by, model, starts, prove
+            As for :meth:`reach`.
+        nearest
+            Whether rows whose target is not reached have the nearest commands that were found, instead of NaN.
+        threads
+            How many threads share the rows; by default one for each processor. The answers are the same.
+        progress
+            Whether to show a bar (needs the package tqdm).
+        timeout
+            Seconds after which the batch ends; rows that are not done by then have the status ``"failed"``.
+
+        Returns
+        -------
+        ReachBatch
+            Arrays with a row for each target, and the status of each.
+
+        Examples
+        --------
+        >>> case = load("examples/two-segment-arm.toml")
+        >>> batch = case.reach_batch([[0.05, 0.0, 0.29], [0.0, 0.0, 0.5]])
+        >>> batch.status.tolist()
+        ['reached', 'nearest']
+        >>> batch.tension.shape
+        (2, 6)
+        """
+        asked = reaching.asked(by, whole(starts, "starts"), prove, tolerance, tolerance_angle)
+        chosen = models.core(model, timeout=timeout)
+        setup = reaching.with_goal(self, None, limits, least, clearance)
+        return reaching.reach_batch(setup, chosen, asked, targets, threads, nearest, progress)
+
+    @suggests
+    def follow(
+        self,
+        path: npt.ArrayLike | None = None,
+        time: npt.ArrayLike | None = None,
+        *,
+        limits: Limits | Mapping[str, Any] | None = None,
+        least: str | None = None,
+        clearance: Quantity | None = None,
+        tolerance: Quantity | None = None,
+        tolerance_angle: Quantity | None = None,
+        by: str | None = None,
+        model: ModelLike = "cosserat",
+        starts: int = 32,
+        nearest: bool = False,
+        timeout: float | None = None,
+    ) -> Followed:
+        """Commands along a path of targets at times, each from those of the point before and within the limits of the
+        rates; by default along that of ``[target]`` of the file.
+
+        Parameters
+        ----------
+        path
+            (N, 3) points for the tip in m, or (N, 7) points with quaternions (w, x, y, z).
+        time
+            (N,) time of each point in s, ascending.
+        limits, least, clearance, tolerance, tolerance_angle, by, model, starts
+            As for :meth:`reach`.
+        nearest
+            Whether points that are not reached have the nearest commands that were found, instead of NaN.
+        timeout
+            Seconds after which the search is ended; by default as long as it takes.
+
+        Returns
+        -------
+        Followed
+            Arrays with a row for each point, and the places where the robot does not move smoothly.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> case = load("examples/two-segment-arm.toml")
+        >>> turn = np.linspace(0, 2 * np.pi, 9)
+        >>> circle = np.c_[0.04 * np.cos(turn), 0.04 * np.sin(turn), np.full(9, 0.29)]
+        >>> followed = case.follow(circle, 0.5 * np.arange(9))
+        >>> bool(followed.ok.all()), len(followed.jumps)
+        (True, 0)
+        """
+        asked = reaching.asked(by, whole(starts, "starts"), False, tolerance, tolerance_angle)
+        chosen = models.core(model, timeout=timeout)
+        setup = reaching.with_goal(self, None, limits, least, clearance)
+        return reaching.follow(setup, chosen, asked, path, time, nearest)
 
     @suggests
     def differentiate(

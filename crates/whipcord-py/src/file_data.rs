@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whipcord_io::{CaseFile, Fit, Measured, Reference};
+use whipcord_io::{CaseFile, Fit, Goal, Measured, Reference};
 
 use crate::notice::{Notice, notices};
 
@@ -14,6 +14,8 @@ pub struct FileData {
     pub measured: Option<Arc<Measured>>,
     pub reference: Option<Arc<Reference>>,
     pub fit: Option<Fit>,
+    /// What is to be reached, and within which limits.
+    pub goal: Goal,
     /// The file itself, of what was loaded from one and not changed.
     pub file: Option<Arc<CaseFile>>,
     /// Warnings about the file; `None` if robot and case do not come from a file.
@@ -26,6 +28,7 @@ impl FileData {
             measured: file.measured.clone().map(Arc::new),
             reference: file.reference.clone().map(Arc::new),
             fit: file.fit.clone(),
+            goal: file.goal.clone(),
             file: None,
             notices: Some(Arc::new(notices(file, has_units))),
         }

@@ -20,6 +20,7 @@ mod object_state;
 mod overlay;
 mod photo;
 mod prepared;
+mod reach;
 mod score;
 mod setup;
 mod solution;
@@ -73,6 +74,8 @@ mod _core {
     use super::overlay::overlay;
     #[pymodule_export]
     use super::photo::{Photo, marks_csv, picture};
+    #[pymodule_export]
+    use super::reach::{follow, reach, reach_batch};
     #[pymodule_export]
     use super::score::{Scored, score};
     #[pymodule_export]

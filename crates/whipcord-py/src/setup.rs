@@ -13,7 +13,7 @@ use whipcord::{
     Actuation, BranchOptions, CableCommand, Case, CriticalKind, Differentiable, ModelKind,
     Parameter, Prepared, Robot, Shortening, SolveError, Statics, Warning,
 };
-use whipcord_io::CaseFile;
+use whipcord_io::{CaseFile, Goal};
 
 use crate::convert::{self, array, commands};
 use crate::errors;
@@ -102,6 +102,11 @@ impl Setup {
         Ok(Arc::new(driven.map_err(|error| errors::robot(given.py(), &error))?))
     }
 
+    /// How many disks an answer has.
+    pub fn station_disks(&self) -> usize {
+        self.robot.disks().count()
+    }
+
     /// Arc lengths in m at which a model gives the shape.
     pub fn station_list(&self, py: Python<'_>, model: &Model) -> PyResult<Vec<f64>> {
         let stations = self.with(&model.inner, |prepared| Ok(prepared.stations().to_vec()));
@@ -155,6 +160,11 @@ impl Setup {
         let table = whipcord_io::describe(title, &self.robot, &self.case);
         let mut table = table.map_err(|error| errors::input(py, "case", error.to_string()))?;
         table.insert_some("fit", self.file_data.fit.as_ref().map(whipcord_io::describe_fit));
+        // A shape or a path is in a file of its own, which need not be where the text goes.
+        let is_here = self.file_data.goal.table.is_none();
+        let target = self.file_data.goal.target.clone().filter(|_| is_here);
+        let goal = Goal { target, path: Vec::new(), ..self.file_data.goal.clone() };
+        whipcord_io::describe_goal(&goal, &mut table);
         convert::from_table(py, &table)
     }
 
@@ -221,11 +231,33 @@ impl Setup {
             measured: of.measured.clone().filter(|_| measured),
             reference: of.reference.clone().filter(|_| reference),
             fit: of.fit.clone(),
+            goal: Goal {
+                // Limits of single cables are those of the same cables.
+                own: if self.robot.cables().len() == other.robot.cables().len() {
+                    of.goal.own.clone()
+                } else {
+                    Vec::new()
+                },
+                ..of.goal.clone()
+            },
             file: None,
             notices: self.file_data.notices.clone(),
         };
         let setup = Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&self.case));
         Self { file_data, ..setup }
+    }
+
+    /// The same, with what another one is to reach, and within which limits.
+    fn beside_goal(&self, other: &Self) -> Self {
+        let goal = other.file_data.goal.clone();
+        let (path, table) = (self.file_data.goal.path.clone(), self.file_data.goal.table.clone());
+        // The tables of a case have no files.
+        let goal = match goal.target {
+            Some(_) => goal,
+            None => Goal { target: self.file_data.goal.target.clone(), path, table, ..goal },
+        };
+        let setup = Self::new(self.title.clone(), self.robot.clone(), Arc::clone(&self.case));
+        Self { file_data: FileData { goal, ..self.file_data.clone() }, ..setup }
     }
 
     /// The same, with the measurement of these values, which are those that `measured` has given.
