@@ -22,6 +22,11 @@ const WATCHED: usize = 80;
 /// answer is lost on them more find it.
 const CONTACT_STEPS: [usize; 2] = [10, 96];
 
+/// What a tension of a passage adds to the effort of an iteration, and the cube of their number.
+const RUBBING_EFFORT: [f64; 2] = [0.003, 3e-7];
+/// What a solve may spend where cables rub.
+const RUBBING_BUDGET: f64 = 2000.0;
+
 /// What `solve` finds on few steps, no fewer than the loads need, or on more where that is no answer; it is given how many there
 /// are.
 pub(crate) fn on_few_steps_or_more<T>(
@@ -79,6 +84,9 @@ pub(crate) trait ContactRod: Default {
 
     /// How many steps it has from base to tip.
     fn steps(&self) -> usize;
+
+    /// How many tensions the dense equations of its holes have, where cables rub.
+    fn rubbing_tensions(&self) -> usize;
 
     /// What is left of its equations.
     fn gap(&self) -> f64;
@@ -297,10 +305,15 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
 
     fn effort(&self) -> f64 {
         // To look at a watched place costs a tenth of a step.
-        (self.found.steps() as f64 + 0.1 * self.watched.len() as f64) / 100.0
+        let steps = (self.found.steps() as f64 + 0.1 * self.watched.len() as f64) / 100.0;
+        let tensions = self.found.rubbing_tensions() as f64;
+        steps + RUBBING_EFFORT[0] * tensions + RUBBING_EFFORT[1] * tensions.powi(3)
     }
 
     fn budget(&self) -> f64 {
+        if self.rubs {
+            return RUBBING_BUDGET;
+        }
         if self.steps < CONTACT_STEPS[1] { 700.0 } else { 1500.0 }
     }
 

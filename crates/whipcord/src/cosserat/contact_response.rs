@@ -505,6 +505,10 @@ impl ContactRod for ContactResponse {
         !negative.unwrap_or(false)
     }
 
+    fn rubbing_tensions(&self) -> usize {
+        if self.has_history() { self.holes.tensions().len() } else { 0 }
+    }
+
     fn has_history(&self) -> bool {
         self.contact_grid.as_ref().is_some_and(|contact_grid| contact_grid.friction.is_some())
     }

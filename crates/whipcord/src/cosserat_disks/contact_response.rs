@@ -544,6 +544,10 @@ impl ContactRod for ContactResponse {
         negative == odd
     }
 
+    fn rubbing_tensions(&self) -> usize {
+        if self.has_history() { self.holes.tensions().len() } else { 0 }
+    }
+
     fn has_history(&self) -> bool {
         self.contact_mesh.as_ref().is_some_and(|contact_mesh| contact_mesh.model.has_friction())
     }

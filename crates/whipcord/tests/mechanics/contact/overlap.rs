@@ -523,14 +523,40 @@ const MODELS: [(&str, Solve); 9] = [
 #[test]
 #[ignore = "a study, which takes an hour"]
 fn study_of_outcomes() {
+    outcomes_of(&MODELS, "0..1000");
+}
+
+/// The same of robots whose cables rub in their holes.
+#[test]
+#[ignore = "a study: minutes"]
+fn study_of_outcomes_with_friction_at_holes() {
+    outcomes_of(&RUBBING, "0..60");
+}
+
+fn rubbing(robot: &Robot) -> Robot {
+    let rub = |cable: &Cable| Cable { friction: Some(0.2), ..cable.clone() };
+    let cables = robot.cables().iter().map(rub).collect();
+    Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap()
+}
+
+const RUBBING: [(&str, Solve); 6] = [
+    ("cosserat, rubbing", |robot, case| by_tension(&rubbing(robot), case)),
+    ("cosserat-disks, rubbing", |robot, case| disks_by_tension(&rubbing(robot), case)),
+    ("arcs, rubbing, by tension", |robot, case| arcs_by_tension(&rubbing(robot), case)),
+    ("arcs, rubbing, by length", |robot, case| arcs_by_length(&rubbing(robot), case)),
+    ("rigid bodies, rubbing", |robot, case| bodies_by_tension(&rubbing(robot), case)),
+    ("four-bar, rubbing", |robot, case| four_bar(&rubbing(robot), case)),
+];
+
+fn outcomes_of(models: &[(&str, Solve)], robots: &str) {
     let range = |text: &str| match text.split_once("..") {
         Some((first, end)) => first.parse().unwrap()..end.parse().unwrap(),
         None => text.parse().map(|number: usize| number..number + 1).unwrap(),
     };
-    let chosen = std::env::var("ROBOTS").unwrap_or_else(|_| "0..1000".to_owned());
+    let chosen = std::env::var("ROBOTS").unwrap_or_else(|_| robots.to_owned());
     let robots: Vec<Range<usize>> = chosen.split(',').map(range).collect();
     let chosen = std::env::var("MODEL").unwrap_or_default();
-    for (name, solve) in MODELS.iter().filter(|(name, _)| name.starts_with(&chosen)) {
+    for (name, solve) in models.iter().filter(|(name, _)| name.starts_with(&chosen)) {
         Outcomes::of(*solve, &robots, true).tell(name);
     }
 }
