@@ -151,7 +151,8 @@ class ReachBatch:
     @property
     def ok(self) -> npt.NDArray[np.bool_]:
         """(N,) whether the target of a row is reached."""
-        return self.status == "reached"
+        found: npt.NDArray[np.bool_] = self.status == "reached"
+        return found
 
     def __len__(self) -> int:
         return len(self.status)
@@ -280,13 +281,11 @@ def shape_of(shape: npt.ArrayLike | None, disks: int) -> list[tuple[int, list[fl
 
 def reached(case: Case, model: _core.Model, found: tuple[_core.Solution, dict[str, Any]]) -> Reached:
     answer, values = found
-    return Reached(
-        solution=Solution._of(case, model, answer, None),
-        **{
-            key: tuple(value) if key in ("actuators", "motors", "active_limits") else value
-            for key, value in values.items()
-        },
-    )
+    lists = ("actuators", "motors", "active_limits")
+    fields: dict[str, Any] = {
+        key: tuple(value) if key in lists else value for key, value in values.items()
+    }
+    return Reached(solution=Solution._of(case, model, answer, None), **fields)
 
 
 def _arrays(values: dict[str, Any]) -> dict[str, Any]:
