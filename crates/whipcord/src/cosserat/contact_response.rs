@@ -541,6 +541,10 @@ impl ContactRod for ContactResponse {
     /// Halves the steps if the answer is not yet known to the tolerance; `false` if it is, or if the steps
     /// are given.
     fn refine(&mut self, case: &Case, accuracy: Accuracy) -> Result<bool, SolveError> {
+        if self.has_history() {
+            // What the holes remember belongs to these steps.
+            return Ok(false);
+        }
         let (Accuracy::Tolerance(tolerance), Some(contact_grid)) = (accuracy, &self.contact_grid)
         else {
             return Ok(false);
