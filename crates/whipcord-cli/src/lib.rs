@@ -29,7 +29,7 @@ use clap::{Parser, Subcommand};
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
     bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure,
-    measure_stereo, new, overlay, reach, schema, score, solve, stiffness, view,
+    measure_stereo, new, overlay, reach, schema, score, solve, stiffness, view, workspace,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -50,6 +50,7 @@ struct Cli {
 enum Verb {
     Solve(solve::SolveArgs),
     Reach(Box<reach::ReachArgs>),
+    Workspace(workspace::WorkspaceArgs),
     Stiffness(stiffness::StiffnessArgs),
     Compare(compare::CompareArgs),
     Score(score::ScoreArgs),
@@ -76,6 +77,7 @@ impl Verb {
         match self {
             Self::Solve(_) => ("solve", INTERACTIVE),
             Self::Reach(_) => ("reach", INTERACTIVE),
+            Self::Workspace(_) => ("workspace", Limit::None),
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
             Self::Compare(_) => ("compare", Limit::None),
@@ -130,6 +132,7 @@ where
     let outcome = match verb {
         Verb::Solve(args) => solve::run(&args, style),
         Verb::Reach(args) => reach::run(&args, style),
+        Verb::Workspace(args) => workspace::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Score(args) => score::run(&args, style),

@@ -16,19 +16,27 @@ use crate::target::{Target, Tolerance};
 /// How a workspace is surveyed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkspaceOptions {
-    /// Edge of a voxel in m; `None` is a fortieth of the length.
+    /// Edge of a voxel in m; `None` is a twenty-fifth of the length.
     pub voxel: Option<f64>,
     /// Shapes that are solved before the survey grows from them.
     pub shapes: usize,
     /// Solves that the growth may spend.
     pub solves: usize,
+    /// Whether the stiffness of the tip is computed for each voxel.
+    pub has_stiffness: bool,
     /// Least distance from obstacles in m; `None` lets the robot touch them.
     pub clearance: Option<f64>,
 }
 
 impl Default for WorkspaceOptions {
     fn default() -> Self {
-        Self { voxel: None, shapes: 100_000, solves: 400_000, clearance: Some(0.0) }
+        Self {
+            voxel: None,
+            shapes: 100_000,
+            solves: 400_000,
+            has_stiffness: true,
+            clearance: Some(0.0),
+        }
     }
 }
 
@@ -107,7 +115,7 @@ impl InverseSolver {
     /// positive or so small that the workspace has too many.
     pub fn workspace(&mut self, options: &WorkspaceOptions) -> Result<Workspace, InverseError> {
         let length = self.forward().robot().backbone().length;
-        let voxel = options.voxel.unwrap_or(length / 40.0);
+        let voxel = options.voxel.unwrap_or(length / 25.0);
         // Beyond this, indices and memory are exhausted.
         if !voxel.is_finite() || voxel <= 0.0 || length / voxel > 1e3 {
             return Err(InverseError::Voxel { voxel, least: 1e-3 * length });
@@ -126,6 +134,7 @@ impl InverseSolver {
             boundary: Vec::new(),
             first_solve: self.forward().solves,
             solves: options.solves,
+            has_stiffness: options.has_stiffness,
         };
         survey.mark_shapes(self, options.shapes)?;
         let is_complete = survey.grow(self)?;
@@ -140,6 +149,7 @@ struct Survey {
     boundary: Vec<BoundaryPoint>,
     first_solve: usize,
     solves: usize,
+    has_stiffness: bool,
 }
 
 impl Survey {
@@ -197,7 +207,10 @@ impl Survey {
     /// Whether it came to that.
     fn grow(&mut self, solver: &mut InverseSolver) -> Result<bool, InverseError> {
         let mut asked: BTreeSet<[i32; 3]> = BTreeSet::new();
-        let mut queue: VecDeque<[i32; 3]> = self.found.keys().copied().collect();
+        // Spread over the workspace, so that what is left when the solves are spent is not one side of it.
+        let mut keys: Vec<[i32; 3]> = self.found.keys().copied().collect();
+        keys.sort_by_key(|index| scrambled(*index));
+        let mut queue = VecDeque::from(keys);
         let beside = |[x, y, z]: [i32; 3]| NEIGHBOURS.map(|[a, b, c]| [x + a, y + b, z + c]);
         while let Some(from) = queue.pop_front() {
             let neighbours = beside(from);
@@ -263,7 +276,7 @@ impl Survey {
             })
             .collect();
         for ((index, found), surrounded) in self.found.iter().zip(surrounded) {
-            match solver.cell(*index, &found.unknowns, found.is_full || surrounded) {
+            match solver.cell(*index, found, surrounded, self.has_stiffness) {
                 Ok(cell) => cells.push(cell),
                 Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
                 Err(_) => {}
@@ -298,9 +311,11 @@ impl InverseSolver {
     fn cell(
         &mut self,
         index: [i32; 3],
-        unknowns: &[f64],
-        is_full: bool,
+        found: &Found,
+        is_surrounded: bool,
+        has_stiffness: bool,
     ) -> Result<Cell, SolveError> {
+        let unknowns = &found.unknowns;
         let scales = self.forward().scales.clone();
         let evaluation = self.forward_mut().evaluate(unknowns, &[Place::Tip], None)?;
         let columns: Vec<Twist> = evaluation
@@ -312,7 +327,11 @@ impl InverseSolver {
                 angular: motions[0].angular * *scale,
             })
             .collect();
-        let stiffness = self.forward_mut().tip_compliance(&evaluation.solution).map(|compliance| {
+        let compliance = match has_stiffness {
+            true => self.forward_mut().tip_compliance(&evaluation.solution),
+            false => None,
+        };
+        let stiffness = compliance.map(|compliance| {
             let of = principal_axes(&compliance).values;
             [1.0 / of[2].max(of[0]), 1.0 / of[0].min(of[2])]
         });
@@ -323,11 +342,19 @@ impl InverseSolver {
             tip: pose.position,
             axis: pose.rotation.rotate(Vec3::Z),
             commands,
-            is_full,
+            is_full: found.is_full || is_surrounded,
             dexterity: dexterity(&columns),
             stiffness: stiffness.filter(|of| of.iter().all(|k| k.is_finite() && *k > 0.0)),
         })
     }
+}
+
+/// A number without an order for each voxel.
+fn scrambled([x, y, z]: [i32; 3]) -> u64 {
+    let mix = |state: u64, i: i32| {
+        (state ^ u64::from(i.cast_unsigned())).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
+    };
+    mix(mix(mix(0, x), y), z)
 }
 
 /// Dimension and measure: directions in which the commands of a half turn move the tip by less than a voxel do not count.

@@ -41,6 +41,7 @@ mod ticks;
 mod timing;
 mod title;
 mod unit;
+mod workspace_figure;
 
 pub use accuracy::{AccuracySeries, accuracy_chart};
 pub use acting::Acting;
@@ -60,3 +61,4 @@ pub use robot_figure::{
     CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, label, robot_figure,
 };
 pub use timing::{TimingSeries, timing_chart};
+pub use workspace_figure::{WorkspaceFigure, workspace_figure};

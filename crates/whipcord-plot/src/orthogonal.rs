@@ -30,6 +30,9 @@ const SLIMMEST: f64 = 0.3;
 /// Room around the robot relative to its largest extent.
 const ROOM: f64 = 0.03;
 
+/// Upper left corner and size of a view in px.
+pub(crate) type Frame = (Point, Point);
+
 /// Where the views lie.
 pub(crate) struct Plan {
     /// Range of x, y and z in m.
@@ -98,18 +101,38 @@ impl Plan {
         self.bottom() - self.second_row()
     }
 
-    /// Draws the views.
+    /// Draws the views of a robot.
     pub fn draw(&self, svg: &mut Svg, drawn: &Drawn<'_>) {
+        self.draw_views(svg, |svg, view, axes, frame| {
+            let name = axes.map(|a| ["x", "y", "z"][a]).concat();
+            drawn.draw(svg, view, (&name, frame.0, frame.1), 3.0);
+            drawn.loads.draw_gravity_in(svg, view, frame, &drawn.points);
+        });
+    }
+
+    /// Draws the axes of the views, and in each what `contents` draws: it gets the projection, the numbers of the axes to the right and
+    /// upwards, and the frame of the view.
+    pub fn draw_views(
+        &self,
+        svg: &mut Svg,
+        contents: impl Fn(&mut Svg, &Projection, [usize; 2], Frame),
+    ) {
         let first = [self.at[0] + self.margin, self.at[1]];
         let side = [self.second_column(), self.at[1]];
         let top = [self.at[0] + self.margin, self.second_row()];
         // Seen from −y, from +x, and from +z: each right-handed.
         for (corner, axes) in [(first, [0, 2]), (side, [1, 2]), (top, [0, 1])] {
-            self.draw_view(svg, corner, axes, drawn);
+            self.draw_view(svg, corner, axes, &contents);
         }
     }
 
-    fn draw_view(&self, svg: &mut Svg, [left, top]: Point, axes: [usize; 2], drawn: &Drawn<'_>) {
+    fn draw_view(
+        &self,
+        svg: &mut Svg,
+        [left, top]: Point,
+        axes: [usize; 2],
+        contents: &impl Fn(&mut Svg, &Projection, [usize; 2], Frame),
+    ) {
         let unit = [Vec3::X, Vec3::Y, Vec3::Z];
         let [[x0, _], [y0, _]] = axes.map(|a| self.ranges[a]);
         let [width, height] = axes.map(|a| self.length(a));
@@ -118,9 +141,7 @@ impl Plan {
         svg.open("view");
         let frame = ([left, top], [width, height]);
         self.draw_axes(svg, frame, axes, origin);
-        let name = axes.map(|a| ["x", "y", "z"][a]).concat();
-        drawn.draw(svg, &view, (&name, frame.0, frame.1), 3.0);
-        drawn.loads.draw_gravity_in(svg, &view, frame, &drawn.points);
+        contents(svg, &view, axes, frame);
         svg.close();
     }
 

@@ -21,3 +21,4 @@ pub mod score;
 pub mod solve;
 pub mod stiffness;
 pub mod view;
+pub mod workspace;

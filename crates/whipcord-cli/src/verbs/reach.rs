@@ -106,7 +106,7 @@ fn starts_parser() -> RangedU64ValueParser<usize> {
 
 /// Which commands are sought.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum By {
+pub enum By {
     /// Tensions of all cables
     Tensions,
     /// Shortenings of all cables
@@ -176,7 +176,7 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
         .with_stability(StabilityAnalysis::Eigenvalue)
         .with_tolerance((0.1 * tolerance.position / length).clamp(1e-12, 1e-6));
     let model = args.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
-    let mut solver = solver(args, &file, &model)?;
+    let mut solver = solver(args.by, &file, &model)?;
     let Some(target) = target else {
         let task = reach_path::Task { file: &file, path: &path, tolerance, options: &options };
         return reach_path::run(args, &task, &mut solver, &model, style);
@@ -259,8 +259,9 @@ fn target(args: &ReachArgs, file: &CaseFile) -> Result<Target, Failure> {
     })
 }
 
-fn solver(args: &ReachArgs, file: &CaseFile, model: &Model) -> Result<InverseSolver, Failure> {
-    let by = match args.by {
+/// For the robot of a file and its limits.
+pub fn solver(by: Option<By>, file: &CaseFile, model: &Model) -> Result<InverseSolver, Failure> {
+    let by = match by {
         None => CommandedBy::Case,
         Some(By::Tensions) => CommandedBy::Tensions,
         Some(By::Lengths) => CommandedBy::Shortenings,
@@ -283,6 +284,7 @@ fn solver(args: &ReachArgs, file: &CaseFile, model: &Model) -> Result<InverseSol
     InverseSolver::new(model, robot, case, &limits, by).map_err(fail)
 }
 
+/// What an inverse problem fails with.
 pub fn failure(file: &CaseFile, error: &InverseError) -> Failure {
     let message = format!("error: {}: {error}", file.path.display());
     match error {

@@ -28,3 +28,4 @@ mod support;
 mod tables;
 mod timeout;
 mod warnings;
+mod workspace;

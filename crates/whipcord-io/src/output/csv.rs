@@ -38,6 +38,15 @@ impl CsvTable {
         self.rows.push(row);
     }
 
+    /// The names of the columns.
+    pub(super) fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    pub(super) fn rows(&self) -> &[Vec<Cell>] {
+        &self.rows
+    }
+
     /// The table as text.
     ///
     /// # Errors

@@ -6,9 +6,11 @@ mod fit;
 mod fit_analyses;
 mod json;
 mod notices;
+mod parquet;
 mod path;
 mod reach;
 mod stiffness;
+mod workspace;
 
 use thiserror::Error;
 
@@ -22,6 +24,7 @@ pub use notices::{problems_json, warnings_json};
 pub use path::{Beside, answer_json};
 pub use reach::{follow_json, reach_json};
 pub use stiffness::stiffness_json;
+pub use workspace::{boundary_table, workspace_json, workspace_table};
 
 /// A number that no output may hold: outputs are finite or there are none.
 #[derive(Clone, Debug, PartialEq, Error)]

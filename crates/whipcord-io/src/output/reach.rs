@@ -131,7 +131,7 @@ fn answer(
 }
 
 /// Which command of what: its kind and a name.
-fn named(robot: &Robot, actuator: Actuator) -> (&'static str, &str) {
+pub(super) fn named(robot: &Robot, actuator: Actuator) -> (&'static str, &str) {
     match actuator {
         Actuator::Tension(cable) => ("tension", &robot.cables()[cable].name),
         Actuator::Shortening(cable) => ("shortening", &robot.cables()[cable].name),
@@ -158,7 +158,7 @@ fn commanded(
 }
 
 /// The ranges that were searched, and whether their ends were assumed because no limit is given.
-fn searched(robot: &Robot, solver: &InverseSolver) -> Result<Vec<Value>, NonFinite> {
+pub(super) fn searched(robot: &Robot, solver: &InverseSolver) -> Result<Vec<Value>, NonFinite> {
     let of = solver.search_ranges().into_iter().enumerate();
     of.map(|(i, searched)| {
         let (kind, name) = named(robot, searched.actuator);

@@ -1,0 +1,207 @@
+//! `whipcord workspace`: where the tip can go.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use whipcord::{Actuation, Model, ModelKind, Stations, Vec3};
+use whipcord_inverse::{Cell, Workspace, WorkspaceOptions};
+use whipcord_io::{
+    CaseFile, Clearance, boundary_table, warnings_json, workspace_json, workspace_table,
+};
+use whipcord_plot::{WorkspaceFigure, workspace_figure};
+
+use crate::deadline;
+use crate::inputs::{Settings, read_one};
+use crate::model_arguments::{FourBarArguments, model_parser};
+use crate::target_argument::length;
+use crate::verbs::reach::{By, failure, solver};
+use crate::warnings::Warnings;
+use whipcord_study::failure::Failure;
+use whipcord_study::files::{self, Folder};
+use whipcord_study::quantity::{fixed_millimetres, millimetres, number};
+use whipcord_study::style::Style;
+
+/// Where the tip can go: volume or area, boundary, and maps of dexterity and stiffness
+///
+/// Shapes all over the commands mark the voxels that the tip gets into, and the survey grows from them until
+/// no neighbour is in reach. Limits are those of [limits], [[cables]] and [[motors]]. The folder gets
+/// workspace.json, voxels.csv and voxels.parquet (for each voxel a place of the tip, its commands and the dexterity, with --map stiffness the stiffness too),
+/// boundary.csv (points of the boundary with what holds the tip back), and pictures of all voxels and of sections.
+#[derive(Debug, Args)]
+pub struct WorkspaceArgs {
+    /// Robot file, or - for standard input
+    file: PathBuf,
+    #[command(flatten)]
+    settings: Settings,
+    /// Folder for the results
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+    /// Edge of a voxel, such as "4 mm"; by default a twenty-fifth of the length of the backbone
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    voxel: Option<f64>,
+    /// What the pictures show
+    #[arg(long, value_name = "WHAT", default_value = "reach")]
+    map: Map,
+    /// Model
+    #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
+    kind: ModelKind,
+    #[command(flatten)]
+    four_bar: FourBarArguments,
+    /// Which commands vary; by default those that the file gives: the motors where there are some, else
+    /// tensions or lengths
+    #[arg(long, value_name = "WHAT")]
+    by: Option<By>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    warnings: Warnings,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Map {
+    /// Where the tip gets
+    Reach,
+    /// The least motion of the tip for commands that would bend the robot by half a turn
+    Dexterity,
+    /// The least stiffness of the tip against a force, with the commands held
+    Stiffness,
+}
+
+/// Width of the pictures in px.
+const WIDTH: f64 = 900.0;
+
+/// Surveys, writes the folder and returns what standard output shows.
+pub fn run(args: &WorkspaceArgs, style: Style) -> Result<String, Failure> {
+    let file = read_one(&args.file, &args.settings)?;
+    let warnings = file.warnings();
+    args.warnings.tell(&file, &warnings)?;
+    let model = Model::new(args.kind, Stations::Disks, Actuation::Natural);
+    let model = args.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
+    let mut solver = solver(args.by, &file, &model)?;
+    let options = WorkspaceOptions {
+        voxel: args.voxel,
+        clearance: match file.goal.clearance {
+            Some(Clearance::Touch) => None,
+            Some(Clearance::Least(least)) => Some(least),
+            None => WorkspaceOptions::default().clearance,
+        },
+        has_stiffness: args.map == Map::Stiffness,
+        ..WorkspaceOptions::default()
+    };
+    let workspace = solver.workspace(&options).map_err(|error| failure(&file, &error))?;
+    let no_result = |error| files::no_result(&error);
+    let name = args.kind.name();
+    let json = workspace_json(&file.title, &file.robot, name, &solver, &workspace);
+    let mut json = json.map_err(no_result)?;
+    json["warnings"] = warnings_json(&file, &warnings);
+    let voxels = workspace_table(&file.robot, &solver, &workspace);
+    let boundary = boundary_table(&file.robot, &solver, &workspace);
+    let parquet = voxels.to_parquet().map_err(no_result)?;
+    let pictures = [(None, "workspace"), (Some(section(&workspace)), "sections")]
+        .map(|(section, name)| Ok((name, picture(args.map, &file, &workspace, section)?)));
+    let pictures: Vec<(&str, String)> = pictures.into_iter().collect::<Result<_, Failure>>()?;
+
+    let folder = Folder::create(&args.out)?;
+    folder.write("workspace.json", &format!("{json:#}\n"))?;
+    folder.write_table("voxels.csv", &voxels)?;
+    files::write(&folder.path().join("voxels.parquet"), &parquet)?;
+    folder.write_table("boundary.csv", &boundary)?;
+    for (name, svg) in &pictures {
+        folder.write_figure(name, svg)?;
+    }
+    Ok(match args.json {
+        true => format!("{json:#}\n"),
+        false => summary(args, &file, &workspace, style),
+    })
+}
+
+/// The point that sections go through: in the middle of the tips.
+fn section(workspace: &Workspace) -> Vec3 {
+    let [least, greatest] = workspace.extent;
+    (least + greatest) * 0.5
+}
+
+fn picture(
+    map: Map,
+    file: &CaseFile,
+    workspace: &Workspace,
+    section: Option<Vec3>,
+) -> Result<String, Failure> {
+    let value = |cell: &Cell| match map {
+        Map::Reach => Some(0.0),
+        Map::Dexterity => Some(1e3 * cell.dexterity.motions().last().map_or(0.0, |(size, _)| size)),
+        Map::Stiffness => cell.stiffness.map(|[least, _]| least),
+    };
+    let centre = |cell: &Cell| {
+        let [x, y, z] = cell.index.map(|i| (f64::from(i) + 0.5) * workspace.voxel);
+        Vec3::new(x, y, z)
+    };
+    let cells: Vec<(Vec3, f64)> =
+        workspace.cells.iter().filter_map(|cell| Some((centre(cell), value(cell)?))).collect();
+    if cells.is_empty() {
+        return Err(Failure::Input(format!(
+            "error: {}: this model does not know the stiffness of the tip: ask for --map reach or dexterity, or for the model cosserat",
+            file.path.display()
+        )));
+    }
+    let rest = whipcord::at_rest(&file.robot, file.case.base, &Stations::Disks);
+    let backbone = rest
+        .map_or_else(Vec::new, |rest| rest.disks.poses.iter().map(|pose| pose.position).collect());
+    let what = match section {
+        None => "from the front, the side and above",
+        Some(_) => "sections through the middle",
+    };
+    let figure = WorkspaceFigure {
+        title: format!("{}: where the tip can go, {what}", file.title),
+        quantity: match map {
+            Map::Reach => None,
+            Map::Dexterity => Some("least motion of the tip (mm)".to_owned()),
+            Map::Stiffness => Some("least stiffness (N/m)".to_owned()),
+        },
+        voxel: workspace.voxel,
+        cells,
+        // The boundary of a surface is all of it, and in front of a body it hides the colours.
+        boundary: match section {
+            Some(_) if workspace.dimension == 3 => {
+                workspace.boundary.iter().map(|point| point.tip).collect()
+            }
+            _ => Vec::new(),
+        },
+        backbone,
+        section,
+        width: WIDTH,
+    };
+    workspace_figure(&figure)
+        .map_err(|error| Failure::Solve(format!("error: the workspace cannot be drawn: {error}")))
+}
+
+fn summary(args: &WorkspaceArgs, file: &CaseFile, workspace: &Workspace, style: Style) -> String {
+    let mut text = format!("{}\n{}\n\n", style.heading(&file.title), args.kind);
+    let mut line = |name: &str, value: String| {
+        text += &format!("{}  {value}\n", style.faint(format!("{name:<10}")));
+    };
+    let measure = workspace.measure;
+    match workspace.dimension {
+        3 => line("volume", format!("{} cm³", number(1e6 * measure, 3))),
+        2 => line(
+            "area",
+            format!("{} cm², a surface no thicker than a voxel", number(1e4 * measure, 3)),
+        ),
+        _ => line("length", format!("{}, a curve no thicker than a voxel", millimetres(measure))),
+    }
+    let [least, greatest] = workspace.extent.map(Vec3::to_array);
+    for (axis, (a, b)) in ["x", "y", "z"].iter().zip(least.iter().zip(&greatest)) {
+        line(axis, format!("{} to {} mm", fixed_millimetres(*a, 1), fixed_millimetres(*b, 1)));
+    }
+    let voxels = workspace.cells.len();
+    line("voxels", format!("{voxels} of {}", millimetres(workspace.voxel)));
+    line("boundary", format!("{} points", workspace.boundary.len()));
+    if !workspace.is_complete {
+        text +=
+            "the survey has spent its solves: the workspace may be larger; take larger voxels\n";
+    }
+    text += &format!("results: {}\n", args.out.display());
+    text
+}

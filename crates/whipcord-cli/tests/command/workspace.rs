@@ -1,0 +1,69 @@
+//! `whipcord workspace`.
+
+use serde_json::Value;
+
+use crate::support::{Scratch, fail, settings, succeed};
+
+const THREE: &str = "examples/three-cable-segment.toml";
+const LIMIT: &str = "limits.tension=[\"0 N\", \"3 N\"]";
+
+#[test]
+fn the_folder_has_tables_and_pictures() {
+    let scratch = Scratch::new();
+    let out = scratch.file("out");
+    let args = [
+        "workspace",
+        THREE,
+        "--set",
+        LIMIT,
+        "--voxel",
+        "12 mm",
+        "--map",
+        "stiffness",
+        "--out",
+        &out,
+    ];
+    settings(Some(scratch.path())).bind(|| {
+        insta::assert_snapshot!("workspace", succeed(&args));
+    });
+    let read = |name: &str| std::fs::read_to_string(scratch.path().join("out").join(name)).unwrap();
+    let json: Value = serde_json::from_str(&read("workspace.json")).unwrap();
+    assert_eq!(json["dimension"], 2);
+    assert_eq!(json["complete"], true);
+    let voxels = read("voxels.csv");
+    assert_eq!(voxels.lines().count() as u64, json["voxels"].as_u64().unwrap() + 1);
+    assert!(voxels.lines().next().unwrap().ends_with("a.tension [N],b.tension [N],c.tension [N]"));
+    let boundary = read("boundary.csv");
+    assert_eq!(boundary.lines().count() as u64, json["boundary_points"].as_u64().unwrap() + 1);
+    assert!(boundary.contains("greatest tension of cable a"), "{boundary}");
+    for name in ["workspace.png", "sections.png", "workspace.svg", "sections.svg"] {
+        assert!(scratch.path().join("out").join(name).exists(), "{name}");
+    }
+    let parquet = std::fs::read(scratch.path().join("out").join("voxels.parquet")).unwrap();
+    assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
+}
+
+#[test]
+fn what_cannot_be_surveyed_is_refused() {
+    let scratch = Scratch::new();
+    let out = scratch.file("out");
+    let tiny = ["workspace", THREE, "--voxel", "1 um", "--out", &out];
+    assert!(fail(2, &tiny).contains("a thousandth of the length"));
+    let geometric = [
+        "workspace",
+        THREE,
+        "--model",
+        "constant-curvature",
+        "--voxel",
+        "30 mm",
+        "--map",
+        "stiffness",
+        "--out",
+        &out,
+    ];
+    assert!(fail(2, &geometric).contains("does not know the stiffness"));
+    let contradictory =
+        ["workspace", THREE, "--set", "limits.tension=[\"3 N\", \"1 N\"]", "--out", &out];
+    fail(2, &contradictory);
+    assert!(!scratch.path().join("out").exists());
+}
