@@ -82,6 +82,17 @@ impl Actuator {
         if actuators.is_empty() { Err(InverseError::NoActuators) } else { Ok(actuators) }
     }
 
+    /// The greatest rate of its value.
+    pub(crate) fn rate_limit(self, robot: &Robot, limits: &Limits) -> Option<f64> {
+        match self {
+            Self::Tension(cable) | Self::Shortening(cable) => limits.cables[cable].rate,
+            Self::Motor(number) => {
+                let motor = &robot.motors()[number];
+                motor.limits.rate.map(|rate| rate / motor.gear_ratio().abs())
+            }
+        }
+    }
+
     /// The cables that it moves, each with the rate of its command, a tension in N or a shortening in m, by the unknown.
     pub(crate) fn cables(self, robot: &Robot) -> impl Iterator<Item = (usize, f64)> + '_ {
         let (single, motor) = match self {
@@ -113,6 +124,11 @@ pub(crate) struct Actuators {
 }
 
 impl Actuators {
+    /// The unknowns are the values of the actuators themselves.
+    pub fn direct(robot: &Robot, case: &Case, asked: Vec<Actuator>) -> Self {
+        Self::new(robot, case, asked, false)
+    }
+
     /// `knows_tensions` says whether the model can be driven by tensions.
     pub fn new(robot: &Robot, case: &Case, asked: Vec<Actuator>, knows_tensions: bool) -> Self {
         let motors = robot.motors();

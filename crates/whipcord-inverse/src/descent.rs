@@ -174,8 +174,13 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
+    /// The last step, in scales of the unknowns.
+    pub fn last_step(&self) -> &[f64] {
+        &self.step
+    }
+
     /// Writes the step and returns by how much it promises to lower the merit.
-    fn step(
+    pub fn step(
         &mut self,
         linear: &Linear,
         x: &[f64],

@@ -55,6 +55,16 @@ pub enum InverseError {
     /// The solve was refused, or cancelled.
     #[error(transparent)]
     Solve(#[from] SolveError),
+    /// Options of a controller that cannot be used.
+    #[error(
+        "period, gain, tolerances and deviations of a controller must be positive, its damping not negative"
+    )]
+    ControlOptions,
+    /// A controller needs exact derivatives.
+    #[error(
+        "a controller needs a model with exact derivatives: use cosserat, cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body"
+    )]
+    NoDerivatives,
     /// An edge of voxels that cannot be used.
     #[error(
         "the edge of a voxel must be at least {least} m, a thousandth of the length, but is {voxel} m"

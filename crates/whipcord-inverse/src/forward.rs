@@ -4,8 +4,8 @@ use whipcord::cosserat::{self, Accuracy};
 use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
-    CableCommand, Case, Mat3, Model, Obstacle, Prepared, Robot, Solution, SolveError,
-    StabilityAnalysis, Twist, Vec3,
+    CableCommand, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
+    SolveError, StabilityAnalysis, Twist, Vec3,
 };
 
 use crate::actuator::{Actuator, Actuators, write_commands};
@@ -279,34 +279,67 @@ impl Forward {
         if self.is_exact {
             self.solves += 1;
             let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
-            let by_cable: Vec<Change> =
-                (0..self.robot().cables().len()).map(|cable| rates.command(cable)).collect();
-            let turn = self.case.base.rotation;
-            let mut evaluation = self.without_rates(solution);
-            for actuator in &self.actuators.list {
-                let mut motions = vec![Twist::default(); places.len()];
-                let mut tensions = vec![0.0; by_cable.len()];
-                let mut lengths = vec![0.0; by_cable.len()];
-                for (cable, rate) in actuator.cables(self.model.robot()) {
-                    let change = &by_cable[cable];
-                    for (motion, place) in motions.iter_mut().zip(places) {
-                        let of = change.twist(*place);
-                        motion.linear += turn.rotate(of.linear) * rate;
-                        motion.angular += turn.rotate(of.angular) * rate;
-                    }
-                    for (sum, of) in tensions.iter_mut().zip(change.tensions()) {
-                        *sum += rate * of;
-                    }
-                    for (sum, of) in lengths.iter_mut().zip(change.lengths()) {
-                        *sum += rate * of;
-                    }
-                }
-                self.push_rates(&mut evaluation, motions, tensions, &lengths);
-            }
-            Ok(evaluation)
+            Ok(self.with_rates(solution, &rates, places))
         } else {
             self.by_differences(unknowns, places, from)
         }
+    }
+
+    /// [`Self::evaluate`] of a model with exact derivatives, and the motions of the places with a force on the tip along x, y and z of the
+    /// base, in m/N, the commands held.
+    pub fn evaluate_with_forces(
+        &mut self,
+        unknowns: &[f64],
+        places: &[Place],
+        from: Option<&Solution>,
+    ) -> Result<(Evaluation, [Vec<Twist>; 3]), SolveError> {
+        self.command(unknowns);
+        self.solves += 1;
+        let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
+        let turn = self.case.base.rotation;
+        let forces = [0, 1, 2].map(|component| {
+            let change = rates.wrench(Place::Tip, component, Hold::Commands);
+            let motion = |place: &Place| {
+                let of = change.twist(*place);
+                Twist { linear: turn.rotate(of.linear), angular: turn.rotate(of.angular) }
+            };
+            places.iter().map(motion).collect()
+        });
+        Ok((self.with_rates(solution, &rates, places), forces))
+    }
+
+    /// A solution with its rates by the unknowns.
+    fn with_rates(
+        &self,
+        solution: Solution,
+        rates: &Linearization,
+        places: &[Place],
+    ) -> Evaluation {
+        let by_cable: Vec<Change> =
+            (0..self.robot().cables().len()).map(|cable| rates.command(cable)).collect();
+        let turn = self.case.base.rotation;
+        let mut evaluation = self.without_rates(solution);
+        for actuator in &self.actuators.list {
+            let mut motions = vec![Twist::default(); places.len()];
+            let mut tensions = vec![0.0; by_cable.len()];
+            let mut lengths = vec![0.0; by_cable.len()];
+            for (cable, rate) in actuator.cables(self.model.robot()) {
+                let change = &by_cable[cable];
+                for (motion, place) in motions.iter_mut().zip(places) {
+                    let of = change.twist(*place);
+                    motion.linear += turn.rotate(of.linear) * rate;
+                    motion.angular += turn.rotate(of.angular) * rate;
+                }
+                for (sum, of) in tensions.iter_mut().zip(change.tensions()) {
+                    *sum += rate * of;
+                }
+                for (sum, of) in lengths.iter_mut().zip(change.lengths()) {
+                    *sum += rate * of;
+                }
+            }
+            self.push_rates(&mut evaluation, motions, tensions, &lengths);
+        }
+        evaluation
     }
 
     /// The translational compliance of the tip in m/N in the world, with the commands held; `None` where the model does not know it.

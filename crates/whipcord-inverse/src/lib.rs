@@ -28,9 +28,11 @@
 mod actuator;
 mod atlas;
 mod certificate;
+mod control;
 mod curvature;
 mod descent;
 mod error;
+mod estimator;
 mod forward;
 mod limit;
 mod limits;
@@ -45,7 +47,9 @@ mod workspace;
 
 pub use actuator::{Actuator, CommandedBy};
 pub use certificate::NoProof;
+pub use control::{ControlOptions, Controller, Cycle};
 pub use error::{InverseError, TargetProblem};
+pub use estimator::EstimatorOptions;
 pub use limit::Limit;
 pub use limits::{CableLimits, Limits};
 pub use options::{Preference, ReachOptions, ReachStatus};

@@ -2,7 +2,6 @@
 
 use whipcord::{Solution, SolveError};
 
-use crate::actuator::Actuator;
 use crate::error::{InverseError, TargetProblem};
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::reach::{InverseSolver, Ranges, Reached};
@@ -141,21 +140,12 @@ impl InverseSolver {
     fn ranges_after(&self, unknowns: &[f64], solution: &Solution, seconds: f64) -> Ranges {
         let forward = self.forward();
         let robot = forward.robot();
-        let rate = |actuator: &Actuator| match *actuator {
-            Actuator::Tension(cable) | Actuator::Shortening(cable) => {
-                self.limits().cables[cable].rate
-            }
-            Actuator::Motor(number) => {
-                let motor = &robot.motors()[number];
-                motor.limits.rate.map(|rate| rate / motor.gear_ratio().abs())
-            }
-        };
         let mut ranges = self.ranges().clone();
         let values = forward.values(unknowns, solution);
         for ((actuator, [least, greatest]), x) in
             self.actuators().iter().zip(&mut ranges.values).zip(values)
         {
-            if let Some(rate) = rate(actuator) {
+            if let Some(rate) = actuator.rate_limit(robot, self.limits()) {
                 *least = least.max(x - rate * seconds);
                 *greatest = greatest.min(x + rate * seconds);
             }

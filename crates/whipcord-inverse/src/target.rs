@@ -132,6 +132,33 @@ impl Target {
         }
     }
 
+    /// Whether the residuals of another target are the same quantities.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Tip(_), Self::Tip(_)) | (Self::Pose(_), Self::Pose(_)) => true,
+            (Self::Axis { point: a, .. }, Self::Axis { point: b, .. }) => {
+                a.is_some() == b.is_some()
+            }
+            (Self::Shape(a), Self::Shape(b)) => {
+                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.0 == b.0)
+            }
+            _ => false,
+        }
+    }
+
+    /// The variances of the residuals, from the standard deviations of positions, and of angles times the lever, in m.
+    pub(crate) fn variances(&self, position: f64, angle: f64) -> Vec<f64> {
+        let (position, angle) = (position * position, angle * angle);
+        match self {
+            Self::Tip(_) => vec![position; 3],
+            Self::Pose(_) => [[position; 3], [angle; 3]].concat(),
+            Self::Axis { point: None, .. } => vec![angle; 3],
+            Self::Axis { .. } => [[position; 3], [angle; 3]].concat(),
+            #[allow(clippy::cast_precision_loss, reason = "far below 2⁵³ points")]
+            Self::Shape(points) => vec![position / points.len() as f64; 3 * points.len()],
+        }
+    }
+
     /// Writes the residuals of a solution.
     pub(crate) fn residual(&self, solution: &Solution, lever: f64, into: &mut Vec<f64>) {
         let poses = &solution.disks.poses;
