@@ -69,6 +69,8 @@ const FIRST_RADIUS: f64 = 0.25;
 const LARGEST_RADIUS: f64 = 4.0;
 /// A step of this size, in scales, moves nothing.
 const LEAST_STEP: f64 = 1e-11;
+/// An unknown so near to a bound, in scales, is at it.
+const AT_BOUND: f64 = 1e-12;
 /// A promised reduction of the cost by less than this part of it is none.
 const LEAST_REDUCTION: f64 = 1e-9;
 
@@ -117,7 +119,13 @@ pub(crate) fn descend<P: Problem>(
             break;
         }
         for (k, trial) in trial.iter_mut().enumerate() {
-            *trial = clamp(x[k] + step[k] * control.scales[k], control.bounds[k]);
+            let [least, greatest] = control.bounds[k];
+            let near = AT_BOUND * control.scales[k];
+            *trial = match x[k] + step[k] * control.scales[k] {
+                moved if moved - least < near => least,
+                moved if greatest - moved < near => greatest,
+                moved => moved,
+            };
         }
         evaluations += 1;
         match problem.at(&trial, Some(&state)) {
