@@ -10,7 +10,11 @@ use whipcord::{
     Backbone, Cable, Case, LoadFrame, Loads, ModelKind, Pose, Robot, Shortening, UnitQuaternion,
     Vec3,
 };
-use whipcord_estimation::identification::{Experiment, Settings, Unknown, identify};
+use whipcord_estimation::Seen;
+use whipcord_estimation::identification::{
+    Asked, Experiment, Settings, Unknown, analyse, identify, registered,
+};
+use whipcord_estimation::registration::Alignment;
 
 /// Fits the unknowns, started off by these factors or sums, to what the robot with the true ones shows;
 /// asserts that they are found, in at most so many evaluations.
@@ -64,6 +68,67 @@ fn of_a_loaded_robot_in_two_cases() {
     ];
     let values = [1.1e9, 0.008, 0.05, 0.0, 0.3, -0.2, 0.0, 0.0, 0.0];
     found(ModelKind::Cosserat, &robot, &seen, &unknowns, &values, 12);
+}
+
+/// A tracker has a frame of its own. Under gravity that is no pose of the base; the frame is found exactly, by each experiment or by all, and
+/// serves measurements that are not fitted.
+#[test]
+fn of_measurements_in_a_frame_of_their_own() {
+    let backbone = crate::common::paper_backbone();
+    let mut material = backbone.material;
+    material.density = Some(1040.0);
+    let backbone = Backbone { material, ..backbone };
+    let plain = paper_robot(vec![straight(0.0), straight(90.0)]);
+    let robot = Robot::new(backbone, plain.disks().clone(), plain.cables().to_vec()).unwrap();
+    let case = |tensions: &[f64]| Case {
+        loads: Loads { gravity: Some(Vec3::new(0.0, -9.81, 0.0)), ..Loads::default() },
+        ..Case::with_tensions(tensions)
+    };
+    let frame = Pose {
+        position: Vec3::new(0.4, -1.2, 0.7),
+        rotation: UnitQuaternion::exp(Vec3::new(0.5, -1.4, 0.8)),
+    };
+    let all = [case(&[2.0, 0.5]), case(&[0.3, 2.5]), case(&[1.0, 1.0])];
+    let mut seen = experiments(&model(ModelKind::Cosserat), &robot, &all);
+    for of in &mut seen {
+        of.alignment = Alignment::Rigid;
+        for observation in &mut of.observations {
+            if let Seen::Position(position) = &mut observation.seen {
+                *position = frame.transform(*position);
+            }
+        }
+    }
+    let asked = [at("backbone.young_modulus", 1.3e9), at("backbone.density", 2000.0)];
+    let settings = Settings::new(model(ModelKind::Cosserat));
+    for one_frame in [false, true] {
+        let (fitted, unknowns) =
+            registered(&robot, &seen[..2], &asked, one_frame, &settings).unwrap();
+        assert_eq!(unknowns.len(), if one_frame { 8 } else { 14 });
+        let found = identify(&robot, &fitted, &unknowns, &settings).unwrap();
+        assert!(found.status.is_converged() && found.evaluations < 12, "{}", found.evaluations);
+        assert!((found.estimates[0].value / 1.1e9 - 1.0).abs() < 1e-6);
+        assert!((found.estimates[1].value / 1040.0 - 1.0).abs() < 1e-6);
+        for of in &found.frames {
+            assert!((of.position - frame.position).norm() < 1e-8);
+            assert!((of.rotation.conjugate() * frame.rotation).log().norm() < 1e-7);
+        }
+        let asked = Asked { test: Some((seen[2..].to_vec(), false)), ..Asked::default() };
+        let analyses = analyse(&robot, &fitted, &unknowns, &settings, &found, &asked).unwrap();
+        assert!(analyses.test.unwrap().rms_distance.unwrap() < 1e-7);
+    }
+}
+
+/// The best of several starts is the best end, whichever comes first.
+#[test]
+fn of_several_starts() {
+    let robot = crate::identification::synthetic::robot();
+    let seen = experiments(&model(ModelKind::Cosserat), &robot, &cases(&[1.0, 2.5]));
+    let settings = Settings { starts: 5, ..Settings::new(model(ModelKind::Cosserat)) };
+    let found = identify(&robot, &seen, &[at("backbone.young_modulus", 2.0e9)], &settings);
+    let found = found.unwrap();
+    assert_eq!((found.starts.tried, found.starts.agree), (5, 5));
+    assert!((found.estimates[0].value / 1.1e9 - 1.0).abs() < 1e-6);
+    assert_eq!(found.estimates[0].unknown.start, Some(2.0e9));
 }
 
 /// A turn of the base turns loads of the world in the robot: there are only differences.
