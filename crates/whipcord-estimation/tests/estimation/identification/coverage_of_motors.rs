@@ -140,10 +140,3 @@ fn study(of: &Study) {
 fn study_of_motors() {
     study(&Study::of_drives(2000));
 }
-
-/// `cargo test --release -p whipcord-estimation --test estimation -- --ignored --nocapture study_of_friction`
-#[test]
-#[ignore = "a study of many minutes; of_few_runs_with_friction asks the same of fewer"]
-fn study_of_friction() {
-    study(&Study::of_friction(60));
-}
