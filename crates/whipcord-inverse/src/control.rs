@@ -47,6 +47,15 @@ impl ControlOptions {
     }
 }
 
+/// A number that is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Its most probable value.
+    pub value: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+}
+
 /// What a cycle gives.
 #[derive(Clone, Debug)]
 pub struct Cycle {
@@ -62,10 +71,10 @@ pub struct Cycle {
     pub compliance: [Twist; 3],
     /// Rates of the tensions of the cables in N, by actuators.
     pub tension_rates: Vec<Vec<f64>>,
-    /// Estimated bias of each actuator, with its standard deviation.
-    pub bias: Vec<(f64, f64)>,
-    /// Estimated force on the tip in N along x, y, z of the base, with its standard deviation, beside the loads of the case.
-    pub force: [(f64, f64); 3],
+    /// Estimated bias of each actuator.
+    pub bias: Vec<Estimate>,
+    /// Estimated force on the tip in N along x, y, z of the base, beside the loads of the case.
+    pub force: [Estimate; 3],
     /// The limits that hold the commands back.
     pub limits: Vec<Limit>,
 }
@@ -317,14 +326,21 @@ impl Controller {
         list.map(|(actuator, x)| actuators.command(robot, *actuator, *x)).collect()
     }
 
-    fn estimates(&self) -> (Vec<(f64, f64)>, [(f64, f64); 3]) {
+    fn estimates(&self) -> (Vec<Estimate>, [Estimate; 3]) {
         let n = self.unknowns.len();
         let Some(estimator) = &self.estimator else {
-            return (vec![(0.0, 0.0); n], [(0.0, 0.0); 3]);
+            return (vec![Estimate::default(); n], [Estimate::default(); 3]);
         };
-        let of: Vec<(f64, f64)> =
-            estimator.state.iter().copied().zip(estimator.deviations()).collect();
-        let scaled = |((z, sd), scale): (&(f64, f64), &f64)| (z * scale, sd * scale);
+        let of: Vec<Estimate> = estimator
+            .state
+            .iter()
+            .zip(estimator.deviations())
+            .map(|(&value, deviation)| Estimate { value, deviation })
+            .collect();
+        let scaled = |(of, scale): (&Estimate, &f64)| Estimate {
+            value: of.value * scale,
+            deviation: of.deviation * scale,
+        };
         let bias = of[..n].iter().zip(&self.forward.scales).map(scaled).collect();
         (bias, [of[n], of[n + 1], of[n + 2]])
     }

@@ -47,7 +47,7 @@ mod workspace;
 
 pub use actuator::{Actuator, CommandedBy};
 pub use certificate::NoProof;
-pub use control::{ControlOptions, Controller, Cycle};
+pub use control::{ControlOptions, Controller, Cycle, Estimate};
 pub use error::{InverseError, TargetProblem};
 pub use estimator::EstimatorOptions;
 pub use limit::Limit;

@@ -156,7 +156,7 @@ fn the_force_on_the_tip_is_found() {
     for _ in 0..60 {
         let answer = controller.cycle(&hold, Some(&Target::Pose(pose(&plant)))).unwrap();
         plant.tip(&answer.commands);
-        let [x, y, z] = answer.force.map(|(value, _)| value);
+        let [x, y, z] = answer.force.map(|of| of.value);
         found = Vec3::new(x, y, z);
     }
     assert!((found - force).norm() < 2e-3, "{found:?}");
