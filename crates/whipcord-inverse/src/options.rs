@@ -9,7 +9,7 @@ pub struct ReachOptions {
     pub tolerance: Option<Tolerance>,
     /// Which of the commands that reach the target are preferred where there are several.
     pub prefer: Preference,
-    /// From how many shapes of the atlas the iteration may start, after the commands of the case.
+    /// From how many shapes of the atlas the iteration may start, after the commands of the case; from six at most for a robot that remembers the steps before.
     pub starts: usize,
     /// Solves of the model that may be spent.
     pub solves: usize,

@@ -115,6 +115,9 @@ struct Asked<'a> {
 /// Rows of an atlas where the batch has vectors for them, and elsewhere.
 const ROWS_OF_LANES: usize = 20_000;
 const ROWS: usize = 2_000;
+/// Rows of an atlas, and starts from it, of a robot that remembers the steps before: each solve goes through them.
+const ROWS_WITH_HISTORY: usize = 200;
+const STARTS_WITH_HISTORY: usize = 6;
 /// Rows of a survey of the workspace where the batch has no vectors for them.
 const ROWS_OF_A_SURVEY: usize = 10_000;
 /// Stations between which obstacles are not looked for, of each part between two disks.
@@ -273,6 +276,10 @@ impl InverseSolver {
         let mut queue: Vec<Vec<f64>> = Vec::new();
         let mut next = Some(start.to_vec());
         let mut has_looked = false;
+        let most_starts = match search.forward.robot().has_history() {
+            true => options.starts.min(STARTS_WITH_HISTORY),
+            false => options.starts,
+        };
         while let Some(unknowns) = next.take() {
             let spent = search.forward.solves - first_solve;
             if spent >= options.solves {
@@ -316,7 +323,7 @@ impl InverseSolver {
                 let atlas = match &mut self.atlas {
                     Some(atlas) => atlas,
                     none => {
-                        let rows = atlas_rows(&self.model, &self.case);
+                        let rows = atlas_rows(&self.model, search.forward.robot(), &self.case);
                         let (limits, ranges) = (&self.limits, &self.ranges);
                         none.insert(survey(
                             &self.model,
@@ -328,7 +335,7 @@ impl InverseSolver {
                         )?)
                     }
                 };
-                let rows = atlas.nearest(target, lever, options.starts);
+                let rows = atlas.nearest(target, lever, most_starts);
                 queue = rows.into_iter().rev().map(<[f64]>::to_vec).collect();
             }
             next = queue.pop();
@@ -398,6 +405,7 @@ impl InverseSolver {
     pub(crate) fn shapes(&self, count: usize) -> Result<Vec<(Vec3, Vec<f64>)>, InverseError> {
         let rows = match self.model.kind() {
             ModelKind::Cosserat if self.case.loads.is_none() => count,
+            _ if self.forward.robot().has_history() => count.min(ROWS),
             _ => count.min(ROWS_OF_A_SURVEY),
         };
         let (limits, ranges) = (&self.limits, &self.ranges);
@@ -584,8 +592,9 @@ fn sampled_tensions(limits: &Limits, bounds: &[[f64; 2]], forward: &Forward) -> 
     limits.cables.iter().enumerate().map(of).collect()
 }
 
-fn atlas_rows(model: &Model, case: &Case) -> usize {
+fn atlas_rows(model: &Model, robot: &Robot, case: &Case) -> usize {
     match model.kind() {
+        _ if robot.has_history() => ROWS_WITH_HISTORY,
         ModelKind::Cosserat if case.loads.is_none() => ROWS_OF_LANES,
         _ => ROWS,
     }
