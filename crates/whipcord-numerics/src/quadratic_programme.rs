@@ -451,7 +451,7 @@ mod tests {
                 }
             }
         }
-        assert!(feasible > 700 && active > 1500, "{feasible} {active}");
+        assert!(feasible > 500 && active > 1500, "{feasible} {active}");
     }
 
     #[test]
