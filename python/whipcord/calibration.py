@@ -68,12 +68,7 @@ def calibrate(
     if board is None:
         seen = _given(photos, size)
     else:
-        if square is None:
-            raise InputError("a board needs the side of its squares", path="square")
-        if size is not None:
-            raise InputError("photographs have a size of their own", path="size")
-        side = None if marker is None else metres(marker, "marker")
-        looked_for = _core.Board(board, metres(square, "square"), side, dictionary)
+        looked_for = _board(board, square, marker, dictionary, size)
         # One at a time: photographs are large.
         seen = [looked_for.find(picture(_photo(photo), f"photos[{i}]")) for i, photo in enumerate(photos)]
     camera, sure, (rms, view_rms, tilt), used, refused, warnings = _core.calibrate(seen, str(distortion))
@@ -99,6 +94,22 @@ def _photo(photo: Any) -> PhotoLike:
         raise InputError("points and pixels are given without a board", path="board")
     given: PhotoLike = photo
     return given
+
+
+def _board(
+    board: str,
+    square: Length | None,
+    marker: Length | None,
+    dictionary: str | None,
+    size: Sequence[int] | None,
+) -> _core.Board:
+    """The board that photographs, which have a size of their own, are searched for."""
+    if square is None:
+        raise InputError("a board needs the side of its squares", path="square")
+    if size is not None:
+        raise InputError("photographs have a size of their own", path="size")
+    side = None if marker is None else metres(marker, "marker")
+    return _core.Board(board, metres(square, "square"), side, dictionary)
 
 
 def _given(views: Iterable[Any], size: Sequence[int] | None) -> list[_core.Seen]:

@@ -11,9 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._commands import metres, whole
+from ._commands import whole
 from ._files import write
-from .calibration import Distortion, _given, _photo, calibrate
+from .calibration import Distortion, _board, _given, _photo, calibrate
 from .camera import Camera
 from .case import Case
 from .errors import InputError
@@ -179,12 +179,7 @@ def calibrate_stereo(
         ]
         seen = [_given(views, of) for views, of in zip(photos, given)]
     else:
-        if square is None:
-            raise InputError("a board needs the side of its squares", path="square")
-        if size is not None:
-            raise InputError("photographs have a size of their own", path="size")
-        side = None if marker is None else metres(marker, "marker")
-        looked_for = _core.Board(board, metres(square, "square"), side, dictionary)
+        looked_for = _board(board, square, marker, dictionary, size)
         seen = [
             [looked_for.find(picture(_photo(photo), f"{name}[{i}]")) for i, photo in enumerate(views)]
             for name, views in zip(("first", "second"), photos)

@@ -6,12 +6,14 @@
 mod deadline;
 pub mod examples;
 mod inputs;
+mod inverse;
 mod model_arguments;
 mod path_argument;
 mod paths;
 mod photographs;
 mod progress;
 mod rubbing;
+mod smooth;
 mod superposition;
 mod target_argument;
 mod template;

@@ -1,6 +1,6 @@
 //! What an inverse problem commands: tensions, shortenings or motors.
 
-use whipcord::{Actuation, CableCommand, Case, ModelKind, Motor, Robot, Shortening};
+use whipcord::{Actuation, CableCommand, CableState, Case, ModelKind, Motor, Robot, Shortening};
 
 use crate::error::InverseError;
 use crate::limits::Limits;
@@ -219,12 +219,19 @@ impl Actuators {
         motor.offset + motor.gear_ratio() * asked
     }
 
+    /// The commands of the actuators for their values.
+    pub fn commands(&self, robot: &Robot, values: &[f64]) -> Vec<f64> {
+        let of = self.asked.iter().zip(values);
+        of.map(|(actuator, value)| self.command(robot, *actuator, *value)).collect()
+    }
+
     /// Takes note that the actuators have these values: the next step starts there.
     pub fn move_on(&mut self, robot: &Robot, values: &[f64]) {
-        for (actuator, x) in self.asked.clone().into_iter().zip(values) {
-            if let Actuator::Motor(number) = actuator {
-                self.commands[number] = Some(self.command(robot, actuator, *x));
-                self.outputs[number] = *x;
+        let commands = self.commands(robot, values);
+        for ((actuator, value), command) in self.asked.iter().zip(values).zip(commands) {
+            if let Actuator::Motor(number) = *actuator {
+                self.commands[number] = Some(command);
+                self.outputs[number] = *value;
             }
         }
     }
@@ -247,6 +254,20 @@ impl Actuators {
         };
         list.iter().map(of).collect()
     }
+}
+
+/// Whether a model is driven by tensions by nature, and so knows them of every answer.
+pub(crate) fn knows_tensions(model: ModelKind) -> bool {
+    model.natural_actuation() == Actuation::Tension
+}
+
+/// The shortening in m that a cable is commanded to in an answer: by how much its part in the robot is shorter, and what it and its drive
+/// are longer by under its tension.
+pub(crate) fn commanded_shortening(robot: &Robot, cable: usize, state: &CableState) -> f64 {
+    let stretch = state
+        .tension
+        .map_or(0.0, |tension| robot.cable_stretch(cable, state.initial_length, tension));
+    state.initial_length - state.length + stretch
 }
 
 /// Writes the values of actuators into the commands of the cables.

@@ -3,9 +3,9 @@
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
-use whipcord::{Case, Model, ModelKind, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
+use whipcord::{Case, Model, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
 
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, knows_tensions};
 use crate::error::InverseError;
 use crate::target::Target;
 
@@ -40,8 +40,7 @@ impl Atlas {
     /// Solves the rows. Where the model knows tensions, these are sampled, and the commands read off the shapes: shortenings that
     /// are sampled by themselves contradict one another.
     pub fn survey(survey: &Survey<'_>) -> Result<Self, InverseError> {
-        let kind = survey.model.kind();
-        let by_tension = !matches!(kind, ModelKind::FourBar | ModelKind::ConstantCurvature);
+        let by_tension = knows_tensions(survey.model.kind());
         let cables = survey.robot.cables().len();
         let model = survey.model.at(Stations::Disks);
         let case = Case {
@@ -109,9 +108,9 @@ impl Atlas {
             for (actuator, [least, greatest]) in survey.actuators.iter().zip(survey.bounds) {
                 let shortening = |cable: usize| {
                     if by_tension {
-                        let stretch = survey.robot.cable_compliance(cable, initial[cable]);
-                        let pull = given[cable] - survey.robot.pretension(cable);
-                        initial[cable] - lengths[cable] + stretch * pull
+                        let rest = initial[cable];
+                        let stretch = survey.robot.cable_stretch(cable, rest, given[cable]);
+                        rest - lengths[cable] + stretch
                     } else {
                         given[cable]
                     }

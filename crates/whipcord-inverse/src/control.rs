@@ -1,9 +1,9 @@
 //! Commands for a robot in motion: one quadratic programme a cycle, with an estimate of what the model does not know.
 
 use whipcord::derivatives::Place;
-use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Stations, Twist, Vec3};
+use whipcord::{Case, Model, Robot, Solution, SolveError, Stations, Twist, Vec3};
 
-use crate::actuator::{Actuator, Actuators, CommandedBy};
+use crate::actuator::{Actuator, Actuators, CommandedBy, knows_tensions};
 use crate::descent::{Control, Linear, Workspace};
 use crate::error::InverseError;
 use crate::estimator::{Estimator, EstimatorOptions};
@@ -138,8 +138,7 @@ impl Controller {
         let actuators = Actuators::direct(robot, case, list);
         let mut forward = Forward::new(&model.at(Stations::Disks), robot, case, actuators)?;
         let bounds = forward.actuators.bounds(&forward.actuators.list, robot, limits);
-        let knows_tensions =
-            !matches!(model.kind(), ModelKind::FourBar | ModelKind::ConstantCurvature);
+        let knows_tensions = knows_tensions(model.kind());
         let constraints =
             Constraints::new(robot, &forward.actuators, &bounds, limits, knows_tensions, None);
         let unknowns = forward.commanded(case);
@@ -249,11 +248,11 @@ impl Controller {
                 *x = (*x + d * scales[k]).max(least).min(greatest);
             }
         }
-        let limits = self.limits_met(&ranges, &evaluation);
+        let limits = self.constraints.met(&self.forward, &evaluation, &self.unknowns, &ranges);
         let miss = target.miss(&evaluation.solution);
         let tip = places.len() - 1;
-        let commands = self.commands();
-        self.forward.actuators.move_on(&self.forward.robot().clone(), &self.unknowns);
+        let commands = self.forward.actuators.commands(self.forward.robot(), &self.unknowns);
+        self.forward.command_actuators(&self.unknowns);
         self.last = Some(evaluation.solution.clone());
         self.last_target = Some(target.clone());
         let (bias, force) = self.estimates();
@@ -286,12 +285,15 @@ impl Controller {
         }
         self.forward.case.loads.tip_force = force;
         let last = self.last.take();
-        let found = self.forward.evaluate_with_forces(&at, places, last.as_ref());
-        match found {
-            Err(SolveError::Cancelled { .. }) | Ok(_) => found,
-            Err(_) if last.is_some() => self.forward.evaluate_with_forces(&at, places, None),
-            Err(error) => Err(error),
-        }
+        let (evaluation, rates) = match self.forward.linearize(&at, places, last.as_ref()) {
+            Err(error) if last.is_none() || matches!(error, SolveError::Cancelled { .. }) => {
+                return Err(error);
+            }
+            Err(_) => self.forward.linearize(&at, places, None)?,
+            Ok(found) => found,
+        };
+        let forces = self.forward.motions_with_forces(&rates, places);
+        Ok((evaluation, forces))
     }
 
     /// What the unknowns may be after a cycle.
@@ -304,26 +306,6 @@ impl Controller {
             [least.max(x - most).min(*x), greatest.min(x + most).max(*x)]
         };
         self.actuators().iter().zip(&self.bounds).zip(&self.unknowns).map(of).collect()
-    }
-
-    fn limits_met(&self, ranges: &[[f64; 2]], evaluation: &Evaluation) -> Vec<Limit> {
-        let (mut met, _) = self.constraints.active(self.forward.robot(), evaluation);
-        for (k, (x, [least, greatest])) in self.unknowns.iter().zip(ranges).enumerate() {
-            let near = 1e-9 * self.forward.scales[k];
-            if x - least <= near {
-                met.push(Limit::LeastCommand(k));
-            } else if greatest - x <= near {
-                met.push(Limit::GreatestCommand(k));
-            }
-        }
-        met
-    }
-
-    fn commands(&self) -> Vec<f64> {
-        let actuators = &self.forward.actuators;
-        let robot = self.forward.robot();
-        let list = actuators.list.iter().zip(&self.unknowns);
-        list.map(|(actuator, x)| actuators.command(robot, *actuator, *x)).collect()
     }
 
     fn estimates(&self) -> (Vec<Estimate>, [Estimate; 3]) {

@@ -5,10 +5,10 @@ use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
     CableCommand, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
-    SolveError, StabilityAnalysis, Twist, Vec3,
+    SolveError, StabilityAnalysis, Twist,
 };
 
-use crate::actuator::{Actuator, Actuators, write_commands};
+use crate::actuator::{Actuator, Actuators, commanded_shortening, write_commands};
 
 /// A model of a robot that answers for the unknowns of an inverse problem.
 pub(crate) struct Forward {
@@ -22,7 +22,7 @@ pub(crate) struct Forward {
     origin: Option<Solution>,
     /// Whether the model has fewer steps than the verifier.
     is_on_few_steps: bool,
-    /// What an answer depends on besides its commands.
+    /// What an answer depends on apart from its commands.
     memory: Remembers,
     /// Whether the origin is the answer to a point of a path, from which the robot moves on.
     is_following: bool,
@@ -36,7 +36,7 @@ pub(crate) struct Forward {
     pub solves: usize,
 }
 
-/// What an answer depends on besides its commands and loads.
+/// What an answer depends on apart from its commands and loads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Remembers {
     /// Nothing.
@@ -231,13 +231,18 @@ impl Forward {
     /// Moves on from the answer to a point of a path.
     pub fn move_on(&mut self, unknowns: &[f64], solution: &Solution) {
         let values = self.values(unknowns, solution);
-        self.actuators.move_on(self.model.robot(), &values);
+        self.command_actuators(&values);
         if self.memory == Remembers::AllSteps {
             self.command(unknowns);
             self.case.before.push(self.case.commands.clone());
         }
         self.origin = Some(solution.clone());
         self.is_following = true;
+    }
+
+    /// Takes note of the values that the actuators have now: backlash counts from there.
+    pub fn command_actuators(&mut self, values: &[f64]) {
+        self.actuators.move_on(self.model.robot(), values);
     }
 
     /// Whether trials are solved on fewer steps than answers.
@@ -269,43 +274,61 @@ impl Forward {
         places: &[Place],
         from: Option<&Solution>,
     ) -> Result<Evaluation, SolveError> {
-        self.command(unknowns);
-        let origin = self.origin.clone();
+        self.evaluate_with_rates(unknowns, places, from).map(|(evaluation, _)| evaluation)
+    }
+
+    /// [`Self::evaluate`] with all the derivatives, where the model has exact ones.
+    pub fn evaluate_with_rates(
+        &mut self,
+        unknowns: &[f64],
+        places: &[Place],
+        from: Option<&Solution>,
+    ) -> Result<(Evaluation, Option<Linearization>), SolveError> {
+        // Taken for the time of the evaluation, which changes the rest.
+        let origin = self.origin.take();
         let from = match self.memory {
             Remembers::Nothing => from.or(origin.as_ref()),
             Remembers::LastAnswer => origin.as_ref(),
             Remembers::AllSteps => None,
         };
-        if self.is_exact {
-            self.solves += 1;
-            let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
-            Ok(self.with_rates(solution, &rates, places))
-        } else {
-            self.by_differences(unknowns, places, from)
-        }
+        let found = match self.is_exact {
+            true => {
+                let found = self.linearize(unknowns, places, from);
+                found.map(|(evaluation, rates)| (evaluation, Some(rates)))
+            }
+            false => {
+                let found = self.by_differences(unknowns, places, from);
+                found.map(|evaluation| (evaluation, None))
+            }
+        };
+        self.origin = origin;
+        found
     }
 
-    /// [`Self::evaluate`] of a model with exact derivatives, and the motions of the places with a force on the tip along x, y and z of the
-    /// base, in m/N, the commands held.
-    pub fn evaluate_with_forces(
+    /// [`Self::evaluate`] of a model with exact derivatives, from a neighbouring solution alone, with all the derivatives.
+    pub fn linearize(
         &mut self,
         unknowns: &[f64],
         places: &[Place],
         from: Option<&Solution>,
-    ) -> Result<(Evaluation, [Vec<Twist>; 3]), SolveError> {
+    ) -> Result<(Evaluation, Linearization), SolveError> {
         self.command(unknowns);
         self.solves += 1;
         let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
+        Ok((self.with_rates(solution, &rates, places), rates))
+    }
+
+    /// Motions of the places in the world with a force on the tip along x, y and z of the base, in m/N, the commands held.
+    pub fn motions_with_forces(&self, rates: &Linearization, places: &[Place]) -> [Vec<Twist>; 3] {
         let turn = self.case.base.rotation;
-        let forces = [0, 1, 2].map(|component| {
+        [0, 1, 2].map(|component| {
             let change = rates.wrench(Place::Tip, component, Hold::Commands);
             let motion = |place: &Place| {
                 let of = change.twist(*place);
                 Twist { linear: turn.rotate(of.linear), angular: turn.rotate(of.angular) }
             };
             places.iter().map(motion).collect()
-        });
-        Ok((self.with_rates(solution, &rates, places), forces))
+        })
     }
 
     /// A solution with its rates by the unknowns.
@@ -342,17 +365,12 @@ impl Forward {
         evaluation
     }
 
-    /// The translational compliance of the tip in m/N in the world, with the commands held; `None` where the model does not know it.
-    pub fn tip_compliance(&mut self, solution: &Solution) -> Option<Mat3> {
-        if !self.is_exact {
-            return None;
-        }
+    /// The translational compliance of the tip in m/N in the world, with the commands held; `None` where the robot is about to buckle.
+    pub fn tip_compliance(&self, rates: &Linearization) -> Option<Mat3> {
         let holds_tensions =
             self.actuators.asked.iter().all(|actuator| matches!(actuator, Actuator::Tension(_)));
         let hold = if holds_tensions { Hold::Tensions } else { Hold::Lengths };
-        let rates = self.model.linearize(&self.case, solution, &[]).ok()?;
-        let rows = rates.compliance(Place::Tip, hold).ok()?.rows();
-        let local = Mat3 { rows: [0, 1, 2].map(|i| Vec3::new(rows[i][0], rows[i][1], rows[i][2])) };
+        let local = rates.compliance(Place::Tip, hold).ok()?.blocks[0][0];
         let turn = self.case.base.rotation.to_matrix();
         Some(turn * local * turn.transpose())
     }
@@ -376,6 +394,7 @@ impl Forward {
         places: &[Place],
         from: Option<&Solution>,
     ) -> Result<Evaluation, SolveError> {
+        self.command(unknowns);
         self.solves += 1;
         let solution = self.model.solve(&self.case, from)?;
         let mut evaluation = self.without_rates(solution.clone());
@@ -432,17 +451,9 @@ impl Forward {
         evaluation.tension_rates.push(tensions);
     }
 
-    /// The shortening in m that each cable is commanded to in a solution: by how much its part in the robot is shorter, and what it and
-    /// its drive are longer by under its tension.
+    /// The shortening in m that each cable is commanded to in a solution.
     pub fn shortenings(&self, solution: &Solution) -> Vec<f64> {
-        let of = |(cable, state): (usize, &whipcord::CableState)| {
-            let robot = self.model.robot();
-            let stretch = state.tension.map_or(0.0, |tension| {
-                robot.cable_compliance(cable, state.initial_length)
-                    * (tension - robot.pretension(cable))
-            });
-            state.initial_length - state.length + stretch
-        };
+        let of = |(cable, state)| commanded_shortening(self.model.robot(), cable, state);
         solution.cables.iter().enumerate().map(of).collect()
     }
 }

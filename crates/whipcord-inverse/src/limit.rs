@@ -5,7 +5,7 @@ use whipcord::{Drive, Obstacle, Robot, Solution};
 
 use crate::actuator::{Actuator, Actuators};
 use crate::descent::Linear;
-use crate::forward::Evaluation;
+use crate::forward::{Evaluation, Forward};
 use crate::limits::Limits;
 
 /// A limit that an answer can meet.
@@ -165,7 +165,38 @@ impl Constraints {
         }
     }
 
-    /// The limits that an answer meets, and whether it exceeds one.
+    /// The limits that an answer meets: those of the constraints, and the bounds of the unknowns.
+    pub fn met(
+        &self,
+        forward: &Forward,
+        evaluation: &Evaluation,
+        unknowns: &[f64],
+        bounds: &[[f64; 2]],
+    ) -> Vec<Limit> {
+        let (mut met, _) = self.active(forward.robot(), evaluation);
+        for (k, (x, [least, greatest])) in unknowns.iter().zip(bounds).enumerate() {
+            let near = 1e-9 * forward.scales[k];
+            let limits = match forward.actuators.list[k] {
+                Actuator::Tension(cable) if !forward.actuators.are_direct() => {
+                    [Limit::LeastTension(cable), Limit::GreatestTension(cable)]
+                }
+                _ => [Limit::LeastCommand(k), Limit::GreatestCommand(k)],
+            };
+            let limit = if x - least <= near {
+                limits[0]
+            } else if greatest - x <= near {
+                limits[1]
+            } else {
+                continue;
+            };
+            if !met.contains(&limit) {
+                met.push(limit);
+            }
+        }
+        met
+    }
+
+    /// The limits that an answer meets by its constraints, and whether it exceeds one.
     pub fn active(&self, robot: &Robot, evaluation: &Evaluation) -> (Vec<Limit>, bool) {
         const ACTIVE: f64 = 1e-6;
         let mut active = Vec::new();

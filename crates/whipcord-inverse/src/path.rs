@@ -122,10 +122,10 @@ impl InverseSolver {
                 }
             };
             if let Some((before, shape)) = &last {
-                let near = answer.starts == 1;
                 let distance = self.unforetold(before, shape, &unknowns, &answer.solution)?;
-                if let Some((distance, true)) = distance {
-                    let kind = if near { JumpKind::Shape } else { JumpKind::Commands };
+                if let Some(distance) = distance {
+                    let is_near = answer.starts == 1;
+                    let kind = if is_near { JumpKind::Shape } else { JumpKind::Commands };
                     followed.jumps.push(Jump { point: number, kind, distance });
                 }
             }
@@ -156,15 +156,14 @@ impl InverseSolver {
         ranges
     }
 
-    /// By how much the disk that is farthest from where the derivatives foretell it is from there, and whether
-    /// that is a jump.
+    /// By how much the disk that is farthest from where the derivatives foretell it is from there, where that is a jump.
     fn unforetold(
         &mut self,
         before: &[f64],
         shape: &Solution,
         after: &[f64],
         solution: &Solution,
-    ) -> Result<Option<(f64, bool)>, InverseError> {
+    ) -> Result<Option<f64>, InverseError> {
         let length = self.forward().robot().backbone().length;
         let places: Vec<_> =
             (0..shape.disks.poses.len()).map(whipcord::derivatives::Place::Disk).collect();
@@ -172,7 +171,7 @@ impl InverseSolver {
             |disk: usize| solution.disks.poses[disk].position - shape.disks.poses[disk].position;
         let largest = (0..places.len()).map(|disk| moved(disk).norm()).fold(0.0, f64::max);
         if largest < LEAST_JUMP * length {
-            return Ok(Some((largest, false)));
+            return Ok(None);
         }
         let evaluation = match self.forward_mut().evaluate(before, &places, Some(shape)) {
             Ok(evaluation) => evaluation,
@@ -187,6 +186,6 @@ impl InverseSolver {
             }
             off = off.max(difference.norm());
         }
-        Ok(Some((off, off > UNFORETOLD * largest && off > LEAST_JUMP * length)))
+        Ok(Some(off).filter(|off| *off > UNFORETOLD * largest && *off > LEAST_JUMP * length))
     }
 }

@@ -2,7 +2,9 @@
 
 use whipcord::{Case, Model, ModelKind, Robot, Shortening, Solution, SolveError, Stations, Vec3};
 
-use crate::actuator::{Actuator, Actuators, CommandedBy, write_commands};
+use crate::actuator::{
+    Actuator, Actuators, CommandedBy, commanded_shortening, knows_tensions, write_commands,
+};
 use crate::atlas::{Atlas, Survey};
 use crate::certificate::NoProof;
 use crate::descent::{Control, Workspace};
@@ -56,12 +58,11 @@ impl Reached {
                 command.tension = state.tension;
             }
             if let (None, Some(old)) = (command.shortening, old.shortening) {
-                let length = state.initial_length;
-                let pull = state.tension.map_or(0.0, |of| of - robot.pretension(cable));
-                let stretch = robot.cable_compliance(cable, length) * pull;
-                let shortening = length - state.length + stretch;
+                let shortening = commanded_shortening(robot, cable, state);
                 command.shortening = Some(match old {
-                    Shortening::Fraction(_) => Shortening::Fraction(shortening / length),
+                    Shortening::Fraction(_) => {
+                        Shortening::Fraction(shortening / state.initial_length)
+                    }
                     Shortening::Length(_) => Shortening::Length(shortening),
                 });
             }
@@ -104,12 +105,12 @@ pub(crate) struct Ranges {
     pub values: Vec<[f64; 2]>,
 }
 
-/// A target and how it is to be reached.
+/// A target and what is to be kept.
 struct Asked<'a> {
     target: &'a Target,
     lever: f64,
     ranges: &'a Ranges,
-    options: &'a ReachOptions,
+    constraints: &'a Constraints,
 }
 
 /// Rows of an atlas where the batch has vectors for them, and elsewhere.
@@ -127,7 +128,7 @@ const STEPS: usize = 40;
 const STEPS_ON_PATH: usize = 2;
 /// Evaluations of one start.
 const EVALUATIONS: usize = 80;
-/// Starts that end at the same nearest point before there is no doubt that it is one.
+/// Starts that end at the same nearest point before it is taken for one.
 const AGREEING: usize = 5;
 
 impl InverseSolver {
@@ -144,8 +145,7 @@ impl InverseSolver {
     ) -> Result<Self, InverseError> {
         limits.check(robot.cables().len())?;
         let list = Actuator::of(robot, case, model.kind(), by)?;
-        let knows_tensions =
-            !matches!(model.kind(), ModelKind::FourBar | ModelKind::ConstantCurvature);
+        let knows_tensions = knows_tensions(model.kind());
         let actuators = Actuators::new(robot, case, list, knows_tensions);
         let stations = match case.obstacles.is_empty() {
             true => Stations::Disks,
@@ -267,7 +267,7 @@ impl InverseSolver {
         let constraints = self.constraints(ranges, options);
         let bounds = &ranges.unknowns;
         let first_solve = self.forward.solves;
-        let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
+        let mut search = Search::new(target, tolerance, &constraints, &mut self.forward);
         let scales = search.forward.scales.clone();
         let mut best: Option<Candidate> = None;
         let mut refusal = None;
@@ -346,8 +346,7 @@ impl InverseSolver {
                 None => InverseError::NoSolves,
             });
         };
-        let redundancy = Redundancy::of(&best.evaluation, target, lever, &scales);
-        if best.is_reached && redundancy.is_some() && options.prefer != Preference::First {
+        if best.is_reached && options.prefer != Preference::First {
             let control = Control { bounds, scales: &scales, evaluations: EVALUATIONS };
             let steps = if from.is_some() { STEPS_ON_PATH } else { STEPS };
             let task = redundancy::Task { prefer: options.prefer, start, control: &control, steps };
@@ -356,7 +355,7 @@ impl InverseSolver {
             }
         }
         let unknowns = best.unknowns.clone();
-        let asked = Asked { target, lever, ranges, options };
+        let asked = Asked { target, lever, ranges, constraints: &constraints };
         let mut answer = self.answer(best, &asked, starts, first_solve);
         if let Some(boxes) = options.proof
             && answer.status != ReachStatus::Reached
@@ -373,29 +372,29 @@ impl InverseSolver {
         starts: usize,
         first_solve: usize,
     ) -> Reached {
-        let &Asked { target, lever, ranges, options } = asked;
+        let &Asked { target, lever, ranges, constraints } = asked;
         let forward = &self.forward;
-        let active_limits = self.active_limits(&best, ranges, options);
+        let Candidate { unknowns, evaluation, .. } = &best;
+        let active_limits = constraints.met(forward, evaluation, unknowns, &ranges.unknowns);
         let status = match (best.is_reached, best.is_minimum) {
             (true, _) => ReachStatus::Reached,
             (false, true) => ReachStatus::Nearest,
             (false, false) => ReachStatus::Undecided,
         };
-        let values = forward.values(&best.unknowns, &best.solution);
-        let commands = self.commands_of(&best.unknowns, &best.solution);
-        let redundancy = Redundancy::of(&best.evaluation, target, lever, &forward.scales);
+        let values = forward.values(unknowns, &evaluation.solution);
+        let commands = forward.actuators.commands(forward.robot(), &values);
+        let redundancy = Redundancy::of(evaluation, target, lever, &forward.scales);
+        let null_space = redundancy.map(|of| self.null_space(&of, evaluation)).unwrap_or_default();
         Reached {
             status,
             case: self.case_with(&commands, &values),
             commands,
-            solution: best.solution,
+            solution: best.evaluation.solution,
             miss: best.miss,
             lower_bound: None,
             no_proof: None,
             active_limits,
-            null_space: redundancy
-                .map(|of| self.null_space(&of, &best.evaluation))
-                .unwrap_or_default(),
+            null_space,
             starts,
             solves: forward.solves - first_solve,
         }
@@ -413,62 +412,19 @@ impl InverseSolver {
         Ok(atlas.rows().map(|(tip, unknowns)| (tip, unknowns.to_vec())).collect())
     }
 
-    /// One start for a target.
+    /// One start for a target, within the ranges of the solver and constraints that [`Self::constraints`] gives.
     pub(crate) fn attempt(
         &mut self,
         start: &[f64],
-        target: &Target,
+        (target, tolerance): (&Target, Tolerance),
+        constraints: &Constraints,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
-        let length = self.forward.robot().backbone().length;
-        let tolerance = options.tolerance.unwrap_or_else(|| Tolerance::of_length(length));
-        let ranges = self.ranges.clone();
-        let constraints = self.constraints(&ranges, options);
         let scales = self.forward.scales.clone();
         let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
-        let control =
-            Control { bounds: &ranges.unknowns, scales: &scales, evaluations: EVALUATIONS };
+        let bounds = &self.ranges.unknowns;
+        let control = Control { bounds, scales: &scales, evaluations: EVALUATIONS };
         search.attempt(start, None, &control, &mut self.workspace, options)
-    }
-
-    /// The commands of the actuators at these unknowns.
-    pub(crate) fn commands_of(&self, unknowns: &[f64], solution: &Solution) -> Vec<f64> {
-        let values = self.forward.values(unknowns, solution);
-        let command = |(actuator, value): (&Actuator, &f64)| {
-            self.forward.actuators.command(self.forward.robot(), *actuator, *value)
-        };
-        self.actuators().iter().zip(&values).map(command).collect()
-    }
-
-    /// The limits that an answer meets.
-    pub(crate) fn limits_of(&self, at: &Candidate, options: &ReachOptions) -> Vec<Limit> {
-        self.active_limits(at, &self.ranges, options)
-    }
-
-    fn active_limits(&self, at: &Candidate, ranges: &Ranges, options: &ReachOptions) -> Vec<Limit> {
-        let forward = &self.forward;
-        let constraints = self.constraints(ranges, options);
-        let (mut active, _) = constraints.active(forward.robot(), &at.evaluation);
-        for (k, (x, [least, greatest])) in at.unknowns.iter().zip(&ranges.unknowns).enumerate() {
-            let near = 1e-9 * forward.scales[k];
-            let limits = match forward.actuators.list[k] {
-                Actuator::Tension(cable) if !forward.actuators.are_direct() => {
-                    [Limit::LeastTension(cable), Limit::GreatestTension(cable)]
-                }
-                _ => [Limit::LeastCommand(k), Limit::GreatestCommand(k)],
-            };
-            let met = if x - least <= near {
-                limits[0]
-            } else if greatest - x <= near {
-                limits[1]
-            } else {
-                continue;
-            };
-            if !active.contains(&met) {
-                active.push(met);
-            }
-        }
-        active
     }
 
     pub(crate) const fn model(&self) -> &Model {
@@ -525,7 +481,8 @@ impl InverseSolver {
         forward_case
     }
 
-    fn constraints(&self, ranges: &Ranges, options: &ReachOptions) -> Constraints {
+    /// What is to be kept beside the ranges of the unknowns.
+    pub(crate) fn constraints(&self, ranges: &Ranges, options: &ReachOptions) -> Constraints {
         let robot = self.forward.robot();
         let clearance =
             options.clearance.filter(|_| !self.case.obstacles.is_empty()).map(|margin| {

@@ -159,7 +159,7 @@ impl Search<'_> {
                 .map(|((x, start), scale)| ((x - start) / scale).powi(2))
                 .sum(),
             Preference::MostClearance => {
-                -self.constraints.least_clearance(&candidate.solution).unwrap_or(0.0)
+                -self.constraints.least_clearance(&candidate.evaluation.solution).unwrap_or(0.0)
             }
         }
     }

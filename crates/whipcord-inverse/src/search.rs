@@ -13,8 +13,8 @@ use crate::target::{Miss, Target, Tolerance};
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
     pub unknowns: Vec<f64>,
+    /// With the solution of the solve from rest.
     pub evaluation: Evaluation,
-    pub solution: Solution,
     pub miss: Miss,
     pub is_reached: bool,
     /// No step lowers the distance.
@@ -38,7 +38,7 @@ pub(crate) struct Search<'a> {
     pub lever: f64,
     /// Those of the target, then those of the constraints.
     places: Vec<Place>,
-    pub constraints: Constraints,
+    pub constraints: &'a Constraints,
     pub forward: &'a mut Forward,
     correction: Correction,
 }
@@ -72,7 +72,7 @@ impl<'a> Search<'a> {
     pub fn new(
         target: &'a Target,
         tolerance: Tolerance,
-        constraints: Constraints,
+        constraints: &'a Constraints,
         forward: &'a mut Forward,
     ) -> Self {
         Self {
@@ -146,9 +146,10 @@ impl Search<'_> {
         let solution = self.forward.verify(&found.unknowns, &found.state.solution)?;
         let miss = self.target.miss(&solution);
         let mut evaluation = found.state.clone();
-        evaluation.solution = solution.clone();
         evaluation.tensions = solution.cables.iter().map(|cable| cable.tension).collect();
         evaluation.shortenings = self.forward.shortenings(&solution);
+        evaluation.solution = solution;
+        let solution = &evaluation.solution;
         let change =
             self.forward.is_on_few_steps().then(|| self.correct(&evaluation, &found.state));
         let (_, is_exceeded) = self.constraints.active(self.forward.robot(), &evaluation);
@@ -156,11 +157,10 @@ impl Search<'_> {
         let is_unstable = solution.diagnostics.is_unstable() && !options.allows_unstable;
         let is_allowed = !is_exceeded && !touches && !is_unstable;
         let mut residual = Vec::new();
-        self.target.residual(&solution, self.lever, &mut residual);
+        self.target.residual(solution, self.lever, &mut residual);
         let candidate = Candidate {
             unknowns: found.unknowns.clone(),
             evaluation,
-            solution,
             is_reached: is_allowed && miss.is_within(self.tolerance),
             is_minimum: found.is_stationary && is_allowed,
             miss,

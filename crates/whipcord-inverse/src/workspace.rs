@@ -7,8 +7,8 @@ use whipcord::kinematics::{Dexterity, dexterity, principal_axes};
 use whipcord::{SolveError, Twist, Vec3};
 
 use crate::error::InverseError;
-use crate::limit::Limit;
-use crate::options::{Preference, ReachOptions};
+use crate::limit::{Constraints, Limit};
+use crate::options::ReachOptions;
 use crate::reach::InverseSolver;
 use crate::search::Candidate;
 use crate::target::{Target, Tolerance};
@@ -120,15 +120,10 @@ impl InverseSolver {
         if !voxel.is_finite() || voxel <= 0.0 || length / voxel > 1e3 {
             return Err(InverseError::Voxel { voxel, least: 1e-3 * length });
         }
-        let reach = ReachOptions {
-            tolerance: Some(Tolerance { position: AT_CENTRE * voxel, angle: 1.0 }),
-            prefer: Preference::First,
-            starts: 0,
-            clearance: options.clearance,
-            ..ReachOptions::default()
-        };
+        let reach = ReachOptions { clearance: options.clearance, ..ReachOptions::default() };
         let mut survey = Survey {
             voxel,
+            constraints: self.constraints(self.ranges(), &reach),
             reach,
             found: BTreeMap::new(),
             boundary: Vec::new(),
@@ -145,6 +140,7 @@ impl InverseSolver {
 struct Survey {
     voxel: f64,
     reach: ReachOptions,
+    constraints: Constraints,
     found: BTreeMap<[i32; 3], Found>,
     boundary: Vec<BoundaryPoint>,
     first_solve: usize,
@@ -177,11 +173,8 @@ impl Survey {
         let has_obstacles = !solver.case().obstacles.is_empty();
         for (index, unknowns) in marked {
             if has_obstacles {
-                let target = Target::Tip(self.centre(index));
-                match solver.attempt(&unknowns, &target, &self.reach) {
-                    Ok(candidate) => self.take(index, candidate),
-                    Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
-                    Err(_) => {}
+                if let Some(candidate) = self.ask(solver, index, &unknowns)? {
+                    self.take(index, candidate);
                 }
             } else {
                 self.found.insert(index, Found { unknowns, is_full: false });
@@ -190,12 +183,28 @@ impl Survey {
         Ok(())
     }
 
+    /// Asks for the centre of a voxel from these unknowns; `None` where the model has no answer there.
+    fn ask(
+        &self,
+        solver: &mut InverseSolver,
+        index: [i32; 3],
+        unknowns: &[f64],
+    ) -> Result<Option<Candidate>, InverseError> {
+        let target = Target::Tip(self.centre(index));
+        let tolerance = Tolerance { position: AT_CENTRE * self.voxel, angle: 1.0 };
+        match solver.attempt(unknowns, (&target, tolerance), &self.constraints, &self.reach) {
+            Ok(candidate) => Ok(Some(candidate)),
+            Err(error @ SolveError::Cancelled { .. }) => Err(error.into()),
+            Err(_) => Ok(None),
+        }
+    }
+
     /// Marks the voxel that the tip has come into.
     fn take(&mut self, asked: [i32; 3], candidate: Candidate) {
         if !candidate.is_allowed {
             return;
         }
-        let Some(tip) = candidate.solution.disks.poses.last() else { return };
+        let Some(tip) = candidate.evaluation.solution.disks.poses.last() else { return };
         let at = self.index(tip.position);
         let is_full = candidate.is_reached && at == asked;
         let known = self.found.entry(at);
@@ -226,16 +235,16 @@ impl Survey {
                     return Ok(false);
                 }
                 let Some(known) = self.found.get(&from) else { continue };
-                let target = Target::Tip(self.centre(index));
-                let start = known.unknowns.clone();
-                let candidate = match solver.attempt(&start, &target, &self.reach) {
-                    Ok(candidate) => candidate,
-                    Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
-                    Err(_) => continue,
-                };
+                let Some(candidate) = self.ask(solver, index, &known.unknowns)? else { continue };
                 self.note_boundary(solver, index, &candidate);
                 let before = self.found.len();
-                let at = candidate.solution.disks.poses.last().map(|tip| self.index(tip.position));
+                let at = candidate
+                    .evaluation
+                    .solution
+                    .disks
+                    .poses
+                    .last()
+                    .map(|tip| self.index(tip.position));
                 self.take(index, candidate);
                 if self.found.len() > before {
                     queue.extend(at);
@@ -247,13 +256,15 @@ impl Survey {
 
     /// A minimum of the distance from a centre out of reach is a point of the boundary.
     fn note_boundary(&mut self, solver: &InverseSolver, index: [i32; 3], candidate: &Candidate) {
-        let Some(tip) = candidate.solution.disks.poses.last() else { return };
+        let Some(tip) = candidate.evaluation.solution.disks.poses.last() else { return };
         let out = self.centre(index) - tip.position;
         let distance = out.norm();
         if candidate.is_reached || !candidate.is_minimum || distance < AT_CENTRE * self.voxel {
             return;
         }
-        let limits = solver.limits_of(candidate, &self.reach);
+        let Candidate { unknowns, evaluation, .. } = candidate;
+        let bounds = &solver.ranges().unknowns;
+        let limits = self.constraints.met(solver.forward(), evaluation, unknowns, bounds);
         self.boundary.push(BoundaryPoint {
             tip: tip.position,
             normal: out * (1.0 / distance),
@@ -317,7 +328,10 @@ impl InverseSolver {
     ) -> Result<Cell, SolveError> {
         let unknowns = &found.unknowns;
         let scales = self.forward().scales.clone();
-        let evaluation = self.forward_mut().evaluate(unknowns, &[Place::Tip], None)?;
+        let forward = self.forward_mut();
+        let (evaluation, rates) = forward.evaluate_with_rates(unknowns, &[Place::Tip], None)?;
+        let rates = rates.filter(|_| has_stiffness);
+        let compliance = rates.and_then(|rates| forward.tip_compliance(&rates));
         let columns: Vec<Twist> = evaluation
             .motions
             .iter()
@@ -327,16 +341,14 @@ impl InverseSolver {
                 angular: motions[0].angular * *scale,
             })
             .collect();
-        let compliance = match has_stiffness {
-            true => self.forward_mut().tip_compliance(&evaluation.solution),
-            false => None,
-        };
         let stiffness = compliance.map(|compliance| {
             let of = principal_axes(&compliance).values;
             [1.0 / of[2].max(of[0]), 1.0 / of[0].min(of[2])]
         });
         let pose = evaluation.solution.disks.poses.last().copied().unwrap_or_default();
-        let commands = self.commands_of(unknowns, &evaluation.solution);
+        let forward = self.forward();
+        let values = forward.values(unknowns, &evaluation.solution);
+        let commands = forward.actuators.commands(forward.robot(), &values);
         Ok(Cell {
             index,
             tip: pose.position,

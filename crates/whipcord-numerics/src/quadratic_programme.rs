@@ -79,7 +79,7 @@ pub enum NoMinimum {
     NotPositiveDefinite,
     /// No point meets all constraints.
     Infeasible,
-    /// The active set did not settle, because of rounding.
+    /// The active set was not found, because of rounding.
     Rounding,
 }
 

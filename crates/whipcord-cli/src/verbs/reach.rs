@@ -6,16 +6,17 @@ use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use whipcord::{Model, ModelKind, Pose, Solution, StabilityAnalysis, Stations, Vec3};
 use whipcord_inverse::{
-    CommandedBy, InverseError, InverseSolver, PathPoint, Preference, ReachOptions, ReachStatus,
-    Reached, Target, Tolerance,
+    InverseSolver, PathPoint, Preference, ReachOptions, ReachStatus, Reached, Target, Tolerance,
 };
 use whipcord_io::{CaseFile, Clearance, load_path, load_shape, reach_json, warnings_json};
-use whipcord_plot::{Acting, FINE_STATIONS, FigureOptions, RobotView, label, robot_figure};
+use whipcord_plot::{Acting, FigureOptions, RobotView, label, robot_figure};
 
 use crate::deadline;
 use crate::inputs::{Settings, read_one};
+use crate::inverse::{By, failure, solver};
 use crate::model_arguments::{FourBarArguments, model_parser};
 use crate::path_argument::path_ending_in;
+use crate::smooth::smooth;
 use crate::target_argument::{Axis, Place, PoseArgument, angle, length};
 use crate::verbs::{reach_path, reach_words as words};
 use crate::warnings::Warnings;
@@ -102,17 +103,6 @@ const MOST_STARTS: u64 = 20_000;
 
 fn starts_parser() -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(0..=MOST_STARTS)
-}
-
-/// Which commands are sought.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum By {
-    /// Tensions of all cables
-    Tensions,
-    /// Shortenings of all cables
-    Lengths,
-    /// Motors, and cables without a motor as the file commands them
-    Motors,
 }
 
 /// Which of several answers is given.
@@ -259,43 +249,6 @@ fn target(args: &ReachArgs, file: &CaseFile) -> Result<Target, Failure> {
     })
 }
 
-/// For the robot of a file and its limits.
-pub fn solver(by: Option<By>, file: &CaseFile, model: &Model) -> Result<InverseSolver, Failure> {
-    let by = match by {
-        None => CommandedBy::Case,
-        Some(By::Tensions) => CommandedBy::Tensions,
-        Some(By::Lengths) => CommandedBy::Shortenings,
-        Some(By::Motors) => CommandedBy::Motors,
-    };
-    let CaseFile { robot, case, .. } = file;
-    let fail = |error: InverseError| failure(file, &error);
-    let actuators = whipcord_inverse::Actuator::of(robot, case, model.kind(), by).map_err(fail)?;
-    let limits = file.goal.limits(robot, &actuators).map_err(|mismatch| {
-        let name = &robot.cables()[mismatch.cable].name;
-        let (commanded, unit) = match mismatch.by_tension {
-            true => ("tension", "N/s"),
-            false => ("shortening", "mm/s"),
-        };
-        Failure::Input(format!(
-            "error: {}: the rate of cable {name} is limited in another unit, but its {commanded} is commanded: give it in {unit}",
-            file.path.display()
-        ))
-    })?;
-    InverseSolver::new(model, robot, case, &limits, by).map_err(fail)
-}
-
-/// What an inverse problem fails with.
-pub fn failure(file: &CaseFile, error: &InverseError) -> Failure {
-    let message = format!("error: {}: {error}", file.path.display());
-    match error {
-        InverseError::Solve(error) | InverseError::NoStart(error) => {
-            Failure::from_solve(file, error)
-        }
-        InverseError::NoSolves | InverseError::Atlas(_) => Failure::Solve(message),
-        _ => Failure::Input(message),
-    }
-}
-
 /// The robot file with the commands found, and what to say of it.
 fn new_file(
     path: &Path,
@@ -322,11 +275,7 @@ pub fn draw(
     solution: &Solution,
     targets: Vec<Vec3>,
 ) -> Result<Vec<u8>, Failure> {
-    let fine = model
-        .at(Stations::Equal(FINE_STATIONS))
-        .prepare(&file.robot, &file.case.loads)
-        .and_then(|mut prepared| prepared.solve(&file.case, Some(solution)))
-        .unwrap_or_else(|_| Solution { shape: solution.disks.clone(), ..solution.clone() });
+    let fine = smooth(model, file, solution);
     let options = FigureOptions {
         title: file.title.clone(),
         targets,

@@ -8,8 +8,9 @@ use whipcord_inverse::{
 };
 use whipcord_io::{CaseFile, follow_json, warnings_json};
 
-use super::reach::{ReachArgs, draw, failure, points};
+use super::reach::{ReachArgs, draw, points};
 use super::reach_words::command;
+use crate::inverse::failure;
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
 use whipcord_study::quantity::{millimetres, number};

@@ -7,15 +7,14 @@ use whipcord::kinematics::{
     Compliance, DerivativeMethod, Dexterity, DrivenBy, Local, Matrix6, PrincipalAxes,
     principal_axes,
 };
-use whipcord::{Differentiable as _, Model, Solution, Stations, Twist, UnitQuaternion, Vec3};
+use whipcord::{Differentiable as _, Model, Solution, Twist, UnitQuaternion, Vec3};
 use whipcord_io::{CaseFile, Dimension, parse_quantity, stiffness_json, warnings_json};
-use whipcord_plot::{
-    Acting, Ellipsoid, FINE_STATIONS, FigureOptions, Quantity, RobotView, label, robot_figure,
-};
+use whipcord_plot::{Acting, Ellipsoid, FigureOptions, Quantity, RobotView, label, robot_figure};
 
 use crate::inputs::{Settings, read_one};
 use crate::model_arguments::ModelArguments;
 use crate::path_argument::path_ending_in;
+use crate::smooth::smooth;
 use crate::warnings::Warnings;
 use whipcord_study::describe::{driven_by, instability};
 use whipcord_study::failure::Failure;
@@ -140,12 +139,7 @@ fn draw(
     solution: &Solution,
     local: &Local,
 ) -> Result<Vec<u8>, Failure> {
-    // The same answer at stations that a picture is smooth with; at the disks, where that finds none.
-    let fine = model
-        .at(Stations::Equal(FINE_STATIONS))
-        .prepare(&file.robot, &file.case.loads)
-        .and_then(|mut prepared| prepared.solve(&file.case, Some(solution)))
-        .unwrap_or_else(|_| Solution { shape: solution.disks.clone(), ..solution.clone() });
+    let fine = smooth(model, file, solution);
     let options = FigureOptions {
         title: file.title.clone(),
         loads: Acting::on(&file.case, &fine.shape),

@@ -12,9 +12,9 @@ use whipcord_plot::{WorkspaceFigure, workspace_figure};
 
 use crate::deadline;
 use crate::inputs::{Settings, read_one};
+use crate::inverse::{By, failure, solver};
 use crate::model_arguments::{FourBarArguments, model_parser};
 use crate::target_argument::length;
-use crate::verbs::reach::{By, failure, solver};
 use crate::warnings::Warnings;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};

@@ -16,7 +16,7 @@ use crate::statics::hold::{HeldCables, Hold};
 /// The linearised chain. The coordinates' part of it is left in the chain's memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactResponse {
-    pushed: LoadedPlaces<f64>,
+    loaded: LoadedPlaces<f64>,
     /// How every place moves with the step that is left, then with each component on each place.
     twists: Vec<Twist>,
     /// How the tension of every cable changes with these.
@@ -45,12 +45,12 @@ impl ContactResponse {
         disks: &[Pose],
         pushes: &[f64],
     ) -> Result<(), SolveError> {
-        let Self { pushed, twists, tensions, length_by_tension, pivots, work, .. } = self;
-        pushed.set(pushes);
-        let places = Places::new(model, &chain.q, disks, pushed.places());
+        let Self { loaded, twists, tensions, length_by_tension, pivots, work, .. } = self;
+        loaded.set(pushes);
+        let places = Places::new(model, &chain.q, disks, loaded.places());
         chain.linearise(task);
         let negative = chain
-            .eliminate_with_wrenches(task, &places.pushed())
+            .eliminate_with_wrenches(task, &places.unit_wrenches())
             .ok_or(SolveError::NoDerivatives)?;
         chain.length_by_tension(task, length_by_tension);
         let count = task.tensions.len();
@@ -74,7 +74,7 @@ impl ContactResponse {
         self.stands = (negative + bordered.len() - positive).is_multiple_of(2);
         tensions.clear();
         twists.clear();
-        let at = pushed.places().len();
+        let at = loaded.places().len();
         for side in 0..=6 * at {
             let response = if side == 0 { 0 } else { count + side };
             let lengths = chain.lengths_by(task, response);
@@ -112,14 +112,14 @@ impl ContactResponse {
         disks: &[Pose],
         pushes: &[f64],
     ) -> Result<(), SolveError> {
-        let Self { pushed, twists, tensions, .. } = self;
-        pushed.set(pushes);
-        let places = Places::new(model, &chain.q, disks, pushed.places());
+        let Self { loaded, twists, tensions, .. } = self;
+        loaded.set(pushes);
+        let places = Places::new(model, &chain.q, disks, loaded.places());
         chain.linearise(task);
         let negative = chain
-            .eliminate_with_wrenches(task, &places.pushed())
+            .eliminate_with_wrenches(task, &places.unit_wrenches())
             .ok_or(SolveError::NoDerivatives)?;
-        let wrenches = 6 * pushed.places().len();
+        let wrenches = 6 * loaded.places().len();
         holes.linearise(task, chain, commands, wrenches).ok_or(SolveError::NoDerivatives)?;
         self.stands = negative.is_multiple_of(2) != holes.is_odd();
         tensions.clear();
@@ -139,9 +139,9 @@ impl ContactResponse {
     pub fn compliance(&self, compliance: &mut Vec<f64>, drift: &mut Vec<f64>) {
         compliance.clear();
         drift.clear();
-        let at = self.pushed.places().len();
+        let at = self.loaded.places().len();
         let twist = |side: usize, place: usize| self.twists[side * at + place];
-        self.pushed.compliance(
+        self.loaded.compliance(
             |wrench, place| twist(1 + wrench, place),
             |place| twist(0, place),
             compliance,
@@ -159,7 +159,7 @@ impl ContactResponse {
         part: f64,
     ) -> f64 {
         let count = tensions.len();
-        let totals = self.pushed.totals(changes);
+        let totals = self.loaded.totals(changes);
         let mut pulls = vec![0.0; count];
         for (weight, own) in [1.0].iter().chain(&totals).zip(self.tensions.chunks(count.max(1))) {
             pulls.iter_mut().zip(own).for_each(|(sum, own)| *sum += weight * own);
@@ -179,7 +179,7 @@ impl ContactResponse {
         changes: &[[f64; 6]],
         part: f64,
     ) -> f64 {
-        let totals = self.pushed.totals(changes);
+        let totals = self.loaded.totals(changes);
         let pulls = holes.follow(commands, &totals);
         let part = chain.advance(&weights(&pulls, &totals), part);
         holes.advance(&pulls, part);

@@ -206,7 +206,7 @@ impl Linkage {
         let target = |(i, &rest): (usize, &f64)| {
             let shortening = case.commands[i].shortening.map_or(0.0, |s| s.in_metres(rest));
             let asked = rest - shortening;
-            asked + robot.cable_compliance(i, rest) * (tensions[i] - robot.pretension(i))
+            asked + robot.cable_stretch(i, rest, tensions[i])
         };
         let targets = rest.iter().enumerate().map(target).collect();
         Equations { residuals, lengths: chain.lengths, targets, base: chain.base }

@@ -54,7 +54,9 @@ impl Linkage {
         let chain = &mut scratch.chain;
         chain.evaluate(&task);
         chain.linearise(&task);
-        chain.eliminate_with_wrenches(&task, &places.pushed()).ok_or(SolveError::NoDerivatives)?;
+        chain
+            .eliminate_with_wrenches(&task, &places.unit_wrenches())
+            .ok_or(SolveError::NoDerivatives)?;
         let cables = tensions.len();
         let mut twists = Vec::with_capacity(1);
         let mut column = |side: usize| {

@@ -31,7 +31,7 @@ impl<'a> Places<'a> {
     }
 
     /// The components of a wrench in the frame of the base on each of them, forces first.
-    pub fn pushed(&self) -> Vec<PlaceWrench> {
+    pub fn unit_wrenches(&self) -> Vec<PlaceWrench> {
         let of_place = |&(section, motion): &(usize, Motion)| {
             let to_section = self.disks[section].rotation.conjugate();
             (0..6).map(move |component| {

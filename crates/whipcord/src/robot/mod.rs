@@ -197,6 +197,15 @@ impl Robot {
         self.outside[cable].pretension
     }
 
+    /// By how much in m a cable that is so long at rest, and its drive, are longer under a tension than where shortenings count from.
+    ///
+    /// # Panics
+    /// When the robot has no cable of this number.
+    #[must_use]
+    pub fn cable_stretch(&self, cable: usize, rest_length: f64, tension: f64) -> f64 {
+        self.cable_compliance(cable, rest_length) * (tension - self.pretension(cable))
+    }
+
     /// The motor that pulls a cable, by its number.
     #[must_use]
     pub fn motor_of(&self, cable: usize) -> Option<usize> {

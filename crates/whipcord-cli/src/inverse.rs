@@ -1,0 +1,55 @@
+//! Inverse problems of the robot of a file, for the verbs that ask them.
+
+use clap::ValueEnum;
+use whipcord::Model;
+use whipcord_inverse::{Actuator, CommandedBy, InverseError, InverseSolver};
+use whipcord_io::CaseFile;
+use whipcord_study::failure::Failure;
+
+/// Which commands are sought.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum By {
+    /// Tensions of all cables
+    Tensions,
+    /// Shortenings of all cables
+    Lengths,
+    /// Motors, and cables without a motor as the file commands them
+    Motors,
+}
+
+/// For the robot of a file and its limits.
+pub fn solver(by: Option<By>, file: &CaseFile, model: &Model) -> Result<InverseSolver, Failure> {
+    let by = match by {
+        None => CommandedBy::Case,
+        Some(By::Tensions) => CommandedBy::Tensions,
+        Some(By::Lengths) => CommandedBy::Shortenings,
+        Some(By::Motors) => CommandedBy::Motors,
+    };
+    let CaseFile { robot, case, .. } = file;
+    let fail = |error: InverseError| failure(file, &error);
+    let actuators = Actuator::of(robot, case, model.kind(), by).map_err(fail)?;
+    let limits = file.goal.limits(robot, &actuators).map_err(|mismatch| {
+        let name = &robot.cables()[mismatch.cable].name;
+        let (commanded, unit) = match mismatch.by_tension {
+            true => ("tension", "N/s"),
+            false => ("shortening", "mm/s"),
+        };
+        Failure::Input(format!(
+            "error: {}: the rate of cable {name} is limited in another unit, but its {commanded} is commanded: give it in {unit}",
+            file.path.display()
+        ))
+    })?;
+    InverseSolver::new(model, robot, case, &limits, by).map_err(fail)
+}
+
+/// What an inverse problem fails with.
+pub fn failure(file: &CaseFile, error: &InverseError) -> Failure {
+    let message = format!("error: {}: {error}", file.path.display());
+    match error {
+        InverseError::Solve(error) | InverseError::NoStart(error) => {
+            Failure::from_solve(file, error)
+        }
+        InverseError::NoSolves | InverseError::Atlas(_) => Failure::Solve(message),
+        _ => Failure::Input(message),
+    }
+}
