@@ -35,6 +35,6 @@ pub(crate) use bending_friction::{BENDING_AXES, BendingFriction};
 pub(crate) use crossing::{BodyWrench, Crossing, Strain};
 pub(crate) use equilibrium::equilibrium;
 pub(crate) use fault::{FOLDED, Fault, SectionFault};
-pub use of_robot::{material_stiffness, section_compliance};
+pub use of_robot::{material_stiffness, section_compliance, section_stiffness};
 pub(crate) use properties::{Section, Stiffness};
 pub(crate) use tangent::Tangent;

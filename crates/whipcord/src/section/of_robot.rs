@@ -49,6 +49,31 @@ pub fn material_stiffness(robot: &Robot) -> Result<robot::Stiffness, SolveError>
     Ok(robot::Stiffness::diagonal([shear.x, shear.y], shear.z, [bending.x, bending.y], bending.z))
 }
 
+/// Stiffness matrix at one end or inside of a piece of the backbone in which nothing jumps; `inside`, an arc length in m as well, lies
+/// between its ends. The diagonal is infinite on an axis of a backbone that does not shear or stretch.
+///
+/// # Errors
+/// [`SolveError::Missing`] where the stiffness is not given and section, Young's modulus or shear modulus is not either.
+pub fn section_stiffness(
+    robot: &Robot,
+    arc_length: f64,
+    inside: f64,
+) -> Result<StiffnessMatrix, SolveError> {
+    let section = section_at(robot, arc_length, inside)?;
+    let (forces, moments) = (section.pivots(), section.stiffness.bending);
+    let coupling = section.coupling().copied().unwrap_or_default();
+    Ok(core::array::from_fn(|i| {
+        core::array::from_fn(|j| match (i < 3, j < 3) {
+            (true, true) if i == j => forces[i],
+            (false, false) if i == j => moments[i - 3],
+            (true, true) => coupling.shear.rows[i][j],
+            (true, false) => coupling.mixed.rows[i][j - 3],
+            (false, true) => coupling.mixed.rows[j][i - 3],
+            (false, false) => coupling.bending.rows[i - 3][j - 3],
+        })
+    }))
+}
+
 /// Compliance of a cross-section without cables at an arc length in m: `∂v/∂N`, `∂v/∂M` and `∂u/∂M` in the frame of the section, zero
 /// for an axis that is held. `None` where the stiffness is not given or has no inverse.
 #[must_use]

@@ -1,0 +1,120 @@
+//! The equilibrium that a motion starts from: that of the statics, made exact in the elements.
+
+use whipcord::{Case, DistributedLoad, Loads, Model, PointLoad, Profile, Robot, Stations, cosserat};
+use whipcord_numerics::{GAUSS_2, Pose, Twist};
+
+use crate::element::POINTS;
+use crate::error::MotionError;
+use crate::iteration::Solver;
+use crate::loads::NodeLoads;
+use crate::options::LoadCourse;
+use crate::rod::Rod;
+use crate::stage::Scheme;
+
+/// Iterations at most.
+const MOST: usize = 60;
+/// Change of the strains at the end.
+const TOLERANCE: f64 = 1e-12;
+/// Change below which rounding may be what is left.
+const ROUNDING: f64 = 1e-9;
+
+/// Finds the equilibrium of a case, whose commands are those before the start, as the tensions and lengths in the solver are; its strains and
+/// tensions are left in the stage.
+pub(crate) fn find(
+    robot: &Robot,
+    statics: &Case,
+    rod: &Rod,
+    loads: &NodeLoads,
+    solver: &mut Solver,
+) -> Result<(), MotionError> {
+    let stations: Vec<f64> = rod.nodes.iter().map(|node| node.arc_length).collect();
+    let options = cosserat::Options { stations: Stations::At(stations), ..Default::default() };
+    let mut prepared = Model::Cosserat(options).prepare(robot, &statics.loads)?;
+    let solution = prepared.solve_to_the_end(statics).map_err(|(_, error)| error)?;
+    let back = statics.base.inverse();
+    let poses: Vec<Pose> = solution.shape.poses.iter().map(|pose| back * *pose).collect();
+    strains(rod, &poses, &mut solver.stage.strains);
+    for (tension, cable) in solver.stage.tensions.iter_mut().zip(&solution.cables) {
+        *tension = cable.tension.unwrap_or(*tension);
+    }
+    loads.at(0.0, &mut solver.stage.loads);
+    let mut change = f64::INFINITY;
+    for _ in 0..MOST {
+        let stage = &mut solver.stage;
+        stage.velocities.fill(Twist::default());
+        stage.velocity_history.fill(Twist::default());
+        stage.strain_history.copy_from_slice(&stage.strains);
+        stage.start.copy_from_slice(&stage.strains);
+        let before = change;
+        change = solver.iterate(rod, loads, &Scheme::STATICS, true).unwrap_or(f64::INFINITY);
+        if change < TOLERANCE || (change < ROUNDING && change > 0.5 * before) {
+            solver.stage.velocities.fill(Twist::default());
+            return Ok(());
+        }
+        if !change.is_finite() {
+            break;
+        }
+    }
+    Err(MotionError::Unbalanced { iterations: MOST, change })
+}
+
+/// Strains whose elements connect poses of the nodes.
+fn strains(rod: &Rod, poses: &[Pose], out: &mut [Twist]) {
+    for (e, &h) in rod.lengths.iter().enumerate() {
+        let half = 0.5 * h;
+        let mean = |a: usize| (poses[a].inverse() * poses[a + 1]).log() * (1.0 / half);
+        let means = [mean(2 * e), mean(2 * e + 1)];
+        // The mean of a linear strain, but for the bracket of the Magnus series.
+        let change = means[1] - means[0];
+        let [a, b] = means.map(|mean| mean - mean.bracket(change) * (half / 12.0));
+        for k in 0..POINTS {
+            let t = (GAUSS_2.nodes[k] - 0.25) / 0.5;
+            out[POINTS * e + k] = a * (1.0 - t) + b * t;
+        }
+    }
+}
+
+/// Adds loads over time with their factors before the start, for a backbone of this length.
+pub(crate) fn add_loads(loads: &mut Loads, courses: &[LoadCourse], length: f64) -> Result<(), MotionError> {
+    for LoadCourse { loads: of, factor } in courses {
+        if of.frame != loads.frame {
+            return Err(MotionError::Unsupported {
+                path: "motion.loads".to_owned(),
+                what: "loads over time in another frame than the loads of the case",
+                advice: "give both in the frame of the base, or both in that of the world",
+            });
+        }
+        let f = factor.before(0.0);
+        if f == 0.0 {
+            continue;
+        }
+        loads.points.push(PointLoad {
+            at: length,
+            force: of.tip_force * f,
+            moment: of.tip_moment * f,
+            follower: of.tip_follower,
+        });
+        loads.points.extend(of.points.iter().map(|point| PointLoad {
+            force: point.force * f,
+            moment: point.moment * f,
+            ..*point
+        }));
+        loads.distributed.extend(of.distributed.iter().map(|load| {
+            let profile = match &load.profile {
+                Profile::Constant { from, to, force, moment } => Profile::Constant {
+                    from: *from,
+                    to: *to,
+                    force: *force * f,
+                    moment: *moment * f,
+                },
+                Profile::Linear { at, force, moment } => Profile::Linear {
+                    at: at.clone(),
+                    force: force.iter().map(|v| *v * f).collect(),
+                    moment: moment.iter().map(|v| *v * f).collect(),
+                },
+            };
+            DistributedLoad { profile, ..load.clone() }
+        }));
+    }
+    Ok(())
+}

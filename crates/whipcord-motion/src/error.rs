@@ -1,0 +1,106 @@
+//! Why there is no motion.
+
+use thiserror::Error;
+use whipcord::{RobotError, SolveError};
+
+/// Why a robot is not simulated, or why a step has no result.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum MotionError {
+    /// A quantity of the case or of the loads cannot be, or does not fit the robot.
+    #[error(transparent)]
+    Invalid(#[from] RobotError),
+
+    /// There is no equilibrium to start from.
+    #[error("no equilibrium to start the motion from: {0}; start from rest instead, or change the first commands")]
+    NoEquilibrium(#[from] SolveError),
+
+    /// The equilibrium of the model with elements was not reached from that of the statics.
+    #[error(
+        "the equilibrium to start from was not reached: after {iterations} iterations the strains still change by {change:.1e}; use more elements, or start from rest"
+    )]
+    Unbalanced {
+        /// Iterations.
+        iterations: usize,
+        /// The last change of the strains, times the length of the backbone where it is one of curvature.
+        change: f64,
+    },
+
+    /// Motion needs a quantity that the robot does not give.
+    #[error("the motion needs `{path}`: {advice}")]
+    Missing {
+        /// Which quantity, in the terms of the robot file.
+        path: String,
+        /// What to do.
+        advice: &'static str,
+    },
+
+    /// A part of the robot or of the case that has no dynamics here.
+    #[error("the motion cannot take `{path}` ({what}): {advice}")]
+    Unsupported {
+        /// Which part, in the terms of the robot file.
+        path: String,
+        /// What it is.
+        what: &'static str,
+        /// What to do.
+        advice: &'static str,
+    },
+
+    /// A number that cannot be.
+    #[error("{what} is {value}: {need}")]
+    Option {
+        /// The option or argument.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        need: &'static str,
+    },
+
+    /// A table over time that cannot be.
+    #[error("row {row} of a course over time {problem}")]
+    Course {
+        /// The row, from 0.
+        row: usize,
+        /// What is wrong.
+        problem: &'static str,
+    },
+
+    /// Lists whose lengths do not fit.
+    #[error("{given} {what} were given, but there are {expected}")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// How many were given.
+        given: usize,
+        /// How many there must be.
+        expected: usize,
+    },
+
+    /// A step whose equations were not solved, nor those of its parts.
+    #[error(
+        "the step at {time:.6} s was not solved, even in parts of {part:.1e} s: the last change of the strains is {change:.1e}; use a shorter step or the method `robust`, or ramp the command"
+    )]
+    NotConverged {
+        /// Time at the beginning of the part in s.
+        time: f64,
+        /// Length in s of the last part that was tried.
+        part: f64,
+        /// The last change of the strains in an iteration; infinite where the equations had no values.
+        change: f64,
+    },
+
+    /// Parts of a step that would have to be shorter than makes sense to reach the tolerance.
+    #[error(
+        "the tolerance of {tolerance:.1e} m is not reached at {time:.6} s: parts of {part:.1e} s still have the error {error:.1e} m; increase the tolerance, or ramp the command"
+    )]
+    Tolerance {
+        /// Time in s.
+        time: f64,
+        /// Length in s of the last part that was tried.
+        part: f64,
+        /// Its estimated error in m.
+        error: f64,
+        /// The tolerance in m for the whole step.
+        tolerance: f64,
+    },
+}

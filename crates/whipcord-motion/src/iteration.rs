@@ -1,0 +1,129 @@
+//! The iteration of one stage: Newton's method on velocities and strains together, whose linearisation may serve several steps.
+
+use whipcord_numerics::Vec3;
+
+use crate::lengths::Lengths;
+use crate::loads::NodeLoads;
+use crate::pose;
+use crate::rod::Rod;
+use crate::stage::{Scheme, Stage};
+
+/// When an iteration ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ending {
+    /// Estimated change of the strains by all further iterations.
+    pub tolerance: f64,
+    /// Whether it goes on until rounding keeps it from getting better.
+    pub to_rounding: bool,
+    /// Whether a linearisation serves several iterations and stages.
+    pub reuses: bool,
+}
+
+/// An iteration that does not converge; the last change of the strains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stalled(pub f64);
+
+/// A stage with what it needs to be solved.
+#[derive(Clone, Debug)]
+pub(crate) struct Solver {
+    pub stage: Stage,
+    pub lengths: Lengths,
+    /// Drag in N·s/m² along the axes of the sections.
+    pub drag: Vec3,
+    /// Whether the linearisation at hand is of this step.
+    pub is_linearised: bool,
+    pub iterations: usize,
+    pub factorisations: usize,
+}
+
+/// Iterations of a stage.
+const MOST: usize = 25;
+/// Iterations with one linearisation.
+const MOST_REUSES: usize = 6;
+/// A linearisation that leaves more than this part of the change is not used again.
+const SLOW: f64 = 0.3;
+/// A change below which rounding may be all that is left.
+const ROUNDING: f64 = 1e-9;
+
+impl Solver {
+    pub fn new(rod: &Rod, drag: Vec3) -> Self {
+        Self {
+            stage: Stage::new(rod),
+            lengths: Lengths::new(rod),
+            drag,
+            is_linearised: false,
+            iterations: 0,
+            factorisations: 0,
+        }
+    }
+
+    /// Solves the stage from where its unknowns stand.
+    pub fn solve(
+        &mut self,
+        rod: &Rod,
+        loads: &NodeLoads,
+        scheme: &Scheme,
+        ending: &Ending,
+    ) -> Result<(), Stalled> {
+        let reuses = ending.reuses && self.lengths.cables.is_empty();
+        let (mut before, mut since_fresh, mut growths) = (f64::INFINITY, 0, 0);
+        for number in 0..MOST {
+            let fresh = !(reuses && self.is_linearised) || since_fresh >= MOST_REUSES;
+            let size = self.iterate(rod, loads, scheme, fresh).ok_or(Stalled(f64::INFINITY))?;
+            since_fresh = if fresh { 1 } else { since_fresh + 1 };
+            let ratio = if number == 0 { 1.0 } else { size / before };
+            if !size.is_finite() {
+                return Err(Stalled(size));
+            }
+            if ending.to_rounding {
+                if size < 1e-15 || (size < ROUNDING && ratio > 0.5 && number > 0) {
+                    return Ok(());
+                }
+            } else {
+                let left = if ratio < 0.9 { size * ratio / (1.0 - ratio) } else { size };
+                if left <= ending.tolerance && (ratio < 0.9 || size <= 0.1 * ending.tolerance) {
+                    return Ok(());
+                }
+            }
+            if ratio > SLOW && number > 0 {
+                self.is_linearised = false;
+            }
+            if size > 2.0 * before {
+                growths += 1;
+            }
+            if growths > 3 || size > 1e3 {
+                return Err(Stalled(size));
+            }
+            before = size;
+        }
+        Err(Stalled(before))
+    }
+
+    /// One iteration; the size of its change.
+    pub fn iterate(&mut self, rod: &Rod, loads: &NodeLoads, scheme: &Scheme, fresh: bool) -> Option<f64> {
+        let stage = &mut self.stage;
+        if loads.any_dead {
+            pose::nodes(rod, &stage.strains, &mut stage.poses);
+            if scheme.conserves {
+                stage.find_conserving_forces(rod, loads.gravity, scheme);
+            }
+        }
+        stage.assemble(rod, scheme, loads.gravity, self.drag, fresh);
+        self.iterations += 1;
+        if fresh {
+            self.is_linearised = false;
+            self.factorisations += 1;
+            stage.matrix.factor().ok()?;
+            self.is_linearised = true;
+        }
+        stage.matrix.solve(&mut stage.residual);
+        for change in &mut stage.residual {
+            *change = *change * -1.0;
+        }
+        if !self.lengths.cables.is_empty() {
+            self.lengths.solve(rod, scheme, stage)?;
+        }
+        stage.advance(rod);
+        Some(stage.size_of_change(rod, scheme))
+    }
+}

@@ -1,0 +1,35 @@
+//! Dynamics of cable-driven continuum robots: the motion of the Cosserat rod with its cables.
+//!
+//! A [`Simulation`] is made of a [`Robot`](whipcord::Robot), a [`Case`](whipcord::Case) and [`MotionOptions`], and taken forward step by step
+//! under [`Commands`]. SI units throughout. The equations are those of `docs/theory/motion.md`, whose numbers the code cites.
+//!
+//! This crate opens no files, reads no clocks and starts no threads.
+
+mod accurate;
+mod block;
+mod commands;
+mod complementarity;
+mod course;
+mod element;
+mod elimination;
+mod energy;
+mod equilibrium;
+mod error;
+mod iteration;
+mod lengths;
+mod loads;
+mod mesh;
+mod one_stage;
+mod options;
+mod pose;
+mod rod;
+mod simulation;
+mod stage;
+mod state;
+
+pub use commands::{CableDrive, Commands};
+pub use course::Course;
+pub use error::MotionError;
+pub use options::{Damping, Drag, Initial, LoadCourse, Method, MotionOptions};
+pub use simulation::Simulation;
+pub use state::{CableMotion, EnergyBalance, State, StepDiagnostics};

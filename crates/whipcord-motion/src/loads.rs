@@ -1,0 +1,128 @@
+//! External loads at the nodes of a rod.
+
+use whipcord::{Case, Loads};
+use whipcord_numerics::{UnitQuaternion, Vec3};
+
+use crate::course::Course;
+use crate::element::{LOBATTO, NODES, PLACES};
+use crate::options::LoadCourse;
+use crate::rod::Rod;
+
+/// What acts on a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct NodeLoad {
+    /// Dead force in N, in the frame of the base; gravity is not counted.
+    pub force: Vec3,
+    /// Dead moment in N·m, in the frame of the base.
+    pub moment: Vec3,
+    /// Force in N that turns with the section, in its frame.
+    pub follower_force: Vec3,
+    /// Moment in N·m that turns with the section, in its frame.
+    pub follower_moment: Vec3,
+}
+
+impl NodeLoad {
+    fn add(&mut self, f: f64, other: &Self) {
+        self.force += other.force * f;
+        self.moment += other.moment * f;
+        self.follower_force += other.follower_force * f;
+        self.follower_moment += other.follower_moment * f;
+    }
+}
+
+/// All loads on the nodes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct NodeLoads {
+    /// Acceleration of gravity in m/s², in the frame of the base.
+    pub gravity: Vec3,
+    constant: Vec<NodeLoad>,
+    /// Loads over time.
+    varying: Vec<(Vec<NodeLoad>, Course)>,
+    /// Whether any dead load or gravity acts, whose direction in the section depends on the pose.
+    pub any_dead: bool,
+}
+
+impl NodeLoads {
+    pub fn new(rod: &Rod, case: &Case, courses: &[LoadCourse]) -> Self {
+        let turn = |loads: &Loads| {
+            // From the frame of the loads to that of the base.
+            case.base.rotation.conjugate() * loads.to_world(case.base.rotation)
+        };
+        let gravity = turn(&case.loads).rotate(case.loads.gravity.unwrap_or_default());
+        let constant = gather(rod, &case.loads, turn(&case.loads));
+        let varying: Vec<_> = courses
+            .iter()
+            .map(|of| (gather(rod, &of.loads, turn(&of.loads)), of.factor.clone()))
+            .collect();
+        let is_dead = |loads: &[NodeLoad]| {
+            loads.iter().any(|load| load.force != Vec3::ZERO || load.moment != Vec3::ZERO)
+        };
+        let any_dead = gravity != Vec3::ZERO
+            || is_dead(&constant)
+            || varying.iter().any(|(loads, _)| is_dead(loads));
+        Self { gravity, constant, varying, any_dead }
+    }
+
+    /// The loads at a time, before any jump at that time.
+    pub fn at(&self, time: f64, loads: &mut [NodeLoad]) {
+        loads.copy_from_slice(&self.constant);
+        for (varying, course) in &self.varying {
+            let factor = course.before(time);
+            for (load, varying) in loads.iter_mut().zip(varying) {
+                load.add(factor, varying);
+            }
+        }
+    }
+
+    /// The first jump of a load after `from` and before `to`.
+    pub fn next_jump(&self, from: f64, to: f64) -> Option<f64> {
+        self.varying
+            .iter()
+            .filter_map(|(_, course)| course.next_jump(from, to))
+            .min_by(f64::total_cmp)
+    }
+
+    /// Whether a load jumps at a time.
+    pub fn jumps_at(&self, time: f64) -> bool {
+        self.varying.iter().any(|(_, course)| course.before(time) != course.after(time))
+    }
+}
+
+/// Shares loads out to the nodes: point loads to the nearest, distributed ones by the rule of the masses.
+fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion) -> Vec<NodeLoad> {
+    let mut nodes = vec![NodeLoad::default(); rod.nodes.len()];
+    let mut apply = |node: usize, force: Vec3, moment: Vec3, follower: bool| {
+        let load = &mut nodes[node];
+        if follower {
+            load.follower_force += force;
+            load.follower_moment += moment;
+        } else {
+            load.force += turn.rotate(force);
+            load.moment += turn.rotate(moment);
+        }
+    };
+    apply(rod.nodes.len() - 1, loads.tip_force, loads.tip_moment, loads.tip_follower);
+    for point in &loads.points {
+        apply(rod.node_at(point.at), point.force, point.moment, point.follower);
+    }
+    for load in &loads.distributed {
+        for piece in load.profile.pieces() {
+            for (e, &h) in rod.lengths.iter().enumerate() {
+                let start = rod.nodes[2 * e].arc_length;
+                let middle = start + 0.5 * h;
+                if middle <= piece.at[0] || middle >= piece.at[1] {
+                    continue;
+                }
+                for a in 0..NODES {
+                    let s = start + PLACES[a] * h;
+                    let t = ((s - piece.at[0]) / (piece.at[1] - piece.at[0])).clamp(0.0, 1.0);
+                    let at = |ends: [Vec3; 2]| (ends[0] * (1.0 - t) + ends[1] * t) * (LOBATTO[a] * h);
+                    apply(2 * e + a, at(piece.force), at(piece.moment), load.follower);
+                }
+            }
+        }
+    }
+    // What acts on the clamped base moves nothing.
+    nodes[0] = NodeLoad::default();
+    nodes
+}

@@ -1,0 +1,98 @@
+//! Methods with one stage a step: the midpoint rule with discrete gradients, and the generalised-α method for equations of first order (Jansen,
+//! Whiting and Hulbert, Comput. Methods Appl. Mech. Engrg. 190, 2000).
+
+use whipcord_numerics::Twist;
+
+use crate::energy::Power;
+use crate::iteration::{Ending, Solver, Stalled};
+use crate::loads::NodeLoads;
+use crate::rod::Rod;
+use crate::stage::Scheme;
+use crate::state::State;
+
+/// Coefficients of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OneStage {
+    /// Where the rates of the stage lie.
+    rate_place: f64,
+    /// Where the unknowns of the stage lie.
+    place: f64,
+    gamma: f64,
+    conserves: bool,
+}
+
+impl OneStage {
+    /// The midpoint rule, with the discrete gradients of what has an energy.
+    pub const MIDPOINT: Self = Self { rate_place: 0.5, place: 0.5, gamma: 0.5, conserves: true };
+    /// Euler's implicit rule, for steps from unknown rates.
+    const EULER: Self = Self { rate_place: 1.0, place: 1.0, gamma: 1.0, conserves: false };
+
+    /// The generalised-α method whose vibrations that are too fast for the step shrink by ρ a step; from unknown rates Euler's implicit rule.
+    pub fn damping(rho: f64, has_rates: bool) -> Self {
+        if !has_rates {
+            return Self::EULER;
+        }
+        let (rate_place, place) = (0.5 * (3.0 - rho) / (1.0 + rho), 1.0 / (1.0 + rho));
+        Self { rate_place, place, gamma: 0.5 + rate_place - place, conserves: false }
+    }
+
+    /// Where in a step of length `h` loads and tensions are taken.
+    pub fn time(&self, from: f64, h: f64) -> f64 {
+        from + self.place * h
+    }
+
+    /// The scheme of a step of length `h`.
+    fn scheme(&self, h: f64) -> Scheme {
+        let g = self.place * self.gamma / self.rate_place * h;
+        Scheme { place: self.place, conserves: self.conserves, ..Scheme::at_end(g) }
+    }
+
+    /// Takes a step from a state into another one: velocities, strains and their rates. Tensions and lengths must be set in the solver.
+    pub fn step(
+        &self,
+        rod: &Rod,
+        loads: &NodeLoads,
+        solver: &mut Solver,
+        from: &State,
+        to: &mut State,
+        h: f64,
+        ending: &Ending,
+        warm: bool,
+    ) -> Result<Power, Stalled> {
+        let scheme = self.scheme(h);
+        solver.is_linearised = false;
+        let carried = self.place * h * (1.0 - self.gamma / self.rate_place);
+        let ahead = if warm && from.has_rates { self.place * h } else { 0.0 };
+        let stage = &mut solver.stage;
+        loads.at(self.time(from.time, h), &mut stage.loads);
+        stage.start.copy_from_slice(&from.strains);
+        let along = |out: &mut [Twist], at: &[Twist], rates: &[Twist], by: f64| {
+            for ((out, at), rate) in out.iter_mut().zip(at).zip(rates) {
+                *out = if by == 0.0 { *at } else { *at + *rate * by };
+            }
+        };
+        along(&mut stage.velocity_history, &from.velocities, &from.velocity_rates, carried);
+        along(&mut stage.strain_history, &from.strains, &from.strain_rates, carried);
+        along(&mut stage.velocities, &from.velocities, &from.velocity_rates, ahead);
+        along(&mut stage.strains, &from.strains, &from.strain_rates, ahead);
+        solver.solve(rod, loads, &scheme, ending)?;
+        let stage = &solver.stage;
+        let mut work = Power::default();
+        work.add(h, &Power::at(rod, stage, &scheme, solver.drag));
+        let end = |to: &mut [Twist], to_rates: &mut [Twist], from: &[Twist], from_rates: &[Twist], at: &[Twist], history: &[Twist]| {
+            for j in 0..to.len() {
+                let rate = (at[j] - history[j]) * (1.0 / scheme.g);
+                to[j] = from[j] + (at[j] - from[j]) * (1.0 / self.place);
+                to_rates[j] = if self.conserves || self.rate_place == 1.0 {
+                    rate
+                } else {
+                    from_rates[j] + (rate - from_rates[j]) * (1.0 / self.rate_place)
+                };
+            }
+        };
+        let State { velocities, velocity_rates, strains, strain_rates, .. } = to;
+        end(velocities, velocity_rates, &from.velocities, &from.velocity_rates, &stage.velocities, &stage.velocity_history);
+        end(strains, strain_rates, &from.strains, &from.strain_rates, &stage.strains, &stage.strain_history);
+        Ok(work)
+    }
+}

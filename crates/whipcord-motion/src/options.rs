@@ -1,0 +1,208 @@
+//! How a motion is computed.
+
+use whipcord::Loads;
+
+use crate::course::Course;
+use crate::error::MotionError;
+
+/// How the equations are integrated over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// The singly diagonally implicit Runge–Kutta method of Hairer and Wanner: five stages, order 4, L-stable. Steps with cables that are driven
+    /// by their lengths are taken by [`Method::Robust`].
+    #[default]
+    Accurate,
+    /// The midpoint rule with the discrete gradient of the energy: order 2; the energy of rod, cables and gravity is conserved but for what is
+    /// damped. It keeps vibrations that are too fast for the step as well. Steps with cables that are driven by their lengths are taken by [`Method::Robust`].
+    Energy,
+    /// The generalised-α method for equations of first order with ρ = 0.5: order 2, damps vibrations that are too fast for the step.
+    Robust,
+}
+
+/// Damping of the backbone: moments and forces in a section by the rates of its strains (Kelvin–Voigt).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Damping {
+    /// None.
+    #[default]
+    None,
+    /// This time in s times the stiffness of each section.
+    Time(f64),
+    /// The same symmetric matrix everywhere, in the order of [`whipcord::robot::StiffnessMatrix`]: N·s and N·m·s by rates of the strains
+    /// in 1/s and 1/(m·s).
+    Matrix([[f64; 6]; 6]),
+}
+
+/// Viscous drag of the surroundings on the backbone: force for each metre of it, by velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drag {
+    /// Against motion across the backbone in N·s/m².
+    pub across: f64,
+    /// Against motion along the backbone in N·s/m².
+    pub along: f64,
+}
+
+/// Where a motion starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Initial {
+    /// At rest in equilibrium with the first commands and loads: the equilibrium that the statics finds.
+    #[default]
+    Equilibrium,
+    /// At rest in the shape without commands and loads, which begin to act at the start.
+    Rest,
+}
+
+/// Loads whose size changes over time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadCourse {
+    /// The loads; they have neither gravity nor masses.
+    pub loads: Loads,
+    /// What all of them are multiplied by.
+    pub factor: Course,
+}
+
+/// Options of a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionOptions {
+    /// How the equations are integrated.
+    pub method: Method,
+    /// Error in m that a step may have, as estimated; steps are divided until they meet it. `None` takes each step as it is.
+    pub tolerance: Option<f64>,
+    /// Where the motion starts.
+    pub initial: Initial,
+    /// Least number of elements along the backbone; there are more where disks, cable ends, corners of routings, loads or changes of the
+    /// cross-section need them.
+    pub elements: usize,
+    /// Damping of the backbone.
+    pub damping: Damping,
+    /// Drag of the surroundings.
+    pub drag: Drag,
+    /// Loads over time, beside those of the case.
+    pub loads: Vec<LoadCourse>,
+    /// Change of the strains (times the length of the backbone where it is one of curvature) at which the iteration of a step of
+    /// 10 ms or more ends; less in shorter steps. [`Method::Energy`] iterates down to rounding instead.
+    pub iteration_tolerance: f64,
+}
+
+impl MotionOptions {
+    /// The default of [`Self::elements`].
+    pub const ELEMENTS: usize = 6;
+    /// The greatest number of elements.
+    pub const MOST_ELEMENTS: usize = 2000;
+
+    pub(crate) fn check(&self) -> Result<(), MotionError> {
+        let refuse = |what, value, need| Err(MotionError::Option { what, value, need });
+        if let Some(tolerance) = self.tolerance
+            && !(tolerance > 0.0 && tolerance.is_finite())
+        {
+            return refuse("tolerance", tolerance, "it must be a positive length in m");
+        }
+        if self.elements == 0 || self.elements > Self::MOST_ELEMENTS {
+            return refuse("elements", self.elements as f64, "there must be at least 1 and at most 2000 of them");
+        }
+        if !(1e-13..=1e-3).contains(&self.iteration_tolerance) {
+            return refuse("iteration_tolerance", self.iteration_tolerance, "it must be from 1e-13 to 1e-3");
+        }
+        for (what, value) in [("drag.across", self.drag.across), ("drag.along", self.drag.along)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return refuse(what, value, "it must be finite and not negative");
+            }
+        }
+        match &self.damping {
+            Damping::None => {}
+            Damping::Time(time) => {
+                if !(*time >= 0.0 && time.is_finite()) {
+                    return refuse("damping time", *time, "it must be finite and not negative");
+                }
+            }
+            Damping::Matrix(matrix) => check_matrix(matrix)?,
+        }
+        for of in &self.loads {
+            if of.loads.gravity.is_some() || !of.loads.masses.is_empty() {
+                return Err(MotionError::Unsupported {
+                    path: "motion.loads".to_owned(),
+                    what: "gravity or a mass over time",
+                    advice: "give gravity and masses in the loads of the case",
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A damping matrix is symmetric and has no negative direction.
+fn check_matrix(matrix: &[[f64; 6]; 6]) -> Result<(), MotionError> {
+    let refuse = |value, need| Err(MotionError::Option { what: "damping matrix", value, need });
+    let size = (0..6).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
+    for i in 0..6 {
+        for j in 0..6 {
+            let (value, mirror) = (matrix[i][j], matrix[j][i]);
+            if !value.is_finite() {
+                return refuse(value, "all of its entries must be finite");
+            }
+            let scale = (matrix[i][i] * matrix[j][j]).abs().sqrt();
+            if (value - mirror).abs() > 1e-9 * scale.max(1e-12 * size) {
+                return refuse(value, "it must be symmetric");
+            }
+        }
+    }
+    // Cholesky's factors of the matrix with a diagonal of 1; a direction without damping is admitted.
+    let mut factor = [[0.0; 6]; 6];
+    for i in 0..6 {
+        for j in 0..=i {
+            let scale = (matrix[i][i] * matrix[j][j]).sqrt();
+            let entry = if scale > 0.0 { matrix[i][j] / scale } else { matrix[i][j] };
+            let rest = entry - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+            if i == j {
+                if !(rest >= -1e-9) {
+                    return refuse(matrix[i][i], "it must have no negative direction: damping takes energy");
+                }
+                factor[i][i] = rest.max(0.0).sqrt();
+            } else {
+                factor[i][j] = if factor[j][j] > 1e-5 { rest / factor[j][j] } else { 0.0 };
+            }
+        }
+    }
+    Ok(())
+}
+
+impl Default for MotionOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            tolerance: None,
+            initial: Initial::default(),
+            elements: Self::ELEMENTS,
+            damping: Damping::default(),
+            drag: Drag::default(),
+            loads: Vec::new(),
+            iteration_tolerance: 1e-7,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_that_cannot_be_are_refused() {
+        let options = MotionOptions::default();
+        assert!(options.check().is_ok());
+        let mut negative = [[0.0; 6]; 6];
+        (negative[0][0], negative[1][1]) = (1.0, 1.0);
+        (negative[0][1], negative[1][0]) = (2.0, 2.0);
+        let mut skew = negative;
+        skew[1][0] = 0.0;
+        for wrong in [
+            MotionOptions { tolerance: Some(0.0), ..options.clone() },
+            MotionOptions { elements: 0, ..options.clone() },
+            MotionOptions { damping: Damping::Time(-1.0), ..options.clone() },
+            MotionOptions { damping: Damping::Matrix(negative), ..options.clone() },
+            MotionOptions { damping: Damping::Matrix(skew), ..options.clone() },
+            MotionOptions { drag: Drag { across: f64::NAN, along: 0.0 }, ..options.clone() },
+            MotionOptions { iteration_tolerance: 1.0, ..options.clone() },
+        ] {
+            assert!(wrong.check().is_err(), "{wrong:?}");
+        }
+    }
+}

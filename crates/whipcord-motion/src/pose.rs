@@ -1,0 +1,96 @@
+//! Poses of the nodes from the strains, and what dead forces exert on the strains.
+
+use whipcord_numerics::{GAUSS_2, Pose, Twist, Vec3};
+
+use crate::block::{dot, transposed_bracket};
+use crate::element::{POINTS, poses, strain_at};
+use crate::rod::Rod;
+
+/// Poses of all nodes in the frame of the base.
+pub(crate) fn nodes(rod: &Rod, strains: &[Twist], out: &mut [Pose]) {
+    let mut pose = Pose::IDENTITY;
+    out[0] = pose;
+    for (e, &h) in rod.lengths.iter().enumerate() {
+        let [middle, end] = poses(pose, &strains[POINTS * e..POINTS * (e + 1)], h);
+        out[2 * e + 1] = middle;
+        out[2 * e + 2] = end;
+        pose = end;
+    }
+}
+
+/// Work of forces on the nodes, up to a constant: `Σ F · p`.
+pub(crate) fn work(poses: &[Pose], force: impl Fn(usize) -> Vec3) -> f64 {
+    poses.iter().enumerate().map(|(a, pose)| force(a).dot(pose.position)).sum()
+}
+
+/// The gradient of that work by the strains: the force on the strain of each point, times its weight, eq. (17) of the page on motion.
+pub(crate) fn work_gradient(
+    rod: &Rod,
+    strains: &[Twist],
+    poses: &[Pose],
+    force: impl Fn(usize) -> Vec3,
+    out: &mut [Twist],
+) {
+    let [from, to] = GAUSS_2.nodes;
+    let slope = 0.5 / (to - from);
+    // Force and moment about the node of all that acts beyond it, in the frame of the base.
+    let (mut sum, mut moment) = (Vec3::ZERO, Vec3::ZERO);
+    for e in (0..rod.elements()).rev() {
+        let points = &strains[POINTS * e..POINTS * (e + 1)];
+        let half = 0.5 * rod.lengths[e];
+        let change = (points[1] - points[0]) * slope;
+        let mut gradient = [Twist::default(); POINTS];
+        for (node, place) in [(2 * e + 2, 0.75), (2 * e + 1, 0.25)] {
+            sum += force(node);
+            let turn = poses[node].rotation.conjugate();
+            let wrench = Twist { linear: turn.rotate(sum), angular: turn.rotate(moment) };
+            let middle = strain_at(points, place);
+            let exponent = middle * half + middle.bracket(change) * (half * half / 12.0);
+            let force = transposed_exponential(&exponent, &wrench);
+            let sixth = half * half / 12.0;
+            let of_middle = force * half - transposed_bracket(&change, &force) * sixth;
+            let of_change = transposed_bracket(&middle, &force) * (sixth * slope);
+            let t = (place - from) / (to - from);
+            gradient[0] = gradient[0] + of_middle * (1.0 - t) - of_change;
+            gradient[1] = gradient[1] + of_middle * t + of_change;
+            let arm = poses[node].position - poses[node - 1].position;
+            moment += arm.cross(sum);
+        }
+        out[POINTS * e..POINTS * (e + 1)].copy_from_slice(&gradient);
+    }
+}
+
+/// `dexp(−Ω)ᵀ W = Σ (−ad_Ωᵀ)ᵏ W/(k + 1)!`.
+fn transposed_exponential(exponent: &Twist, wrench: &Twist) -> Twist {
+    /// The twist of a half element is below 1.
+    const TERMS: usize = 16;
+    let (mut sum, mut term) = (*wrench, *wrench);
+    for k in 1..TERMS {
+        term = transposed_bracket(exponent, &term) * (-1.0 / (k + 1) as f64);
+        sum = sum + term;
+        if dot(&term, &term) <= 1e-36 * dot(&sum, &sum) {
+            break;
+        }
+    }
+    sum
+}
+
+/// The greatest displacement of a node for small changes of the strains.
+pub(crate) fn displacement(rod: &Rod, poses: &[Pose], changes: &[Twist]) -> f64 {
+    let (mut turn, mut shift, mut greatest) = (Vec3::ZERO, Vec3::ZERO, 0.0_f64);
+    for e in 0..rod.elements() {
+        for k in 0..POINTS {
+            let q = POINTS * e + k;
+            let (from, to) = (poses[q], poses[q + 1]);
+            let change = &changes[q];
+            // Half of an element has the changes of its point.
+            let half = to.rotation.rotate(change.angular) * (0.5 * rod.lengths[e]);
+            let arm = to.position - from.position;
+            shift += (turn + half * 0.5).cross(arm)
+                + to.rotation.rotate(change.linear) * (0.5 * rod.lengths[e]);
+            turn += half;
+            greatest = greatest.max(shift.norm());
+        }
+    }
+    greatest
+}

@@ -1,0 +1,474 @@
+//! The equations of one implicit stage and their linearisation, section "One stage" of the page on motion.
+
+use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
+
+use crate::block::{Block, dot, skew_times, times_skew, transposed_bracket};
+use crate::element::{NODES, POINTS, SHAPES, SLOPES};
+use crate::elimination::Elimination;
+use crate::loads::NodeLoad;
+use crate::pose;
+use crate::rod::{Crossing, Rod};
+
+/// Which equations a stage has.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scheme {
+    /// `g`: velocities and strains are those of the history plus this time in s times their rates.
+    pub g: f64,
+    /// What the change of a velocity times the mass is multiplied by: `1/g`, or 0 in statics.
+    pub inertia: f64,
+    /// What the change of a strain times the damping is multiplied by: `1/g`, or 0 in statics.
+    pub damping: f64,
+    /// Where the stage lies between the start (0) and the end (1) of the step; the end is extrapolated.
+    pub place: f64,
+    /// Whether tensions and dead forces act by the discrete gradients of lengths and heights from the start to the end of the step.
+    pub conserves: bool,
+}
+
+impl Scheme {
+    /// A stage that lies at the end of its step.
+    pub const fn at_end(g: f64) -> Self {
+        Self { g, inertia: 1.0 / g, damping: 1.0 / g, place: 1.0, conserves: false }
+    }
+
+    /// Equilibrium: velocities are displacements.
+    pub const STATICS: Self =
+        Self { g: 1.0, inertia: 0.0, damping: 0.0, place: 1.0, conserves: false };
+}
+
+/// Unknowns, history, residual and linearisation of a stage.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    /// Unknown velocity of each node, in its frame.
+    pub velocities: Vec<Twist>,
+    /// Unknown strain of each point.
+    pub strains: Vec<Twist>,
+    /// `V_h`.
+    pub velocity_history: Vec<Twist>,
+    /// `ξ_h`.
+    pub strain_history: Vec<Twist>,
+    /// Strains at the start of the step.
+    pub start: Vec<Twist>,
+    /// Tension of each cable in N.
+    pub tensions: Vec<f64>,
+    /// What acts on each node.
+    pub loads: Vec<NodeLoad>,
+    /// Force on the strain of each point, times its weight, by dead forces that act by the gradient of their heights.
+    pub dead: Vec<Twist>,
+    /// Pose of each node, in the frame of the base.
+    pub poses: Vec<Pose>,
+    /// Poses at the start or the end of the step.
+    other_poses: Vec<Pose>,
+    /// Strains at the end of the step.
+    end: Vec<Twist>,
+    /// What the equations of motion of each node lack.
+    pub residual: Vec<Twist>,
+    /// `z`: what the strain of each point lacks.
+    pub lack: Vec<Twist>,
+    /// What the strain of each point changes by, of the step found last.
+    pub change: Vec<Twist>,
+    /// Matrix of the velocities.
+    pub matrix: Elimination,
+    /// Linearisation at each point.
+    pub tangents: Vec<PointTangent>,
+}
+
+/// The linearisation at a point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PointTangent {
+    /// Strain at which it was made.
+    strain: Twist,
+    /// `T`.
+    wrench: Block,
+    /// `P₂`.
+    turned: Block,
+    /// `g Q`, the diagonal blocks of `S₁`.
+    diagonal: Mat3,
+    /// The upper block of `S₁`.
+    upper: Mat3,
+}
+
+impl PointTangent {
+    /// `S₁ b`.
+    #[inline]
+    fn transport(&self, b: &Twist) -> Twist {
+        Twist {
+            linear: self.diagonal * b.linear + self.upper * b.angular,
+            angular: self.diagonal * b.angular,
+        }
+    }
+
+    /// Change of the strain for a slope and a value of the change of the velocities: `S₁ δV′ + S₂ δV`, eq. (10).
+    #[inline]
+    pub fn strain_change(&self, slope: Twist, value: Twist) -> Twist {
+        self.transport(&(slope + self.strain.bracket(value)))
+    }
+
+    /// Transpose of [`Self::strain_change`]: what a force on the strain exerts on slope and value.
+    #[inline]
+    pub fn transposed_strain_change(&self, force: &Twist) -> (Twist, Twist) {
+        let slope = Twist {
+            linear: self.diagonal.transpose_mul(force.linear),
+            angular: self.upper.transpose_mul(force.linear) + self.diagonal.transpose_mul(force.angular),
+        };
+        (slope, transposed_bracket(&self.strain, &slope))
+    }
+}
+
+impl Stage {
+    pub fn new(rod: &Rod) -> Self {
+        let (nodes, points) = (rod.nodes.len(), rod.points.len());
+        let twists = |n: usize| vec![Twist::default(); n];
+        let mut stage = Self {
+            velocities: twists(nodes),
+            strains: rod.points.iter().map(|point| point.rest).collect(),
+            velocity_history: twists(nodes),
+            strain_history: twists(points),
+            start: twists(points),
+            tensions: vec![0.0; rod.cables.len()],
+            loads: vec![NodeLoad::default(); nodes],
+            dead: twists(points),
+            poses: vec![Pose::IDENTITY; nodes],
+            other_poses: vec![Pose::IDENTITY; nodes],
+            end: twists(points),
+            residual: twists(nodes),
+            lack: twists(points),
+            change: twists(points),
+            matrix: Elimination::new(rod.elements()),
+            tangents: vec![PointTangent::default(); points],
+        };
+        pose::nodes(rod, &stage.strains, &mut stage.poses);
+        stage
+    }
+
+    /// Evaluates the residual; with `fresh` the linearisation as well. Poses and loads must be those of the strains.
+    pub fn assemble(&mut self, rod: &Rod, scheme: &Scheme, gravity: Vec3, drag: Vec3, fresh: bool) {
+        self.residual.fill(Twist::default());
+        for e in 0..rod.elements() {
+            if fresh {
+                self.matrix.elements[e] = Default::default();
+            }
+            for k in 0..POINTS {
+                self.add_point(rod, scheme, e, k, fresh);
+            }
+        }
+        for a in 1..rod.nodes.len() {
+            self.add_node(rod, scheme, a, gravity, drag, fresh);
+        }
+    }
+
+    /// Finds the forces on the strains of dead forces and gravity whose work in the step is exactly that of the heights at its start and end: the
+    /// gradient in the middle, corrected along the change of the strains (Gonzalez, *Time integration and discrete Hamiltonian systems*,
+    /// J. Nonlinear Sci. 6, 1996), eq. (18). Poses must be those of the strains.
+    pub fn find_conserving_forces(&mut self, rod: &Rod, gravity: Vec3, scheme: &Scheme) {
+        /// Below this squared change the correction, of third order in it, is less than rounding.
+        const LEAST_CHANGE: f64 = 1e-12;
+        let Self { loads, dead, poses, other_poses, end, start, strains, .. } = self;
+        let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
+        pose::work_gradient(rod, strains, poses, force, dead);
+        pose::nodes(rod, start, other_poses);
+        let mut work = -pose::work(other_poses, force);
+        for ((end, start), strain) in end.iter_mut().zip(&*start).zip(&*strains) {
+            *end = *start + (*strain - *start) * (1.0 / scheme.place);
+        }
+        pose::nodes(rod, end, other_poses);
+        work += pose::work(other_poses, force);
+        let squared = rod.length * rod.length;
+        let scaled = |change: Twist, weight: f64| Twist {
+            linear: change.linear * weight,
+            angular: change.angular * (weight * squared),
+        };
+        let mut size = 0.0;
+        for (q, point) in rod.points.iter().enumerate() {
+            let change = end[q] - start[q];
+            work -= dot(&dead[q], &change);
+            size += dot(&change, &scaled(change, point.weight)) / rod.length;
+        }
+        if size < LEAST_CHANGE {
+            return;
+        }
+        for (q, point) in rod.points.iter().enumerate() {
+            let change = end[q] - start[q];
+            dead[q] = dead[q] + scaled(change, point.weight) * (work / (size * rod.length));
+        }
+    }
+
+    /// Velocity and its slope at a point of an element.
+    #[inline]
+    pub fn at_point(nodes: &[Twist], e: usize, k: usize, h: f64) -> (Twist, Twist) {
+        let (f, d) = (SHAPES[k], SLOPES[k].map(|slope| slope / h));
+        let [a, b, c] = [nodes[2 * e], nodes[2 * e + 1], nodes[2 * e + 2]];
+        (a * f[0] + b * f[1] + c * f[2], a * d[0] + b * d[1] + c * d[2])
+    }
+
+    fn add_point(&mut self, rod: &Rod, scheme: &Scheme, e: usize, k: usize, fresh: bool) {
+        let q = POINTS * e + k;
+        let (point, h, g) = (&rod.points[q], rod.lengths[e], scheme.g);
+        let (velocity, slope) = Self::at_point(&self.velocities, e, k, h);
+        let strain = self.strains[q];
+        // z = E⁻¹(ξ_h + g V′) − ξ, eq. (7).
+        let inverse = Transport::new(&velocity, g);
+        let lack = inverse.apply(self.strain_history[q] + slope * g) - strain;
+        self.lack[q] = lack;
+        let mut wrench = point.stiffness.apply(&(strain - point.rest));
+        if rod.is_damped {
+            let rate = (strain - self.strain_history[q]) * scheme.damping;
+            wrench = wrench + point.damping.apply(&rate);
+        }
+        if scheme.conserves {
+            wrench = wrench - self.dead[q] * (1.0 / point.weight);
+        }
+        let mut stiffness = point.stiffness;
+        if fresh && rod.is_damped {
+            stiffness.add_scaled(scheme.damping, &point.damping);
+        }
+        let count = rod.cables.len();
+        for i in 0..count {
+            let tension = self.tensions[i];
+            if e >= rod.cables[i].elements || tension == 0.0 {
+                continue;
+            }
+            let crossing = &rod.crossings[q * count + i];
+            let pull = Pull::new(crossing, &strain, &self.start[q], scheme);
+            wrench = wrench + pull.wrench(crossing) * tension;
+            if fresh {
+                pull.add_stiffness(crossing, tension, &mut stiffness);
+            }
+        }
+        if fresh {
+            self.tangents[q] = PointTangent {
+                strain,
+                wrench: stiffness,
+                turned: turned(&strain, &wrench, &stiffness),
+                diagonal: inverse.matrix() * g,
+                upper: Mat3::ZERO,
+            };
+            let diagonal = self.tangents[q].diagonal;
+            self.tangents[q].upper = diagonal * skew_times(velocity.linear, &diagonal) * -1.0;
+            self.add_to_matrix(e, k, q, point.weight, h);
+        }
+        let tangent = &self.tangents[q];
+        let along = wrench + tangent.wrench.apply(&lack);
+        let across = transposed_bracket(&strain, &wrench) + tangent.turned.apply(&lack);
+        for a in 0..NODES {
+            let residual = &mut self.residual[2 * e + a];
+            let (f, d) = (point.weight * SHAPES[k][a], point.weight * SLOPES[k][a] / h);
+            *residual = *residual + along * d + across * f;
+        }
+    }
+
+    /// `Σ w (φ′φ′ T S₁ + φ′φ T S₂ + φφ′ P₂ S₁ + φφ P₂ S₂)`, eq. (11).
+    fn add_to_matrix(&mut self, e: usize, k: usize, q: usize, weight: f64, h: f64) {
+        let tangent = &self.tangents[q];
+        let Twist { linear: v, angular: u } = tangent.strain;
+        let (diagonal, upper) = (&tangent.diagonal, &tangent.upper);
+        let with_s1 = |m: &Block| Block {
+            a: m.a * *diagonal,
+            b: m.a * *upper + m.b * *diagonal,
+            c: m.c * *diagonal,
+            d: m.c * *upper + m.d * *diagonal,
+        };
+        let with_bracket = |m: &Block| Block {
+            a: times_skew(&m.a, u),
+            b: times_skew(&m.a, v) + times_skew(&m.b, u),
+            c: times_skew(&m.c, u),
+            d: times_skew(&m.c, v) + times_skew(&m.d, u),
+        };
+        let along = with_s1(&tangent.wrench);
+        let across = with_s1(&tangent.turned);
+        let (along_value, across_value) = (with_bracket(&along), with_bracket(&across));
+        let matrix = &mut self.matrix.elements[e];
+        for b in 0..NODES {
+            let (f, d) = (weight * SHAPES[k][b], weight * SLOPES[k][b] / h);
+            let mut of_slope = Block::default();
+            of_slope.add_scaled(d, &along);
+            of_slope.add_scaled(f, &along_value);
+            let mut of_value = Block::default();
+            of_value.add_scaled(d, &across);
+            of_value.add_scaled(f, &across_value);
+            for a in 0..NODES {
+                matrix[a][b].add_scaled(SLOPES[k][a] / h, &of_slope);
+                matrix[a][b].add_scaled(SHAPES[k][a], &of_value);
+            }
+        }
+    }
+
+    /// Inertia, external loads and drag of a node, eq. (2).
+    fn add_node(
+        &mut self,
+        rod: &Rod,
+        scheme: &Scheme,
+        a: usize,
+        gravity: Vec3,
+        drag: Vec3,
+        fresh: bool,
+    ) {
+        let (node, load) = (&rod.nodes[a], &self.loads[a]);
+        let Twist { linear: nu, angular: omega } = self.velocities[a];
+        let spin = node.inertia.scale(omega);
+        let moving = if scheme.inertia == 0.0 { 0.0 } else { 1.0 };
+        let change = (self.velocities[a] - self.velocity_history[a]) * scheme.inertia;
+        let mut dead = load.force + gravity * node.mass;
+        if scheme.conserves {
+            dead = Vec3::ZERO;
+        }
+        let turn = self.poses[a].rotation.conjugate();
+        let force = turn.rotate(dead);
+        let moment = turn.rotate(load.moment);
+        let resistance = drag * node.share * moving;
+        let residual = &mut self.residual[a];
+        residual.linear += node.mass * (change.linear + moving * omega.cross(nu)) - force - load.follower_force
+            + resistance.scale(nu);
+        residual.angular += node.inertia.scale(change.angular) + moving * omega.cross(spin)
+            - moment
+            - load.follower_moment;
+        if fresh {
+            // Dead loads turn in the frame of the section by g δω, whether they act on the node or by the gradient of their heights.
+            let force = turn.rotate(load.force + gravity * node.mass);
+            let g = scheme.g;
+            let skew = |w: Vec3| Mat3::skew(w) * moving;
+            let inertia = Vec3::new(1.0, 1.0, 1.0) * (node.mass * scheme.inertia) + resistance;
+            let block = Block {
+                a: Mat3::diagonal(inertia) + skew(omega) * node.mass,
+                b: skew(nu) * -node.mass - Mat3::skew(force) * g,
+                c: Mat3::ZERO,
+                d: Mat3::diagonal(node.inertia * scheme.inertia)
+                    + skew(omega) * Mat3::diagonal(node.inertia)
+                    - skew(spin)
+                    - Mat3::skew(moment) * g,
+            };
+            // To the element before the node, as its end or its middle.
+            let (e, local) = if a % 2 == 0 { (a / 2 - 1, 2) } else { (a / 2, 1) };
+            self.matrix.elements[e][local][local].add_scaled(1.0, &block);
+        }
+    }
+
+    /// Finds the change of the strains that goes with the change of the velocities in [`Self::residual`], and adds both.
+    pub fn advance(&mut self, rod: &Rod) {
+        for e in 0..rod.elements() {
+            for k in 0..POINTS {
+                let q = POINTS * e + k;
+                let (value, slope) = Self::at_point(&self.residual, e, k, rod.lengths[e]);
+                self.change[q] = self.lack[q] + self.tangents[q].strain_change(slope, value);
+                self.strains[q] = self.strains[q] + self.change[q];
+            }
+        }
+        for (velocity, change) in self.velocities.iter_mut().zip(&self.residual) {
+            *velocity = *velocity + *change;
+        }
+    }
+
+    /// Size of the last change of velocities and strains: lengths of strain, and of motion during `g` as a part of the length.
+    pub fn size_of_change(&self, rod: &Rod, scheme: &Scheme) -> f64 {
+        let length = rod.length;
+        let of_node = |change: &Twist| {
+            (change.linear.max_abs() / length).max(change.angular.max_abs()) * scheme.g
+        };
+        let of_point =
+            |change: &Twist| change.linear.max_abs().max(change.angular.max_abs() * length);
+        let mut size = 0.0_f64;
+        for change in self.residual.iter().map(of_node).chain(self.change.iter().map(of_point)) {
+            // A NaN must not be passed over.
+            size = if change > size || change.is_nan() { change } else { size };
+            if size.is_nan() {
+                return f64::INFINITY;
+            }
+        }
+        size
+    }
+}
+
+/// `E⁻¹`, with `E = I + g ad_V`.
+struct Transport {
+    turn: Vec3,
+    linear: Vec3,
+    scale: f64,
+}
+
+impl Transport {
+    #[inline]
+    fn new(velocity: &Twist, g: f64) -> Self {
+        let turn = velocity.angular * g;
+        Self { turn, linear: velocity.linear * g, scale: 1.0 / (1.0 + turn.norm_squared()) }
+    }
+
+    /// `Q y` with `Q = (I + â)⁻¹ = (I + a aᵀ − â)/(1 + a²)`.
+    #[inline]
+    fn turned(&self, y: Vec3) -> Vec3 {
+        (y - self.turn.cross(y) + self.turn * self.turn.dot(y)) * self.scale
+    }
+
+    #[inline]
+    fn apply(&self, b: Twist) -> Twist {
+        let angular = self.turned(b.angular);
+        Twist { linear: self.turned(b.linear - self.linear.cross(angular)), angular }
+    }
+
+    /// `Q`.
+    #[inline]
+    fn matrix(&self) -> Mat3 {
+        let a = self.turn;
+        (Mat3::outer(a, a) - Mat3::skew(a)).plus_identity() * self.scale
+    }
+}
+
+/// How a cable pulls at a section.
+pub(crate) struct Pull {
+    /// `t`.
+    direction: Vec3,
+    /// `∂t/∂p′`.
+    change: Mat3,
+}
+
+impl Pull {
+    #[inline]
+    pub fn new(crossing: &Crossing, strain: &Twist, start: &Twist, scheme: &Scheme) -> Self {
+        if !scheme.conserves {
+            let tangent = crossing.tangent(strain);
+            let inverse = 1.0 / tangent.norm();
+            let direction = tangent * inverse;
+            let change = (Mat3::IDENTITY - Mat3::outer(direction, direction)) * inverse;
+            return Self { direction, change };
+        }
+        // (a + b)/(|a| + |b|) of the tangents at start and end, eq. (16).
+        let before = crossing.tangent(start);
+        let end = *start + (*strain - *start) * (1.0 / scheme.place);
+        let after = crossing.tangent(&end);
+        let (from, to) = (before.norm(), after.norm());
+        let inverse = 1.0 / (from + to);
+        let direction = (before + after) * inverse;
+        let change = (Mat3::IDENTITY - Mat3::outer(direction, after * (1.0 / to)))
+            * (inverse / scheme.place);
+        Self { direction, change }
+    }
+
+    /// `(t, r × t)`.
+    #[inline]
+    pub fn wrench(&self, crossing: &Crossing) -> Twist {
+        Twist { linear: self.direction, angular: crossing.offset.cross(self.direction) }
+    }
+
+    /// Adds `τ JᵀPJ` with `J = [I, −r̂]`.
+    #[inline]
+    fn add_stiffness(&self, crossing: &Crossing, tension: f64, stiffness: &mut Block) {
+        let p = self.change * tension;
+        let r = crossing.offset;
+        let right = times_skew(&p, r);
+        stiffness.a += p;
+        stiffness.b += -right;
+        stiffness.c += skew_times(r, &p);
+        stiffness.d += -skew_times(r, &right);
+    }
+}
+
+/// `P₂ = ad_ξᵀ T + [0 n̂; n̂ m̂]`, eq. (9).
+#[inline]
+fn turned(strain: &Twist, wrench: &Twist, t: &Block) -> Block {
+    let Twist { linear: v, angular: u } = *strain;
+    let (force, moment) = (Mat3::skew(wrench.linear), Mat3::skew(wrench.angular));
+    Block {
+        a: -skew_times(u, &t.a),
+        b: force - skew_times(u, &t.b),
+        c: force - skew_times(v, &t.a) - skew_times(u, &t.c),
+        d: moment - skew_times(v, &t.b) - skew_times(u, &t.d),
+    }
+}

@@ -1,0 +1,133 @@
+//! The state of a robot in motion.
+
+use whipcord_numerics::{Pose, Twist};
+
+use crate::options::Method;
+
+/// Energies in J of a robot in motion, and the work since the start of the motion.
+///
+/// Without error of the integration `kinetic + elastic + gravity` changes by `cables + loads − dissipated`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EnergyBalance {
+    /// Kinetic energy of backbone, disks and masses.
+    pub kinetic: f64,
+    /// Energy of the strains of the backbone.
+    pub elastic: f64,
+    /// Potential of gravity, zero where all masses are at the base.
+    pub gravity: f64,
+    /// What the cables have given to the rod.
+    pub cables: f64,
+    /// What external loads other than gravity have given to the robot.
+    pub loads: f64,
+    /// What damping and drag have taken.
+    pub dissipated: f64,
+    /// Sum of kinetic, elastic and gravity at the start of the motion.
+    pub initial: f64,
+}
+
+impl EnergyBalance {
+    /// Kinetic, elastic and potential energy.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.elastic + self.gravity
+    }
+
+    /// What the integration has added to the energy, and taken from it where negative: the change of the total less what cables and loads
+    /// have given and damping has taken.
+    #[must_use]
+    pub fn defect(&self) -> f64 {
+        self.total() - self.initial - (self.cables + self.loads - self.dissipated)
+    }
+}
+
+/// How a step was computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepDiagnostics {
+    /// The method that was used: steps with cables that are driven by their lengths are taken by [`Method::Robust`].
+    pub method: Method,
+    /// Parts into which the step was divided.
+    pub parts: usize,
+    /// Iterations of all stages.
+    pub iterations: usize,
+    /// Factorisations of the linear system.
+    pub factorisations: usize,
+    /// Estimated error in m of the step; zero where no tolerance is given.
+    pub error: f64,
+}
+
+/// A cable at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CableMotion {
+    /// Tension in N.
+    pub tension: f64,
+    /// Length in m inside the robot.
+    pub length: f64,
+    /// Length in m by which the commanded cable is longer than its path: positive where it is slack, zero where it is taut or driven by its
+    /// tension.
+    pub slack: f64,
+}
+
+/// The state of a robot in motion. It can be kept, and a simulation can go on from it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Time in s.
+    pub time: f64,
+    /// Velocity of each node in its frame: m/s and rad/s.
+    pub velocities: Vec<Twist>,
+    /// Strains `(v, u)` at the points of the elements.
+    pub strains: Vec<Twist>,
+    /// Rates of the velocities, where [`Self::has_rates`].
+    pub velocity_rates: Vec<Twist>,
+    /// Rates of the strains, where [`Self::has_rates`].
+    pub strain_rates: Vec<Twist>,
+    /// Whether the rates are known: not at the start, and not behind a jump of a command or a load.
+    pub has_rates: bool,
+    /// Pose of each node in the world.
+    pub poses: Vec<Pose>,
+    /// The cables.
+    pub cables: Vec<CableMotion>,
+    /// Motion of the spool or drive of each motor, behind gear and backlash, in rad or m.
+    pub motor_outputs: Vec<f64>,
+    /// The energy balance.
+    pub energy: EnergyBalance,
+    /// How the last step was computed.
+    pub diagnostics: StepDiagnostics,
+    /// What each cable was told last: a tension in N, or a shortening in m.
+    pub(crate) commanded: Vec<f64>,
+}
+
+impl State {
+    /// Pose of the tip in the world.
+    #[must_use]
+    pub fn tip(&self) -> Pose {
+        self.poses.last().copied().unwrap_or_default()
+    }
+
+    /// Copies another state of the same robot without allocation.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        let Self {
+            time,
+            velocities,
+            strains,
+            velocity_rates,
+            strain_rates,
+            has_rates,
+            poses,
+            cables,
+            motor_outputs,
+            energy,
+            diagnostics,
+            commanded,
+        } = self;
+        (*time, *has_rates) = (other.time, other.has_rates);
+        (*energy, *diagnostics) = (other.energy, other.diagnostics);
+        velocities.clone_from(&other.velocities);
+        strains.clone_from(&other.strains);
+        velocity_rates.clone_from(&other.velocity_rates);
+        strain_rates.clone_from(&other.strain_rates);
+        poses.clone_from(&other.poses);
+        cables.clone_from(&other.cables);
+        motor_outputs.clone_from(&other.motor_outputs);
+        commanded.clone_from(&other.commanded);
+    }
+}
