@@ -3,8 +3,7 @@
 use whipcord_numerics::Twist;
 
 use crate::energy::Power;
-use crate::iteration::{Ending, Solver, Stalled};
-use crate::loads::NodeLoads;
+use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::rod::Rod;
 use crate::stage::Scheme;
 use crate::state::State;
@@ -54,14 +53,14 @@ impl Accurate {
     /// given and taken are returned.
     pub fn step(
         &mut self,
-        rod: &Rod,
-        loads: &NodeLoads,
+        mechanics: Mechanics<'_>,
         solver: &mut Solver,
         from: &State,
         h: f64,
-        ending: &Ending,
+        control: &Control,
         tensions: impl Fn(f64, &mut [f64]),
     ) -> Result<Power, Stalled> {
+        let Mechanics { rod, loads } = mechanics;
         let scheme = Scheme::at_end(GAMMA * h);
         solver.is_linearised = false;
         let mut work = Power::default();
@@ -82,8 +81,13 @@ impl Accurate {
                 }
             };
             if let Some((velocity_rates, strain_rates)) = known {
-                if from.has_rates {
-                    predict(&mut stage.velocities, &stage.velocity_history, velocity_rates, velocity_rates);
+                if from.has_rates && control.predicts {
+                    predict(
+                        &mut stage.velocities,
+                        &stage.velocity_history,
+                        velocity_rates,
+                        velocity_rates,
+                    );
                     predict(&mut stage.strains, &stage.strain_history, strain_rates, strain_rates);
                 } else {
                     stage.velocities.copy_from_slice(&from.velocities);
@@ -95,7 +99,7 @@ impl Accurate {
                 let (a, b) = (&self.strains[first], &self.strains[second]);
                 predict(&mut stage.strains, &stage.strain_history, a, b);
             }
-            solver.solve(rod, loads, &scheme, ending)?;
+            solver.solve(mechanics, &scheme, control)?;
             let stage = &solver.stage;
             rates(&mut self.velocities[i], &stage.velocities, &stage.velocity_history, scheme.g);
             rates(&mut self.strains[i], &stage.strains, &stage.strain_history, scheme.g);

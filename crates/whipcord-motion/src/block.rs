@@ -117,7 +117,8 @@ mod tests {
         assert!((back.angular - x.angular).max_abs() < 1e-12, "{back:?}");
         let unit = block.inverse().unwrap().times(&block);
         assert!((unit.apply(&x).linear - x.linear).max_abs() < 1e-12);
-        let flat = Block { a: Mat3::IDENTITY, b: Mat3::IDENTITY, c: Mat3::IDENTITY, d: Mat3::IDENTITY };
+        let flat =
+            Block { a: Mat3::IDENTITY, b: Mat3::IDENTITY, c: Mat3::IDENTITY, d: Mat3::IDENTITY };
         assert!(flat.inverse().is_none());
     }
 
@@ -129,7 +130,8 @@ mod tests {
         assert!(near(times_skew(&m, r), m * Mat3::skew(r)));
         let strain = Twist { linear: Vec3::new(0.1, 0.2, 1.1), angular: Vec3::new(2.0, -1.0, 0.4) };
         let wrench = Twist { linear: Vec3::new(3.0, 0.5, -1.0), angular: Vec3::new(0.2, 0.1, 0.7) };
-        let velocity = Twist { linear: Vec3::new(1.0, -0.4, 0.6), angular: Vec3::new(0.9, 0.8, -2.0) };
+        let velocity =
+            Twist { linear: Vec3::new(1.0, -0.4, 0.6), angular: Vec3::new(0.9, 0.8, -2.0) };
         let power = dot(&wrench, &strain.bracket(velocity));
         assert!((power - dot(&transposed_bracket(&strain, &wrench), &velocity)).abs() < 1e-14);
     }

@@ -73,7 +73,9 @@ impl Commands {
             let command = case.commands.get(i).copied().unwrap_or_default();
             match (command.tension, command.shortening) {
                 (Some(tension), _) => CableDrive::Tension(Course::constant(tension)),
-                (None, Some(Shortening::Length(by))) => CableDrive::Shortening(Course::constant(by)),
+                (None, Some(Shortening::Length(by))) => {
+                    CableDrive::Shortening(Course::constant(by))
+                }
                 (None, Some(Shortening::Fraction(part))) => {
                     let by = part * robot.cable_length(i);
                     CableDrive::Shortening(Course::constant(by))
@@ -104,7 +106,11 @@ impl Commands {
 
     pub(crate) fn check(&self, robot: &Robot) -> Result<(), MotionError> {
         let count = |what, given, expected| {
-            if given == expected { Ok(()) } else { Err(MotionError::Count { what, given, expected }) }
+            if given == expected {
+                Ok(())
+            } else {
+                Err(MotionError::Count { what, given, expected })
+            }
         };
         count("commands of cables", self.cables.len(), robot.cables().len())?;
         if !self.motors.is_empty() {

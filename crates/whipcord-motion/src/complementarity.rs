@@ -65,7 +65,12 @@ impl Complementarity {
     }
 
     /// The unknowns with gaps of zero, the others zero.
-    fn solve_active(&mut self, matrix: &[f64], q: &[f64], x: &mut [f64]) -> Result<(), NoComplement> {
+    fn solve_active(
+        &mut self,
+        matrix: &[f64],
+        q: &[f64],
+        x: &mut [f64],
+    ) -> Result<(), NoComplement> {
         let n = q.len();
         let Self { active, indices, block, values, lu } = self;
         indices.clear();

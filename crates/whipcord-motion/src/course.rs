@@ -38,17 +38,26 @@ impl Course {
     pub fn table(times: Vec<f64>, values: Vec<f64>) -> Result<Self, MotionError> {
         let refuse = |row: usize, problem: &'static str| Err(MotionError::Course { row, problem });
         if times.is_empty() || times.len() != values.len() {
-            return refuse(times.len().min(values.len()), "needs one value for each time, and at least one");
+            return refuse(
+                times.len().min(values.len()),
+                "needs one value for each time, and at least one",
+            );
         }
         for row in 0..times.len() {
             if !(times[row].is_finite() && values[row].is_finite()) {
                 return refuse(row, "holds a number that is not finite");
             }
             if row > 0 && times[row] < times[row - 1] {
-                return refuse(row, "has a time before that of the row above: sort the rows by time");
+                return refuse(
+                    row,
+                    "has a time before that of the row above: sort the rows by time",
+                );
             }
             if row > 1 && times[row] == times[row - 2] {
-                return refuse(row, "has the same time as the two rows above: two rows make a jump, a third has no effect");
+                return refuse(
+                    row,
+                    "has the same time as the two rows above: two rows make a jump, a third has no effect",
+                );
             }
         }
         Ok(Self(Kind::Table { times, values }))
@@ -82,7 +91,8 @@ impl Course {
     pub(crate) fn next_jump(&self, from: f64, to: f64) -> Option<f64> {
         let Kind::Table { times, values } = &self.0 else { return None };
         let first = times.partition_point(|&t| t <= from);
-        let jumps = |row: &usize| times[*row] == times[*row - 1] && values[*row] != values[*row - 1];
+        let jumps =
+            |row: &usize| times[*row] == times[*row - 1] && values[*row] != values[*row - 1];
         let rows = first + 1..times.partition_point(|&t| t < to);
         rows.into_iter().find(jumps).map(|row| times[row])
     }

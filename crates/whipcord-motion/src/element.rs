@@ -13,9 +13,11 @@ pub(crate) const LOBATTO: [f64; NODES] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 pub(crate) const PLACES: [f64; NODES] = [0.0, 0.5, 1.0];
 
 /// Values of the shape functions at the points: `SHAPES[q][a]` of node `a` at point `q`.
-pub(crate) const SHAPES: [[f64; NODES]; POINTS] = [shapes(GAUSS_2.nodes[0]), shapes(GAUSS_2.nodes[1])];
+pub(crate) const SHAPES: [[f64; NODES]; POINTS] =
+    [shapes(GAUSS_2.nodes[0]), shapes(GAUSS_2.nodes[1])];
 /// Their slopes by the fraction of the element.
-pub(crate) const SLOPES: [[f64; NODES]; POINTS] = [slopes(GAUSS_2.nodes[0]), slopes(GAUSS_2.nodes[1])];
+pub(crate) const SLOPES: [[f64; NODES]; POINTS] =
+    [slopes(GAUSS_2.nodes[0]), slopes(GAUSS_2.nodes[1])];
 
 const fn shapes(x: f64) -> [f64; NODES] {
     [2.0 * (x - 0.5) * (x - 1.0), -4.0 * x * (x - 1.0), 2.0 * x * (x - 0.5)]

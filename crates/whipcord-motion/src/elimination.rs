@@ -154,7 +154,8 @@ mod tests {
                 for a in 0..NODES {
                     for b in 0..NODES {
                         let size = if a == b { 5.0 } else { 0.0 };
-                        matrix[a][b] = Block { a: mat(size), b: mat(0.0), c: mat(0.0), d: mat(size) };
+                        matrix[a][b] =
+                            Block { a: mat(size), b: mat(0.0), c: mat(0.0), d: mat(size) };
                     }
                 }
             }
@@ -170,7 +171,8 @@ mod tests {
                         let block = flat(&matrix[a][b]);
                         for i in 0..6 {
                             for j in 0..6 {
-                                dense[(6 * (row - 1) + i) * n + 6 * (column - 1) + j] += block[i][j];
+                                dense[(6 * (row - 1) + i) * n + 6 * (column - 1) + j] +=
+                                    block[i][j];
                             }
                         }
                     }
@@ -191,7 +193,8 @@ mod tests {
             lu.solve(&mut b);
             elimination.factor().unwrap();
             elimination.solve(&mut x);
-            let got = x[1..].iter().flat_map(|t| [t.linear.to_array(), t.angular.to_array()].concat());
+            let got =
+                x[1..].iter().flat_map(|t| [t.linear.to_array(), t.angular.to_array()].concat());
             assert_eq!(x[0], Twist::default());
             for (got, expected) in got.zip(b) {
                 assert!((got - expected).abs() < 1e-12, "{elements}: {got} {expected}");

@@ -1,12 +1,13 @@
 //! The equilibrium that a motion starts from: that of the statics, made exact in the elements.
 
-use whipcord::{Case, DistributedLoad, Loads, Model, PointLoad, Profile, Robot, Stations, cosserat};
+use whipcord::{
+    Case, DistributedLoad, Loads, Model, PointLoad, Profile, Robot, Stations, cosserat,
+};
 use whipcord_numerics::{GAUSS_2, Pose, Twist};
 
 use crate::element::POINTS;
 use crate::error::MotionError;
-use crate::iteration::Solver;
-use crate::loads::NodeLoads;
+use crate::iteration::{Mechanics, Solver};
 use crate::options::LoadCourse;
 use crate::rod::Rod;
 use crate::stage::Scheme;
@@ -23,10 +24,10 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) fn find(
     robot: &Robot,
     statics: &Case,
-    rod: &Rod,
-    loads: &NodeLoads,
+    mechanics: Mechanics<'_>,
     solver: &mut Solver,
 ) -> Result<(), MotionError> {
+    let Mechanics { rod, loads } = mechanics;
     let stations: Vec<f64> = rod.nodes.iter().map(|node| node.arc_length).collect();
     let options = cosserat::Options { stations: Stations::At(stations), ..Default::default() };
     let mut prepared = Model::Cosserat(options).prepare(robot, &statics.loads)?;
@@ -46,7 +47,7 @@ pub(crate) fn find(
         stage.strain_history.copy_from_slice(&stage.strains);
         stage.start.copy_from_slice(&stage.strains);
         let before = change;
-        change = solver.iterate(rod, loads, &Scheme::STATICS, true).unwrap_or(f64::INFINITY);
+        change = solver.iterate(mechanics, &Scheme::STATICS, true).unwrap_or(f64::INFINITY);
         if change < TOLERANCE || (change < ROUNDING && change > 0.5 * before) {
             solver.stage.velocities.fill(Twist::default());
             return Ok(());
@@ -75,7 +76,11 @@ fn strains(rod: &Rod, poses: &[Pose], out: &mut [Twist]) {
 }
 
 /// Adds loads over time with their factors before the start, for a backbone of this length.
-pub(crate) fn add_loads(loads: &mut Loads, courses: &[LoadCourse], length: f64) -> Result<(), MotionError> {
+pub(crate) fn add_loads(
+    loads: &mut Loads,
+    courses: &[LoadCourse],
+    length: f64,
+) -> Result<(), MotionError> {
     for LoadCourse { loads: of, factor } in courses {
         if of.frame != loads.frame {
             return Err(MotionError::Unsupported {

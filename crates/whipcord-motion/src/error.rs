@@ -11,7 +11,9 @@ pub enum MotionError {
     Invalid(#[from] RobotError),
 
     /// There is no equilibrium to start from.
-    #[error("no equilibrium to start the motion from: {0}; start from rest instead, or change the first commands")]
+    #[error(
+        "no equilibrium to start the motion from: {0}; start from rest instead, or change the first commands"
+    )]
     NoEquilibrium(#[from] SolveError),
 
     /// The equilibrium of the model with elements was not reached from that of the statics.
@@ -103,4 +105,10 @@ pub enum MotionError {
         /// The tolerance in m for the whole step.
         tolerance: f64,
     },
+
+    /// No natural vibrations were found.
+    #[error(
+        "no natural vibrations: the stiffness of the robot in this state is singular; use another state or give the cables other tensions"
+    )]
+    NoModes,
 }

@@ -8,9 +8,18 @@ use crate::pose;
 use crate::rod::Rod;
 use crate::stage::{Scheme, Stage};
 
-/// When an iteration ends.
+/// What moves: the rod and what acts on it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ending {
+pub(crate) struct Mechanics<'a> {
+    pub rod: &'a Rod,
+    pub loads: &'a NodeLoads,
+}
+
+/// How an iteration begins, and when it ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Control {
+    /// Whether it starts from a prediction by the last rates, not from the last state.
+    pub predicts: bool,
     /// Estimated change of the strains by all further iterations.
     pub tolerance: f64,
     /// Whether it goes on until rounding keeps it from getting better.
@@ -60,28 +69,27 @@ impl Solver {
     /// Solves the stage from where its unknowns stand.
     pub fn solve(
         &mut self,
-        rod: &Rod,
-        loads: &NodeLoads,
+        mechanics: Mechanics<'_>,
         scheme: &Scheme,
-        ending: &Ending,
+        control: &Control,
     ) -> Result<(), Stalled> {
-        let reuses = ending.reuses && self.lengths.cables.is_empty();
+        let reuses = control.reuses && self.lengths.cables.is_empty();
         let (mut before, mut since_fresh, mut growths) = (f64::INFINITY, 0, 0);
         for number in 0..MOST {
             let fresh = !(reuses && self.is_linearised) || since_fresh >= MOST_REUSES;
-            let size = self.iterate(rod, loads, scheme, fresh).ok_or(Stalled(f64::INFINITY))?;
+            let size = self.iterate(mechanics, scheme, fresh).ok_or(Stalled(f64::INFINITY))?;
             since_fresh = if fresh { 1 } else { since_fresh + 1 };
             let ratio = if number == 0 { 1.0 } else { size / before };
             if !size.is_finite() {
                 return Err(Stalled(size));
             }
-            if ending.to_rounding {
+            if control.to_rounding {
                 if size < 1e-15 || (size < ROUNDING && ratio > 0.5 && number > 0) {
                     return Ok(());
                 }
             } else {
                 let left = if ratio < 0.9 { size * ratio / (1.0 - ratio) } else { size };
-                if left <= ending.tolerance && (ratio < 0.9 || size <= 0.1 * ending.tolerance) {
+                if left <= control.tolerance && (ratio < 0.9 || size <= 0.1 * control.tolerance) {
                     return Ok(());
                 }
             }
@@ -100,7 +108,13 @@ impl Solver {
     }
 
     /// One iteration; the size of its change.
-    pub fn iterate(&mut self, rod: &Rod, loads: &NodeLoads, scheme: &Scheme, fresh: bool) -> Option<f64> {
+    pub fn iterate(
+        &mut self,
+        mechanics: Mechanics<'_>,
+        scheme: &Scheme,
+        fresh: bool,
+    ) -> Option<f64> {
+        let Mechanics { rod, loads } = mechanics;
         let stage = &mut self.stage;
         if loads.any_dead {
             pose::nodes(rod, &stage.strains, &mut stage.poses);

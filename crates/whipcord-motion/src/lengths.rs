@@ -2,9 +2,9 @@
 
 use whipcord_numerics::Twist;
 
+use crate::block::{dot, transposed_bracket};
 use crate::complementarity::Complementarity;
 use crate::element::{NODES, POINTS, SHAPES, SLOPES};
-use crate::block::{dot, transposed_bracket};
 use crate::rod::Rod;
 use crate::stage::{Pull, Scheme, Stage};
 
@@ -55,7 +55,8 @@ impl Lengths {
         for i in 0..n {
             let cable = self.cables[i];
             let length = self.linearise(rod, scheme, stage, i);
-            let of_free: f64 = self.rows[i].iter().zip(&stage.residual).map(|(c, x)| dot(c, x)).sum();
+            let of_free: f64 =
+                self.rows[i].iter().zip(&stage.residual).map(|(c, x)| dot(c, x)).sum();
             let line = &rod.cables[cable];
             let target = self.targets[i] - line.compliance * line.pretension;
             self.offset.push(target - length - of_free);
@@ -87,6 +88,20 @@ impl Lengths {
         Some(())
     }
 
+    /// What a tension of 1 N in a cable exerts on the nodes at the strains of a stage.
+    pub fn pull(rod: &Rod, stage: &Stage, cable: usize) -> Vec<Twist> {
+        let mut column = vec![Twist::default(); rod.nodes.len()];
+        for q in 0..POINTS * rod.cables[cable].elements {
+            let (e, k) = (q / POINTS, q % POINTS);
+            let (weight, h) = (rod.points[q].weight, rod.lengths[e]);
+            let crossing = &rod.crossings[q * rod.cables.len() + cable];
+            let strain = stage.strains[q];
+            let pull = Pull::new(crossing, &strain, &strain, &Scheme::STATICS).wrench(crossing);
+            add(&mut column[2 * e..], &pull, &transposed_bracket(&strain, &pull), weight, k, h);
+        }
+        column
+    }
+
     /// Fills the column and the row of a cable; returns its length at the end of the step with what its strains lack.
     fn linearise(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, i: usize) -> f64 {
         let cable = self.cables[i];
@@ -111,14 +126,18 @@ impl Lengths {
             let gradient = Twist { linear: direction, angular: crossing.offset.cross(direction) };
             length += weight * dot(&gradient, &stage.lack[q]);
             let (slope, value) = stage.tangents[q].transposed_strain_change(&gradient);
-            for a in 0..NODES {
-                let (f, d) = (weight * SHAPES[k][a], weight * SLOPES[k][a] / h);
-                let node = 2 * e + a;
-                column[node] = column[node] + pull * d + across * f;
-                row[node] = row[node] + slope * d + value * f;
-            }
+            add(&mut column[2 * e..], &pull, &across, weight, k, h);
+            add(&mut row[2 * e..], &slope, &value, weight, k, h);
         }
         row[0] = Twist::default();
         length
+    }
+}
+
+/// Adds to the nodes of an element what acts on the slope and the value of the velocities at a point.
+fn add(nodes: &mut [Twist], slope: &Twist, value: &Twist, weight: f64, k: usize, h: f64) {
+    for (a, node) in nodes.iter_mut().take(NODES).enumerate() {
+        let (f, d) = (weight * SHAPES[k][a], weight * SLOPES[k][a] / h);
+        *node = *node + *slope * d + *value * f;
     }
 }

@@ -6,6 +6,7 @@
 //! This crate opens no files, reads no clocks and starts no threads.
 
 mod accurate;
+mod analysis;
 mod block;
 mod commands;
 mod complementarity;
@@ -17,10 +18,13 @@ mod equilibrium;
 mod error;
 mod iteration;
 mod lengths;
+mod linear;
 mod loads;
 mod mesh;
+mod modes;
 mod one_stage;
 mod options;
+mod parts;
 mod pose;
 mod rod;
 mod simulation;
@@ -30,6 +34,8 @@ mod state;
 pub use commands::{CableDrive, Commands};
 pub use course::Course;
 pub use error::MotionError;
+pub use linear::Linearized;
+pub use modes::Mode;
 pub use options::{Damping, Drag, Initial, LoadCourse, Method, MotionOptions};
 pub use simulation::Simulation;
 pub use state::{CableMotion, EnergyBalance, State, StepDiagnostics};

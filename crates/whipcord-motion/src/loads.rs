@@ -116,7 +116,8 @@ fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion) -> Vec<NodeLoad> {
                 for a in 0..NODES {
                     let s = start + PLACES[a] * h;
                     let t = ((s - piece.at[0]) / (piece.at[1] - piece.at[0])).clamp(0.0, 1.0);
-                    let at = |ends: [Vec3; 2]| (ends[0] * (1.0 - t) + ends[1] * t) * (LOBATTO[a] * h);
+                    let at =
+                        |ends: [Vec3; 2]| (ends[0] * (1.0 - t) + ends[1] * t) * (LOBATTO[a] * h);
                     apply(2 * e + a, at(piece.force), at(piece.moment), load.follower);
                 }
             }

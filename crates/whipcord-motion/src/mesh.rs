@@ -56,7 +56,8 @@ pub(crate) fn element_ends(
 /// Whether a quantity of the backbone is given at the disks, so that its slope jumps there.
 fn has_values_at_disks(robot: &Robot) -> bool {
     let backbone = robot.backbone();
-    !backbone.is_uniform() || backbone.linear_density.as_ref().is_some_and(|along| !along.is_uniform())
+    !backbone.is_uniform()
+        || backbone.linear_density.as_ref().is_some_and(|along| !along.is_uniform())
 }
 
 /// Elements between places, of which those that are no ends may be in the middle of one.
@@ -97,7 +98,10 @@ mod tests {
         };
         assert_eq!(divide(&disks(5), 1.0, 2), [0.0, 0.5, 1.0]);
         assert_eq!(divide(&disks(5), 1.0, 4), [0.0, 0.25, 0.5, 0.75, 1.0]);
-        assert_eq!(divide(&[(0.0, true), (0.4, true), (1.0, true)], 1.0, 5), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]);
+        assert_eq!(
+            divide(&[(0.0, true), (0.4, true), (1.0, true)], 1.0, 5),
+            [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]
+        );
         assert_eq!(divide(&[(0.0, true), (0.5, true), (1.0, true)], 1.0, 1), [0.0, 0.5, 1.0]);
     }
 }

@@ -4,9 +4,7 @@
 use whipcord_numerics::Twist;
 
 use crate::energy::Power;
-use crate::iteration::{Ending, Solver, Stalled};
-use crate::loads::NodeLoads;
-use crate::rod::Rod;
+use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::stage::Scheme;
 use crate::state::State;
 
@@ -50,19 +48,18 @@ impl OneStage {
     /// Takes a step from a state into another one: velocities, strains and their rates. Tensions and lengths must be set in the solver.
     pub fn step(
         &self,
-        rod: &Rod,
-        loads: &NodeLoads,
+        mechanics: Mechanics<'_>,
         solver: &mut Solver,
         from: &State,
         to: &mut State,
         h: f64,
-        ending: &Ending,
-        warm: bool,
+        control: &Control,
     ) -> Result<Power, Stalled> {
+        let Mechanics { rod, loads } = mechanics;
         let scheme = self.scheme(h);
         solver.is_linearised = false;
         let carried = self.place * h * (1.0 - self.gamma / self.rate_place);
-        let ahead = if warm && from.has_rates { self.place * h } else { 0.0 };
+        let ahead = if control.predicts && from.has_rates { self.place * h } else { 0.0 };
         let stage = &mut solver.stage;
         loads.at(self.time(from.time, h), &mut stage.loads);
         stage.start.copy_from_slice(&from.strains);
@@ -75,11 +72,16 @@ impl OneStage {
         along(&mut stage.strain_history, &from.strains, &from.strain_rates, carried);
         along(&mut stage.velocities, &from.velocities, &from.velocity_rates, ahead);
         along(&mut stage.strains, &from.strains, &from.strain_rates, ahead);
-        solver.solve(rod, loads, &scheme, ending)?;
+        solver.solve(mechanics, &scheme, control)?;
         let stage = &solver.stage;
         let mut work = Power::default();
         work.add(h, &Power::at(rod, stage, &scheme, solver.drag));
-        let end = |to: &mut [Twist], to_rates: &mut [Twist], from: &[Twist], from_rates: &[Twist], at: &[Twist], history: &[Twist]| {
+        let end = |to: &mut [Twist],
+                   to_rates: &mut [Twist],
+                   from: &[Twist],
+                   from_rates: &[Twist],
+                   at: &[Twist],
+                   history: &[Twist]| {
             for j in 0..to.len() {
                 let rate = (at[j] - history[j]) * (1.0 / scheme.g);
                 to[j] = from[j] + (at[j] - from[j]) * (1.0 / self.place);
@@ -91,8 +93,22 @@ impl OneStage {
             }
         };
         let State { velocities, velocity_rates, strains, strain_rates, .. } = to;
-        end(velocities, velocity_rates, &from.velocities, &from.velocity_rates, &stage.velocities, &stage.velocity_history);
-        end(strains, strain_rates, &from.strains, &from.strain_rates, &stage.strains, &stage.strain_history);
+        end(
+            velocities,
+            velocity_rates,
+            &from.velocities,
+            &from.velocity_rates,
+            &stage.velocities,
+            &stage.velocity_history,
+        );
+        end(
+            strains,
+            strain_rates,
+            &from.strains,
+            &from.strain_rates,
+            &stage.strains,
+            &stage.strain_history,
+        );
         Ok(work)
     }
 }

@@ -20,7 +20,7 @@ pub enum Method {
 }
 
 /// Damping of the backbone: moments and forces in a section by the rates of its strains (Kelvin–Voigt).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum Damping {
     /// None.
     #[default]
@@ -29,7 +29,7 @@ pub enum Damping {
     Time(f64),
     /// The same symmetric matrix everywhere, in the order of [`whipcord::robot::StiffnessMatrix`]: N·s and N·m·s by rates of the strains
     /// in 1/s and 1/(m·s).
-    Matrix([[f64; 6]; 6]),
+    Matrix(Box<[[f64; 6]; 6]>),
 }
 
 /// Viscous drag of the surroundings on the backbone: force for each metre of it, by velocity.
@@ -97,10 +97,18 @@ impl MotionOptions {
             return refuse("tolerance", tolerance, "it must be a positive length in m");
         }
         if self.elements == 0 || self.elements > Self::MOST_ELEMENTS {
-            return refuse("elements", self.elements as f64, "there must be at least 1 and at most 2000 of them");
+            return refuse(
+                "elements",
+                self.elements as f64,
+                "there must be at least 1 and at most 2000 of them",
+            );
         }
         if !(1e-13..=1e-3).contains(&self.iteration_tolerance) {
-            return refuse("iteration_tolerance", self.iteration_tolerance, "it must be from 1e-13 to 1e-3");
+            return refuse(
+                "iteration_tolerance",
+                self.iteration_tolerance,
+                "it must be from 1e-13 to 1e-3",
+            );
         }
         for (what, value) in [("drag.across", self.drag.across), ("drag.along", self.drag.along)] {
             if !(value >= 0.0 && value.is_finite()) {
@@ -153,8 +161,11 @@ fn check_matrix(matrix: &[[f64; 6]; 6]) -> Result<(), MotionError> {
             let entry = if scale > 0.0 { matrix[i][j] / scale } else { matrix[i][j] };
             let rest = entry - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
             if i == j {
-                if !(rest >= -1e-9) {
-                    return refuse(matrix[i][i], "it must have no negative direction: damping takes energy");
+                if rest.is_nan() || rest < -1e-9 {
+                    return refuse(
+                        matrix[i][i],
+                        "it must have no negative direction: damping takes energy",
+                    );
                 }
                 factor[i][i] = rest.max(0.0).sqrt();
             } else {
@@ -197,8 +208,8 @@ mod tests {
             MotionOptions { tolerance: Some(0.0), ..options.clone() },
             MotionOptions { elements: 0, ..options.clone() },
             MotionOptions { damping: Damping::Time(-1.0), ..options.clone() },
-            MotionOptions { damping: Damping::Matrix(negative), ..options.clone() },
-            MotionOptions { damping: Damping::Matrix(skew), ..options.clone() },
+            MotionOptions { damping: Damping::Matrix(Box::new(negative)), ..options.clone() },
+            MotionOptions { damping: Damping::Matrix(Box::new(skew)), ..options.clone() },
             MotionOptions { drag: Drag { across: f64::NAN, along: 0.0 }, ..options.clone() },
             MotionOptions { iteration_tolerance: 1.0, ..options.clone() },
         ] {

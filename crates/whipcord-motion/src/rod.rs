@@ -93,7 +93,11 @@ const HELD: f64 = 1e8;
 const GYRATION: f64 = 1e-3;
 
 impl Rod {
-    pub fn new(robot: &Robot, loads: &[&Loads], options: &MotionOptions) -> Result<Self, MotionError> {
+    pub fn new(
+        robot: &Robot,
+        loads: &[&Loads],
+        options: &MotionOptions,
+    ) -> Result<Self, MotionError> {
         refuse_unsupported(robot)?;
         let ends = mesh::element_ends(robot, loads, options.elements)?;
         let length = robot.backbone().length;
@@ -112,7 +116,8 @@ impl Rod {
         }
         rod.is_damped = rod.points.iter().any(|point| point.damping != Block::default());
         rod.add_disks(robot);
-        for mass in &loads.first().map(|loads| loads.masses.as_slice()).unwrap_or_default().to_vec() {
+        for mass in &loads.first().map(|loads| loads.masses.as_slice()).unwrap_or_default().to_vec()
+        {
             let node = rod.node_at(mass.at);
             rod.nodes[node].mass += mass.mass;
         }
@@ -167,7 +172,8 @@ impl Rod {
             // What jumps at an end is that of this element.
             let inside = start + place.clamp(1e-9, 1.0 - 1e-9) * h;
             let density = robot.backbone().linear_density_at(robot.disks(), inside);
-            let density = density.filter(|&density| density > 0.0).ok_or_else(|| massless(robot))?;
+            let density =
+                density.filter(|&density| density > 0.0).ok_or_else(|| massless(robot))?;
             let node = &mut self.nodes[2 * e + a];
             node.arc_length = start + place * h;
             node.share += weight * h;
@@ -207,7 +213,8 @@ impl Rod {
                     let q = POINTS * e + k;
                     let at = route.at(ends[e] + place * self.lengths[e]);
                     let crossing = Crossing { offset: at.offset, slope: at.slope };
-                    rest_length += self.points[q].weight * crossing.tangent(&self.points[q].rest).norm();
+                    rest_length +=
+                        self.points[q].weight * crossing.tangent(&self.points[q].rest).norm();
                     self.crossings[q * count + i] = crossing;
                 }
             }
@@ -256,7 +263,10 @@ fn massless(robot: &Robot) -> MotionError {
     let (path, advice) = if robot.backbone().section.is_some() {
         ("backbone.density", "give the density of the backbone, which must be positive everywhere")
     } else {
-        ("backbone.linear_density", "give the mass per length of the backbone, which must be positive everywhere")
+        (
+            "backbone.linear_density",
+            "give the mass per length of the backbone, which must be positive everywhere",
+        )
     };
     MotionError::Missing { path: path.to_owned(), advice }
 }
@@ -275,7 +285,8 @@ fn missing(error: SolveError) -> MotionError {
 /// The stiffness with a large number where it is infinite.
 fn without_infinity(matrix: &StiffnessMatrix, length: f64) -> StiffnessMatrix {
     let bending = matrix[3][3].max(matrix[4][4]).max(matrix[5][5]);
-    matrix.map(|row| row.map(|k| if k.is_finite() { k } else { HELD * bending / (length * length) }))
+    matrix
+        .map(|row| row.map(|k| if k.is_finite() { k } else { HELD * bending / (length * length) }))
 }
 
 fn block(m: &[[f64; 6]; 6]) -> Block {
@@ -289,7 +300,8 @@ fn block(m: &[[f64; 6]; 6]) -> Block {
 /// Squared radii of gyration in m² about the axes of the section.
 fn squared_gyration(robot: &Robot, s: f64, length: f64) -> Vec3 {
     if let Some(section) = robot.backbone().section_at(robot.disks(), s) {
-        let (x, y) = (section.second_moment_x / section.area, section.second_moment_y / section.area);
+        let (x, y) =
+            (section.second_moment_x / section.area, section.second_moment_y / section.area);
         return Vec3::new(x, y, x + y);
     }
     let (x, y) = match section_stiffness(robot, s, s) {

@@ -108,7 +108,8 @@ impl PointTangent {
     pub fn transposed_strain_change(&self, force: &Twist) -> (Twist, Twist) {
         let slope = Twist {
             linear: self.diagonal.transpose_mul(force.linear),
-            angular: self.upper.transpose_mul(force.linear) + self.diagonal.transpose_mul(force.angular),
+            angular: self.upper.transpose_mul(force.linear)
+                + self.diagonal.transpose_mul(force.angular),
         };
         (slope, transposed_bracket(&self.strain, &slope))
     }
@@ -316,8 +317,9 @@ impl Stage {
         let moment = turn.rotate(load.moment);
         let resistance = drag * node.share * moving;
         let residual = &mut self.residual[a];
-        residual.linear += node.mass * (change.linear + moving * omega.cross(nu)) - force - load.follower_force
-            + resistance.scale(nu);
+        residual.linear +=
+            node.mass * (change.linear + moving * omega.cross(nu)) - force - load.follower_force
+                + resistance.scale(nu);
         residual.angular += node.inertia.scale(change.angular) + moving * omega.cross(spin)
             - moment
             - load.follower_moment;
@@ -337,7 +339,7 @@ impl Stage {
                     - Mat3::skew(moment) * g,
             };
             // To the element before the node, as its end or its middle.
-            let (e, local) = if a % 2 == 0 { (a / 2 - 1, 2) } else { (a / 2, 1) };
+            let (e, local) = if a.is_multiple_of(2) { (a / 2 - 1, 2) } else { (a / 2, 1) };
             self.matrix.elements[e][local][local].add_scaled(1.0, &block);
         }
     }

@@ -181,6 +181,43 @@ fn less(mut lanes: [f64; LANES], factors: &[f64], rows: &[[f64; LANES]]) -> [f64
 /// assert!((values[0] - 1.0).abs() < 1e-15 && (values[1] - 3.0).abs() < 1e-15);
 /// ```
 pub fn symmetric_eigenvalues(n: usize, a: &mut [f64]) -> impl ExactSizeIterator<Item = f64> + '_ {
+    diagonalize(n, a, |_, _, _, _| ());
+    let a = &*a;
+    (0..n).map(move |i| a[i * n + i])
+}
+
+/// The same with the unit eigenvector of each value, which are written into the rows of `vectors`, an `n`×`n` matrix as well.
+///
+/// ```
+/// use whipcord_numerics::symmetric_eigen;
+/// let (mut matrix, mut vectors) = ([2.0, 1.0, 1.0, 2.0], [0.0; 4]);
+/// let values: Vec<f64> = symmetric_eigen(2, &mut matrix, &mut vectors).collect();
+/// let sum = vectors[0] + vectors[1];
+/// assert!((values[0] - if sum.abs() > 1.0 { 3.0 } else { 1.0 }).abs() < 1e-15);
+/// ```
+pub fn symmetric_eigen<'a>(
+    n: usize,
+    a: &'a mut [f64],
+    vectors: &mut [f64],
+) -> impl ExactSizeIterator<Item = f64> + use<'a> {
+    debug_assert_eq!(vectors.len(), n * n);
+    vectors.fill(0.0);
+    for i in 0..n {
+        vectors[i * n + i] = 1.0;
+    }
+    diagonalize(n, a, |i, j, cos, sin| {
+        for k in 0..n {
+            let (x, y) = (vectors[i * n + k], vectors[j * n + k]);
+            vectors[i * n + k] = cos * x - sin * y;
+            vectors[j * n + k] = sin * x + cos * y;
+        }
+    });
+    let a = &*a;
+    (0..n).map(move |i| a[i * n + i])
+}
+
+/// Makes a symmetric matrix diagonal; `rotated` is told the plane of each rotation, its cosine and its sine.
+fn diagonalize(n: usize, a: &mut [f64], mut rotated: impl FnMut(usize, usize, f64, f64)) {
     const SWEEPS: usize = 30;
     debug_assert_eq!(a.len(), n * n);
     for _ in 0..SWEEPS {
@@ -194,12 +231,12 @@ pub fn symmetric_eigenvalues(n: usize, a: &mut [f64]) -> impl ExactSizeIterator<
         }
         for i in 0..n {
             for j in i + 1..n {
-                rotate_away(n, a, i, j);
+                if let Some((cos, sin)) = rotate_away(n, a, i, j) {
+                    rotated(i, j, cos, sin);
+                }
             }
         }
     }
-    let a = &*a;
-    (0..n).map(move |i| a[i * n + i])
 }
 
 /// Cosine and sine of Jacobi's rotation that makes the symmetric block of `xx`, `yy` and `xy` diagonal.
@@ -210,11 +247,11 @@ pub(crate) fn separating_rotation(xx: f64, yy: f64, xy: f64) -> (f64, f64) {
     (cos, tan * cos)
 }
 
-/// One Jacobi rotation in the plane of `i < j`.
-fn rotate_away(n: usize, a: &mut [f64], i: usize, j: usize) {
+/// One Jacobi rotation in the plane of `i < j`: its cosine and sine, where one is needed.
+fn rotate_away(n: usize, a: &mut [f64], i: usize, j: usize) -> Option<(f64, f64)> {
     let off = a[i * n + j];
     if off == 0.0 {
-        return;
+        return None;
     }
     let (cos, sin) = separating_rotation(a[i * n + i], a[j * n + j], off);
     for k in 0..n {
@@ -229,6 +266,7 @@ fn rotate_away(n: usize, a: &mut [f64], i: usize, j: usize) {
     }
     a[i * n + j] = 0.0;
     a[j * n + i] = 0.0;
+    Some((cos, sin))
 }
 
 #[cfg(test)]
@@ -299,6 +337,24 @@ mod tests {
         for (k, value) in values.iter().enumerate() {
             let angle = (k + 1) as f64 * core::f64::consts::PI / (n + 1) as f64;
             assert!((value - (2.0 - 2.0 * angle.cos())).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn eigenvectors_keep_their_direction() {
+        let n = 9;
+        let noise = |k: usize| ((k * k + 7) as f64).sin();
+        let entry = |i: usize, j: usize| noise(i.max(j) * n + i.min(j));
+        let matrix: Vec<f64> = (0..n * n).map(|k| entry(k / n, k % n)).collect();
+        let mut vectors = vec![0.0; n * n];
+        let mut work = matrix.clone();
+        let values: Vec<f64> = symmetric_eigen(n, &mut work, &mut vectors).collect();
+        for (value, x) in values.iter().zip(vectors.chunks(n)) {
+            assert!((x.iter().map(|x| x * x).sum::<f64>() - 1.0).abs() < 1e-14);
+            for i in 0..n {
+                let row: f64 = (0..n).map(|j| matrix[i * n + j] * x[j]).sum();
+                assert!((row - value * x[i]).abs() < 1e-13);
+            }
         }
     }
 

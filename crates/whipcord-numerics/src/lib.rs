@@ -32,7 +32,7 @@ mod vec3;
 pub use arcsine::asin_ratio;
 pub use bounded::BoundedQuadratic;
 pub use continuation::{ContinuationSteps, Ended, Missed, continuation};
-pub use dense::{DenseLu, Singular, symmetric_eigenvalues};
+pub use dense::{DenseLu, Singular, symmetric_eigen, symmetric_eigenvalues};
 pub use differences::derivative;
 pub use golden_section::golden_section;
 pub use jet::Jet;

@@ -11,11 +11,12 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-estimation", &["whipcord", "whipcord-numerics"]),
     ("whipcord-inverse", &["whipcord", "whipcord-numerics"]),
+    ("whipcord-motion", &["whipcord", "whipcord-numerics"]),
     ("whipcord-io", &["whipcord", "whipcord-estimation", "whipcord-inverse"]),
     ("whipcord-plot", &["whipcord", "whipcord-estimation", "whipcord-inverse"]),
     ("whipcord-vision", &["whipcord", "whipcord-estimation", "whipcord-numerics"]),
@@ -95,7 +96,13 @@ fn dependencies_run_one_way() {
 
 #[test]
 fn the_mechanics_reach_for_no_operating_system() {
-    for name in ["whipcord-numerics", "whipcord", "whipcord-estimation", "whipcord-inverse"] {
+    for name in [
+        "whipcord-numerics",
+        "whipcord",
+        "whipcord-estimation",
+        "whipcord-inverse",
+        "whipcord-motion",
+    ] {
         let mut files = Vec::new();
         rust_files(&workspace_root().join("crates").join(name).join("src"), &mut files);
         assert!(!files.is_empty());

@@ -12,9 +12,8 @@ fn steps_allocate_nothing() {
     let by_tension = Case { loads: loads.clone(), ..Case::with_tensions(&[1.0, 0.0]) };
     let by_length = Case { loads, ..Case::with_shortenings(&[Shortening::Length(0.0); 2]) };
     // A jump would be an impact.
-    let ramp = |by: f64| {
-        CableDrive::Shortening(Course::table(vec![0.0, 0.1], vec![0.0, by]).unwrap())
-    };
+    let ramp =
+        |by: f64| CableDrive::Shortening(Course::table(vec![0.0, 0.1], vec![0.0, by]).unwrap());
     for (case, pull) in [
         (by_tension, Commands::tensions(&[3.0, 1.0])),
         (by_length, Commands::new([3e-3, -5e-3].map(ramp).to_vec())),
@@ -22,7 +21,8 @@ fn steps_allocate_nothing() {
         for method in [Method::Accurate, Method::Energy, Method::Robust] {
             for tolerance in [None, Some(1e-5)] {
                 let damping = Damping::Time(5e-3);
-                let options = MotionOptions { method, tolerance, damping, ..MotionOptions::default() };
+                let options =
+                    MotionOptions { method, tolerance, damping, ..MotionOptions::default() };
                 let mut simulation = Simulation::new(&robot, &case, options).unwrap();
                 // The first steps grow the lists of the active set.
                 for _ in 0..3 {

@@ -19,10 +19,8 @@ fn elastic(cable: Cable) -> Cable {
 
 /// One cable is wound up by 8 mm and let go beyond its length at rest, while the others are paid out.
 fn commands(ramp: f64) -> Commands {
-    let pulled = Course::table(
-        vec![0.0, ramp, 0.3, 0.3 + ramp, 1.0],
-        vec![0.0, 8e-3, 8e-3, -6e-3, -6e-3],
-    );
+    let pulled =
+        Course::table(vec![0.0, ramp, 0.3, 0.3 + ramp, 1.0], vec![0.0, 8e-3, 8e-3, -6e-3, -6e-3]);
     let paid = || Course::table(vec![0.0, ramp, 1.0], vec![0.0, -4.5e-3, -4.5e-3]).unwrap();
     let drives = [pulled.unwrap(), paid(), paid()];
     Commands::new(drives.into_iter().map(CableDrive::Shortening).collect())
@@ -44,29 +42,40 @@ fn lengths_are_kept_and_cables_go_slack() {
         let commands = commands(ramp);
         let mut ends = Vec::new();
         for dt in [1e-4, 1e-3, 5e-3, 1e-2, 2e-2] {
-            let options = MotionOptions { damping: Damping::Time(3.5e-3), elements: 5, ..MotionOptions::default() };
+            let options = MotionOptions {
+                damping: Damping::Time(3.5e-3),
+                elements: 5,
+                ..MotionOptions::default()
+            };
             let mut simulation = Simulation::new(&robot, &case, options).unwrap();
-            let (mut slack, mut parts, mut iterations) = (0, 0, 0);
+            let (mut slack, mut parts) = (0, 0);
             let steps = (0.6_f64 / dt).round() as usize;
             for k in 0..steps {
                 let state = simulation.step(&commands, dt).unwrap();
                 parts += state.diagnostics.parts;
-                iterations += state.diagnostics.iterations;
                 assert_eq!(state.diagnostics.method, Method::Robust);
                 for (i, (cable, drive)) in state.cables.iter().zip(&commands.cables).enumerate() {
                     let shortening = drive.course().before(state.time);
                     let compliance = robot.cable_compliance(i, 0.18);
                     let gap = 0.18 - shortening + compliance * cable.tension - cable.length;
                     assert!(gap > -1e-9, "dt {dt}, step {k}, cable {i}: {gap:e}");
-                    assert!(cable.tension >= 0.0 && cable.tension * gap.abs() < 1e-8, "{cable:?} {gap:e}");
-                    assert!((cable.slack - if cable.tension > 0.0 { 0.0 } else { gap }).abs() < 1e-9);
+                    assert!(
+                        cable.tension >= 0.0 && cable.tension * gap.abs() < 1e-8,
+                        "{cable:?} {gap:e}"
+                    );
+                    assert!(
+                        (cable.slack - if cable.tension > 0.0 { 0.0 } else { gap }).abs() < 1e-9
+                    );
                     slack += usize::from(cable.tension == 0.0);
                 }
             }
             assert!(slack > 0 && slack < 3 * steps, "{slack}");
-            println!("ramp {ramp} dt {dt}: slack {slack} parts {parts}/{steps} iterations {:.2} tip {:?} {:?}", iterations as f64 / steps as f64, simulation.state().tip().position, simulation.state().energy);
             assert_eq!(parts, steps);
             ends.push(simulation.state().tip().position);
+        }
+        // A jump of the lengths is an impact, whose energy depends on the step.
+        if ramp < 1e-3 {
+            continue;
         }
         for (end, limit) in ends[1..].iter().zip([1e-4, 2e-3, 4e-3, 6e-3]) {
             assert!((*end - ends[0]).norm() < limit, "ramp {ramp}: {:e}", (*end - ends[0]).norm());
@@ -84,7 +93,8 @@ fn lengths_and_motors_lead_to_the_equilibrium_of_the_statics() {
     ];
     let robot = paper(three()).with_motors(motors).unwrap();
     let start = Case::with_motors(&robot, &[0.0, 0.0]).unwrap();
-    let options = MotionOptions { damping: Damping::Time(2e-2), elements: 10, ..MotionOptions::default() };
+    let options =
+        MotionOptions { damping: Damping::Time(2e-2), elements: 10, ..MotionOptions::default() };
     let mut simulation = Simulation::new(&robot, &start, options).unwrap();
     let case = Case::with_motors(&robot, &[0.5, -0.2]).unwrap();
     let commands = Commands::of_case(&robot, &case);

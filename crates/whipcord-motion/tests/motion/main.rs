@@ -4,7 +4,10 @@
 
 mod allocation;
 mod energy;
+mod invariance;
 mod lengths;
+mod order;
 mod references;
+mod refusals;
 mod robots;
-mod scratch;
+mod vibrations;

@@ -16,7 +16,9 @@ fn a_cantilever_that_is_let_go() {
     let weight = Loads { tip_force: down * 0.02, ..Loads::default() };
     let release = whipcord_motion::Course::table(vec![0.0, 0.0], vec![1.0, 0.0]).unwrap();
     let expected = [0.03527, -0.04954, 0.01052, -0.01680, -0.02637];
-    for (dt, elements, limit) in [(1e-3, 10, 2e-5), (5e-3, 5, 1e-3)] {
+    for (dt, elements, limit) in
+        [(1e-4, 20, 1e-5), (1e-3, 10, 5e-5), (5e-3, 6, 3e-4), (1e-2, 6, 1.2e-3)]
+    {
         let options = MotionOptions {
             loads: vec![LoadCourse { loads: weight.clone(), factor: release.clone() }],
             elements,
@@ -30,8 +32,11 @@ fn a_cantilever_that_is_let_go() {
                 simulation.step(&commands, dt).unwrap();
             }
             let x = simulation.state().tip().position.x;
-            println!("{dt} {k} {x:.6} {expected} {:?} {:e}", simulation.state().diagnostics, simulation.state().energy.defect());
-            assert!((x - expected).abs() < limit, "dt {dt}, {} s: {x} {expected}", 0.1 * (k + 1) as f64);
+            assert!(
+                (x - expected).abs() < limit,
+                "dt {dt}, {} s: {x} {expected}",
+                0.1 * (k + 1) as f64
+            );
         }
     }
 }
@@ -42,7 +47,8 @@ fn a_robot_with_two_tendons() {
     let cables = vec![straight("a", core::f64::consts::PI, 0.02), straight("b", FRAC_PI_2, 0.02)];
     let robot = rod(0.6, 0.06, 1e6, 0.5, 1000.0, cables);
     let gravity = Some(Vec3::new(0.0, 0.0, -9.81));
-    let case = Case { loads: Loads { gravity, ..Loads::default() }, ..Case::with_tensions(&[1.0, 1.0]) };
+    let case =
+        Case { loads: Loads { gravity, ..Loads::default() }, ..Case::with_tensions(&[1.0, 1.0]) };
     let options = MotionOptions {
         damping: Damping::Time(0.03),
         initial: Initial::Rest,
@@ -55,7 +61,6 @@ fn a_robot_with_two_tendons() {
             simulation.step(&commands, 0.01).unwrap();
         }
         let z = simulation.state().tip().position.z;
-        println!("{z:.6} {expected} {:?}", simulation.state().energy);
         assert!((z - expected).abs() < 1e-3, "{z} {expected}");
     }
 }
@@ -67,7 +72,11 @@ fn a_payload_moves_as_a_pendulum_on_a_stiff_rod() {
     let masses = vec![PointMass { at: 0.3, mass: 5.0 }];
     let loads = Loads { masses, tip_force: Vec3::new(1.0, 0.0, 0.0), ..Loads::default() };
     let case = Case { loads, ..Case::default() };
-    let options = MotionOptions { initial: Initial::Rest, method: Method::Accurate, ..MotionOptions::default() };
+    let options = MotionOptions {
+        initial: Initial::Rest,
+        method: Method::Accurate,
+        ..MotionOptions::default()
+    };
     let mut simulation = Simulation::new(&robot, &case, options).unwrap();
     let commands = Commands::default();
     // A mass on a spring k = 3EI/L³ under a constant force: x = F/k (1 − cos ωt).

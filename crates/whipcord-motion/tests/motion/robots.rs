@@ -3,7 +3,14 @@
 use whipcord::{Backbone, Cable, Disks, Material, Robot, Routing, Section};
 
 /// A round rod without disks.
-pub fn rod(length: f64, diameter: f64, young: f64, poisson: f64, density: f64, cables: Vec<Cable>) -> Robot {
+pub fn rod(
+    length: f64,
+    diameter: f64,
+    young: f64,
+    poisson: f64,
+    density: f64,
+    cables: Vec<Cable>,
+) -> Robot {
     let backbone = Backbone {
         section: Some(Section::circle(diameter)),
         material: Material {

@@ -1,0 +1,73 @@
+//! What is asked of a state: momentum, the force of the base, vibrations, linearisation.
+
+use whipcord::Wrench;
+use whipcord_numerics::Vec3;
+
+use crate::commands::Commands;
+use crate::error::MotionError;
+use crate::linear::{Linearized, Rates};
+use crate::modes::{self, Mode};
+use crate::simulation::Simulation;
+
+impl Simulation {
+    /// Linear momentum in kg·m/s in the world.
+    #[must_use]
+    pub fn momentum(&self) -> Vec3 {
+        let nodes = self.rod.nodes.iter().zip(&self.state.velocities).zip(&self.state.poses);
+        nodes.fold(Vec3::ZERO, |sum, ((node, velocity), pose)| {
+            sum + pose.rotation.rotate(velocity.linear) * node.mass
+        })
+    }
+
+    /// The lowest natural vibrations about the shape of the state, which should be an equilibrium, from the lowest squared frequency on.
+    /// Cables that commands drive by their lengths and that are taut are held at these; the others keep their tensions.
+    ///
+    /// # Errors
+    /// [`MotionError::Count`] for commands of other cables, [`MotionError::NoModes`] where the stiffness of the state is singular.
+    pub fn modes(&mut self, commands: &Commands, count: usize) -> Result<Vec<Mode>, MotionError> {
+        commands.check(&self.robot)?;
+        self.take_stage();
+        let is_held =
+            |&i: &usize| self.is_by_length(commands, i) && self.state.cables[i].tension > 0.0;
+        let held: Vec<usize> = (0..self.rod.cables.len()).filter(is_held).collect();
+        modes::find(&self.rod, &self.loads, &self.solver, &held, count).ok_or(MotionError::NoModes)
+    }
+
+    /// The motion linearised about the state, with the tensions of all cables as inputs.
+    #[must_use]
+    pub fn linearize(&mut self) -> Linearized {
+        self.take_stage();
+        let Self { rod, loads, solver, state, .. } = self;
+        let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();
+        let mut rates = Rates::new(rod, loads, solver, state.time);
+        rates.linearized(&state.velocities, &state.strains, &tensions)
+    }
+
+    /// Puts the state into the stage of the solver.
+    fn take_stage(&mut self) {
+        let Self { loads, solver, state, .. } = self;
+        let stage = &mut solver.stage;
+        stage.strains.copy_from_slice(&state.strains);
+        stage.velocities.copy_from_slice(&state.velocities);
+        for (tension, cable) in stage.tensions.iter_mut().zip(&state.cables) {
+            *tension = cable.tension;
+        }
+        loads.at(state.time, &mut stage.loads);
+    }
+
+    /// Force in N and moment about the base in N·m that the base exerts on robot and cables, in the world: the cables leave the robot through the base.
+    #[must_use]
+    pub fn base_wrench(&mut self) -> Wrench {
+        self.take_stage();
+        let Self { rod, loads, solver, state, base, .. } = self;
+        let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();
+        let wrench = Rates::new(rod, loads, solver, state.time).base_wrench(
+            &state.velocities,
+            &state.strains,
+            &tensions,
+        );
+        let weight = loads.gravity * rod.nodes[0].mass;
+        let turn = |v: Vec3| base.rotation.rotate(v);
+        Wrench { force: turn(wrench.linear - weight), moment: turn(wrench.angular) }
+    }
+}

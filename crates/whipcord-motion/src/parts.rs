@@ -1,0 +1,295 @@
+//! The parts of a step: each is solved by a method, and divided where it must be.
+
+use crate::commands::{CableDrive, Commands};
+use crate::energy::{Power, energies};
+use crate::error::MotionError;
+use crate::iteration::{Control, Mechanics, Stalled};
+use crate::one_stage::OneStage;
+use crate::options::Method;
+use crate::pose;
+use crate::simulation::Simulation;
+use crate::state::CableMotion;
+
+/// ρ of [`Method::Robust`].
+const RHO: f64 = 0.5;
+/// Halvings of a step at most.
+const MOST_HALVINGS: i32 = 14;
+
+impl Simulation {
+    /// Goes on to a time, up to which nothing jumps.
+    pub(crate) fn advance(&mut self, commands: &Commands, goal: f64) -> Result<(), MotionError> {
+        let total = goal - self.state.time;
+        if self.has_jumped(commands) {
+            self.state.has_rates = false;
+        }
+        let mut halvings = 0;
+        let mut cold = false;
+        while self.state.time < goal {
+            let left = goal - self.state.time;
+            let part = total * 0.5_f64.powi(halvings);
+            // What rounding leaves is no part of its own.
+            let h = if part > 0.999_999 * left { left } else { part };
+            let attempt = self.attempt(commands, h, !cold);
+            let limit = self.options.tolerance.map(|tolerance| tolerance * h / total);
+            match attempt {
+                Ok(error) if limit.is_none_or(|limit| error <= limit) => {
+                    if h == left {
+                        self.next.time = goal;
+                    }
+                    self.next.diagnostics.error += error;
+                    self.next.diagnostics.parts += 1;
+                    core::mem::swap(&mut self.state, &mut self.next);
+                    cold = false;
+                    // A longer part next, where this one was much better than needed.
+                    if limit.is_some_and(|limit| error < 0.03 * limit) && halvings > 0 {
+                        halvings -= 1;
+                    }
+                    continue;
+                }
+                Err(_) if !cold => {
+                    cold = true;
+                    continue;
+                }
+                Ok(error) if halvings >= MOST_HALVINGS => {
+                    let tolerance = self.options.tolerance.unwrap_or_default();
+                    return Err(MotionError::Tolerance {
+                        time: self.state.time,
+                        part: h,
+                        error,
+                        tolerance,
+                    });
+                }
+                Err(Stalled(change)) if halvings >= MOST_HALVINGS => {
+                    return Err(MotionError::NotConverged {
+                        time: self.state.time,
+                        part: h,
+                        change,
+                    });
+                }
+                _ => {}
+            }
+            cold = false;
+            halvings += 1;
+        }
+        Ok(())
+    }
+
+    /// Whether a command or a load is another than at the end of the step before.
+    fn has_jumped(&self, commands: &Commands) -> bool {
+        let time = self.state.time;
+        self.loads.jumps_at(time)
+            || (0..self.rod.cables.len()).any(|i| {
+                let (value, before) =
+                    (self.command(commands, i, time, true), self.state.commanded[i]);
+                let scale = value.abs().max(before.abs());
+                // A NaN, of a cable that was not told anything, is a jump.
+                before.is_nan() || (value - before).abs() > 1e-9 * scale
+            })
+    }
+
+    /// What a cable is told at a time: a tension in N or a shortening in m.
+    pub(crate) fn command(&self, commands: &Commands, cable: usize, time: f64, after: bool) -> f64 {
+        let at =
+            |course: &crate::Course| if after { course.after(time) } else { course.before(time) };
+        let Some((motor, course)) = commands.motor_of(&self.robot, cable) else {
+            return at(commands.cables[cable].course());
+        };
+        let of = &self.robot.motors()[motor];
+        let output = of.output(self.state.motor_outputs[motor], at(course));
+        let pull = of.cables.iter().find(|of| of.cable == cable).map_or(0.0, |of| of.pull());
+        pull * output
+    }
+
+    /// Whether a cable is driven by its length.
+    pub(crate) fn is_by_length(&self, commands: &Commands, cable: usize) -> bool {
+        commands.motor_of(&self.robot, cable).is_some()
+            || matches!(commands.cables[cable], CableDrive::Shortening(_))
+    }
+
+    /// Takes a part of a step, into [`Self::next`]; returns its estimated error in m.
+    fn attempt(&mut self, commands: &Commands, h: f64, warm: bool) -> Result<f64, Stalled> {
+        self.set_lengths(commands, self.state.time + h);
+        let by_length = !self.solver.lengths.cables.is_empty();
+        let method = if by_length { Method::Robust } else { self.options.method };
+        self.next.copy_from(&self.state);
+        (self.solver.iterations, self.solver.factorisations) = (0, 0);
+        self.next.diagnostics.method = method;
+        let error = match method {
+            Method::Accurate => self.attempt_accurate(commands, h, warm)?,
+            Method::Energy | Method::Robust => {
+                let estimates = self.options.tolerance.is_some();
+                self.attempt_one_stage(commands, method, h, warm, estimates)?
+            }
+        };
+        self.next.diagnostics.iterations += self.solver.iterations;
+        self.next.diagnostics.factorisations += self.solver.factorisations;
+        Ok(error)
+    }
+
+    /// How the stages of a step of length `h` are iterated. A change of the strains in a short step is a large one of the velocities, and many short
+    /// steps add up: the tolerance falls with the step.
+    fn control(&self, h: f64, method: Method, predicts: bool) -> Control {
+        const USUAL: f64 = 0.01;
+        const LEAST: f64 = 1e-13;
+        let ratio = (h / USUAL).min(1.0);
+        Control {
+            predicts,
+            tolerance: (self.options.iteration_tolerance * ratio * ratio).max(LEAST),
+            to_rounding: method == Method::Energy,
+            reuses: method == Method::Accurate,
+        }
+    }
+
+    fn attempt_accurate(
+        &mut self,
+        commands: &Commands,
+        h: f64,
+        warm: bool,
+    ) -> Result<f64, Stalled> {
+        let control = self.control(h, Method::Accurate, warm);
+        let Self { rod, loads, solver, accurate, state, next, .. } = self;
+        let tensions = |time: f64, tensions: &mut [f64]| {
+            for (tension, drive) in tensions.iter_mut().zip(&commands.cables) {
+                *tension = drive.course().before(time).max(0.0);
+            }
+        };
+        let work = accurate.step(Mechanics { rod, loads }, solver, state, h, &control, tensions)?;
+        next.velocities.copy_from_slice(&solver.stage.velocities);
+        next.strains.copy_from_slice(&solver.stage.strains);
+        let (velocity_rates, strain_rates) = accurate.rates();
+        next.velocity_rates.copy_from_slice(velocity_rates);
+        next.strain_rates.copy_from_slice(strain_rates);
+        let error = if self.options.tolerance.is_some() {
+            pose::nodes(rod, &next.strains, &mut solver.stage.poses);
+            pose::displacement(rod, &solver.stage.poses, &accurate.error)
+        } else {
+            0.0
+        };
+        let end = self.state.time + h;
+        self.finish(commands, end, &work);
+        Ok(error)
+    }
+
+    /// A step by a method with one stage. To estimate its error it is repeated in halves, whose result is taken.
+    fn attempt_one_stage(
+        &mut self,
+        commands: &Commands,
+        method: Method,
+        h: f64,
+        warm: bool,
+        estimates: bool,
+    ) -> Result<f64, Stalled> {
+        let one_step = |this: &mut Self, h: f64| {
+            let control = this.control(h, method, warm);
+            let scheme = match method {
+                Method::Energy => OneStage::MIDPOINT,
+                _ => OneStage::damping(RHO, this.state.has_rates),
+            };
+            let end = this.state.time + h;
+            this.set_lengths(commands, end);
+            this.set_tensions(commands, scheme.time(this.state.time, h));
+            let Self { rod, loads, solver, state, next, .. } = this;
+            let work = scheme.step(Mechanics { rod, loads }, solver, state, next, h, &control)?;
+            this.finish(commands, end, &work);
+            Ok(())
+        };
+        if !estimates {
+            one_step(self, h)?;
+            return Ok(0.0);
+        }
+        self.start_of_part.copy_from(&self.state);
+        let outcome = self.in_halves(h, one_step);
+        self.state.copy_from(&self.start_of_part);
+        outcome?;
+        let Self { rod, solver, accurate, next, whole, .. } = self;
+        for ((error, halves), whole) in
+            accurate.error.iter_mut().zip(&next.strains).zip(&whole.strains)
+        {
+            *error = (*halves - *whole) * (1.0 / 3.0);
+        }
+        pose::nodes(rod, &next.strains, &mut solver.stage.poses);
+        Ok(pose::displacement(rod, &solver.stage.poses, &accurate.error))
+    }
+
+    /// Takes a step whole, into [`Self::whole`], and in halves, into [`Self::next`]; leaves the state in the middle.
+    fn in_halves(
+        &mut self,
+        h: f64,
+        mut step: impl FnMut(&mut Self, f64) -> Result<(), Stalled>,
+    ) -> Result<(), Stalled> {
+        step(self, h)?;
+        core::mem::swap(&mut self.whole, &mut self.next);
+        self.next.copy_from(&self.state);
+        step(self, 0.5 * h)?;
+        self.state.copy_from(&self.next);
+        step(self, 0.5 * h)
+    }
+
+    /// Sets which cables are driven by their lengths, and these at a time.
+    pub(crate) fn set_lengths(&mut self, commands: &Commands, time: f64) {
+        self.solver.lengths.cables.clear();
+        self.solver.lengths.targets.clear();
+        for i in 0..self.rod.cables.len() {
+            if self.is_by_length(commands, i) {
+                let shortening = self.command(commands, i, time, false);
+                self.solver.lengths.cables.push(i);
+                self.solver.lengths.targets.push(self.rod.cables[i].rest_length - shortening);
+            }
+        }
+    }
+
+    /// Sets the tensions of the cables at a time; those of cables that are driven by their lengths start from the last ones.
+    pub(crate) fn set_tensions(&mut self, commands: &Commands, time: f64) {
+        for i in 0..self.rod.cables.len() {
+            self.solver.stage.tensions[i] = if self.is_by_length(commands, i) {
+                self.state.cables[i].tension
+            } else {
+                commands.cables[i].course().before(time).max(0.0)
+            };
+        }
+    }
+
+    /// Completes the state behind a step, whose velocities and strains are in [`Self::next`] and whose stage is in the solver.
+    pub(crate) fn finish(&mut self, commands: &Commands, time: f64, work: &Power) {
+        for i in 0..self.rod.cables.len() {
+            let by_length = self.is_by_length(commands, i);
+            let commanded = self.command(commands, i, time, false);
+            let line = self.rod.cables[i];
+            let length = self.rod.cable_length(i, &self.next.strains);
+            let tension =
+                if by_length { self.solver.stage.tensions[i] } else { commanded.max(0.0) };
+            let longest =
+                line.rest_length - commanded + line.compliance * (tension - line.pretension);
+            let slack = if by_length && tension == 0.0 { (longest - length).max(0.0) } else { 0.0 };
+            self.next.commanded[i] = commanded;
+            self.next.cables[i] = CableMotion { tension, length, slack };
+        }
+        for (i, output) in self.next.motor_outputs.iter_mut().enumerate() {
+            if let Some(Some(course)) = commands.motors.get(i) {
+                *output =
+                    self.robot.motors()[i].output(self.state.motor_outputs[i], course.before(time));
+            }
+        }
+        let Self { rod, loads, solver, state, next, base, .. } = self;
+        let poses = &mut solver.stage.poses;
+        pose::nodes(rod, &next.strains, poses);
+        let parts = energies(rod, loads, &next.velocities, &next.strains, poses);
+        for (out, pose) in next.poses.iter_mut().zip(&*poses) {
+            *out = *base * *pose;
+        }
+        let energy = &mut next.energy;
+        [energy.kinetic, energy.elastic, energy.gravity] = parts;
+        energy.cables = state.energy.cables + work.cables;
+        energy.loads = state.energy.loads + work.loads;
+        energy.dissipated = state.energy.dissipated + work.dissipated;
+        if next.diagnostics.method == Method::Energy {
+            let back = base.rotation.conjugate();
+            let ends = next.poses.iter().zip(&state.poses).zip(&solver.stage.loads);
+            energy.loads += ends
+                .map(|((to, from), load)| load.force.dot(back.rotate(to.position - from.position)))
+                .sum::<f64>();
+        }
+        next.time = time;
+        next.has_rates = true;
+    }
+}
