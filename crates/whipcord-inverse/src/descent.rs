@@ -33,11 +33,11 @@ pub(crate) trait Problem {
     /// What an evaluation leaves for the next one to start from.
     type State: Clone;
 
-    /// Residuals and constraints at a point, from the state of a neighbouring one.
+    /// Residuals and constraints at a point, from another point and its state.
     fn at(
         &mut self,
         unknowns: &[f64],
-        from: Option<&Self::State>,
+        from: Option<(&[f64], &Self::State)>,
     ) -> Result<(Linear, Self::State), SolveError>;
 
     /// Whether it is solved well enough.
@@ -94,7 +94,7 @@ pub(crate) fn descend<P: Problem>(
     let clamp = |x: f64, [least, greatest]: [f64; 2]| x.max(least).min(greatest);
     let mut x: Vec<f64> =
         start.iter().zip(control.bounds).map(|(x, bounds)| clamp(*x, *bounds)).collect();
-    let (mut linear, mut state) = problem.at(&x, from)?;
+    let (mut linear, mut state) = problem.at(&x, from.map(|state| (start, state)))?;
     let mut damping = 1e-8;
     let mut radius = FIRST_RADIUS;
     let mut is_stationary = false;
@@ -128,7 +128,7 @@ pub(crate) fn descend<P: Problem>(
             };
         }
         evaluations += 1;
-        match problem.at(&trial, Some(&state)) {
+        match problem.at(&trial, Some((&x, &state))) {
             Ok((next, next_state)) => {
                 let next_merit = next.cost() + penalty * next.violation();
                 let ratio = (merit - next_merit) / promised;

@@ -5,7 +5,7 @@ use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
     CableCommand, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
-    SolveError, StabilityAnalysis, Twist,
+    SolveError, StabilityAnalysis, Twist, Wrench,
 };
 
 use crate::actuator::{Actuator, Actuators, commanded_shortening, write_commands};
@@ -69,17 +69,50 @@ pub(crate) struct Evaluation {
     pub tension_rates: Vec<Vec<f64>>,
     /// Rates of the commands as shortenings, likewise.
     pub shortening_rates: Vec<Vec<f64>>,
+    /// Rates of the wrench at the base by the unknowns; none of a model without exact derivatives.
+    base_rates: Vec<Wrench>,
+}
+
+impl Evaluation {
+    /// Where a solve for commands that differ by these changes starts from: the solution, with the wrench at the base and the tensions
+    /// extrapolated.
+    pub fn extrapolated(&self, changes: impl Iterator<Item = f64>) -> Solution {
+        let mut near = self.solution.clone();
+        for (k, change) in changes.enumerate() {
+            if let (Some(wrench), Some(rate)) = (&mut near.base_wrench, self.base_rates.get(k)) {
+                wrench.force += rate.force * change;
+                wrench.moment += rate.moment * change;
+            }
+            let rates = self.tension_rates.get(k).into_iter().flatten();
+            for (cable, rate) in near.cables.iter_mut().zip(rates) {
+                cable.tension = cable.tension.map(|tension| tension + rate * change);
+            }
+        }
+        for cable in &mut near.cables {
+            cable.tension = cable.tension.map(|tension| tension.max(0.0));
+        }
+        near
+    }
+
+    /// With the rates of another evaluation of the same unknowns.
+    pub fn with_rates_of(self, other: Self) -> Self {
+        let Self { solution, tensions, shortenings, .. } = self;
+        Self { solution, tensions, shortenings, ..other }
+    }
 }
 
 /// Steps of a Cosserat rod on which trials are solved: with them the tip is known to about 1e-5 of the length.
 const FEW_STEPS: usize = 12;
+/// What the iteration of a trial may leave: far below the tolerance of any target.
+const RESIDUAL: f64 = 1e-7;
 
 /// A Cosserat rod with few steps; `None` for other models.
 pub(crate) fn on_few_steps(model: &Model) -> Option<Model> {
     match model {
         Model::Cosserat(options) => {
             let accuracy = Accuracy::Steps(FEW_STEPS);
-            Some(Model::Cosserat(cosserat::Options { accuracy, ..options.clone() }))
+            let residual = options.residual.max(RESIDUAL);
+            Some(Model::Cosserat(cosserat::Options { accuracy, residual, ..options.clone() }))
         }
         _ => None,
     }
@@ -245,6 +278,11 @@ impl Forward {
         self.actuators.move_on(self.model.robot(), values);
     }
 
+    /// Whether the rates of [`Self::evaluate`] are only as exact as a descent needs them.
+    pub fn has_approximate_rates(&self) -> bool {
+        matches!(self.model, Prepared::Cosserat(..)) && !self.case.loads.is_none()
+    }
+
     /// Whether trials are solved on fewer steps than answers.
     pub const fn is_on_few_steps(&self) -> bool {
         self.is_on_few_steps
@@ -274,7 +312,16 @@ impl Forward {
         places: &[Place],
         from: Option<&Solution>,
     ) -> Result<Evaluation, SolveError> {
-        self.evaluate_with_rates(unknowns, places, from).map(|(evaluation, _)| evaluation)
+        self.starting(from, |forward, from| match forward.is_exact {
+            true => {
+                forward.command(unknowns);
+                forward.solves += 1;
+                let (solution, changes) =
+                    forward.model.solve_with_command_changes(&forward.case, from)?;
+                Ok(forward.with_rates(solution, &changes, places))
+            }
+            false => forward.by_differences(unknowns, places, from),
+        })
     }
 
     /// [`Self::evaluate`] with all the derivatives, where the model has exact ones.
@@ -284,6 +331,24 @@ impl Forward {
         places: &[Place],
         from: Option<&Solution>,
     ) -> Result<(Evaluation, Option<Linearization>), SolveError> {
+        self.starting(from, |forward, from| match forward.is_exact {
+            true => {
+                let found = forward.linearize(unknowns, places, from);
+                found.map(|(evaluation, rates)| (evaluation, Some(rates)))
+            }
+            false => {
+                let found = forward.by_differences(unknowns, places, from);
+                found.map(|evaluation| (evaluation, None))
+            }
+        })
+    }
+
+    /// An evaluation from a neighbouring solution, or from where the robot stands if its answers depend on that.
+    fn starting<T>(
+        &mut self,
+        from: Option<&Solution>,
+        evaluate: impl FnOnce(&mut Self, Option<&Solution>) -> Result<T, SolveError>,
+    ) -> Result<T, SolveError> {
         // Taken for the time of the evaluation, which changes the rest.
         let origin = self.origin.take();
         let from = match self.memory {
@@ -291,16 +356,7 @@ impl Forward {
             Remembers::LastAnswer => origin.as_ref(),
             Remembers::AllSteps => None,
         };
-        let found = match self.is_exact {
-            true => {
-                let found = self.linearize(unknowns, places, from);
-                found.map(|(evaluation, rates)| (evaluation, Some(rates)))
-            }
-            false => {
-                let found = self.by_differences(unknowns, places, from);
-                found.map(|evaluation| (evaluation, None))
-            }
-        };
+        let found = evaluate(self, from);
         self.origin = origin;
         found
     }
@@ -315,7 +371,9 @@ impl Forward {
         self.command(unknowns);
         self.solves += 1;
         let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
-        Ok((self.with_rates(solution, &rates, places), rates))
+        let cables = 0..self.robot().cables().len();
+        let changes: Vec<Change> = cables.map(|cable| rates.command(cable)).collect();
+        Ok((self.with_rates(solution, &changes, places), rates))
     }
 
     /// Motions of the places in the world with a force on the tip along x, y and z of the base, in m/N, the commands held.
@@ -331,23 +389,19 @@ impl Forward {
         })
     }
 
-    /// A solution with its rates by the unknowns.
-    fn with_rates(
-        &self,
-        solution: Solution,
-        rates: &Linearization,
-        places: &[Place],
-    ) -> Evaluation {
-        let by_cable: Vec<Change> =
-            (0..self.robot().cables().len()).map(|cable| rates.command(cable)).collect();
+    /// A solution with its rates by the unknowns, from its changes with the command of each cable.
+    fn with_rates(&self, solution: Solution, by_cable: &[Change], places: &[Place]) -> Evaluation {
         let turn = self.case.base.rotation;
         let mut evaluation = self.without_rates(solution);
         for actuator in &self.actuators.list {
             let mut motions = vec![Twist::default(); places.len()];
             let mut tensions = vec![0.0; by_cable.len()];
             let mut lengths = vec![0.0; by_cable.len()];
+            let mut base = Wrench::default();
             for (cable, rate) in actuator.cables(self.model.robot()) {
                 let change = &by_cable[cable];
+                base.force += change.base_wrench().force * rate;
+                base.moment += change.base_wrench().moment * rate;
                 for (motion, place) in motions.iter_mut().zip(places) {
                     let of = change.twist(*place);
                     motion.linear += turn.rotate(of.linear) * rate;
@@ -361,6 +415,7 @@ impl Forward {
                 }
             }
             self.push_rates(&mut evaluation, motions, tensions, &lengths);
+            evaluation.base_rates.push(base);
         }
         evaluation
     }
@@ -430,6 +485,7 @@ impl Forward {
             shortenings: self.shortenings(&solution),
             tension_rates: Vec::new(),
             shortening_rates: Vec::new(),
+            base_rates: Vec::new(),
             solution,
         }
     }

@@ -119,8 +119,11 @@ const ROWS: usize = 2_000;
 /// Rows of an atlas, and starts from it, of a robot that remembers the steps before: each solve goes through them.
 const ROWS_WITH_HISTORY: usize = 200;
 const STARTS_WITH_HISTORY: usize = 6;
-/// Rows of a survey of the workspace where the batch has no vectors for them.
+/// Rows of a survey of the workspace where the batch has no vectors for them: of a rod, which takes some tens of µs for each, and of other models.
+const ROWS_OF_LOADED_RODS: usize = 40_000;
 const ROWS_OF_A_SURVEY: usize = 10_000;
+/// The part of a coarse tolerance at which a descent ends.
+const WITHIN: f64 = 0.5;
 /// Stations between which obstacles are not looked for, of each part between two disks.
 const STATIONS: usize = 61;
 /// Steps along the null space to the preferred commands, and at a point of a path, where the points before have led near to them.
@@ -355,6 +358,15 @@ impl InverseSolver {
             }
         }
         let unknowns = best.unknowns.clone();
+        // The null space that is reported is exact.
+        if self.forward.has_approximate_rates()
+            && Redundancy::of(&best.evaluation, target, lever, &scales).is_some()
+        {
+            let places = target.places();
+            let near = Some(&best.evaluation.solution);
+            let (exact, _) = self.forward.evaluate_with_rates(&unknowns, &places, near)?;
+            best.evaluation = best.evaluation.with_rates_of(exact);
+        }
         let asked = Asked { target, lever, ranges, constraints: &constraints };
         let mut answer = self.answer(best, &asked, starts, first_solve);
         if let Some(boxes) = options.proof
@@ -405,6 +417,7 @@ impl InverseSolver {
         let rows = match self.model.kind() {
             ModelKind::Cosserat if self.case.loads.is_none() => count,
             _ if self.forward.robot().has_history() => count.min(ROWS),
+            ModelKind::Cosserat => count.min(ROWS_OF_LOADED_RODS),
             _ => count.min(ROWS_OF_A_SURVEY),
         };
         let (limits, ranges) = (&self.limits, &self.ranges);
@@ -412,7 +425,8 @@ impl InverseSolver {
         Ok(atlas.rows().map(|(tip, unknowns)| (tip, unknowns.to_vec())).collect())
     }
 
-    /// One start for a target, within the ranges of the solver and constraints that [`Self::constraints`] gives.
+    /// One start for a target with a tolerance far above the error of the model, within the ranges of the solver and constraints that
+    /// [`Self::constraints`] gives.
     pub(crate) fn attempt(
         &mut self,
         start: &[f64],
@@ -422,6 +436,7 @@ impl InverseSolver {
     ) -> Result<Candidate, SolveError> {
         let scales = self.forward.scales.clone();
         let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
+        search.done = WITHIN;
         let bounds = &self.ranges.unknowns;
         let control = Control { bounds, scales: &scales, evaluations: EVALUATIONS };
         search.attempt(start, None, &control, &mut self.workspace, options)

@@ -41,7 +41,12 @@ pub(crate) struct Search<'a> {
     pub constraints: &'a Constraints,
     pub forward: &'a mut Forward,
     correction: Correction,
+    /// The part of the tolerance at which a descent ends.
+    pub done: f64,
 }
+
+/// Far within the tolerance, because the answer is solved again from rest.
+const DONE: f64 = 0.02;
 
 impl Problem for Search<'_> {
     type State = Evaluation;
@@ -49,10 +54,12 @@ impl Problem for Search<'_> {
     fn at(
         &mut self,
         unknowns: &[f64],
-        from: Option<&Evaluation>,
+        from: Option<(&[f64], &Evaluation)>,
     ) -> Result<(Linear, Evaluation), SolveError> {
-        let from = from.map(|evaluation| &evaluation.solution);
-        let evaluation = self.forward.evaluate(unknowns, &self.places, from)?;
+        let near = from.map(|(before, evaluation)| {
+            evaluation.extrapolated(unknowns.iter().zip(before).map(|(x, before)| x - before))
+        });
+        let evaluation = self.forward.evaluate(unknowns, &self.places, near.as_ref())?;
         let mut linear = Linear::default();
         self.target.linearize(&evaluation.solution, &evaluation.motions, self.lever, &mut linear);
         let first = self.target.places().len();
@@ -62,9 +69,9 @@ impl Problem for Search<'_> {
         Ok((linear, evaluation))
     }
 
-    /// Far within the tolerance, because the answer is solved again from rest.
     fn is_done(&self, linear: &Linear) -> bool {
-        linear.violation() == 0.0 && (2.0 * linear.cost()).sqrt() <= 0.02 * self.tolerance.position
+        let distance = (2.0 * linear.cost()).sqrt();
+        linear.violation() == 0.0 && distance <= self.done * self.tolerance.position
     }
 }
 
@@ -83,6 +90,7 @@ impl<'a> Search<'a> {
             constraints,
             forward,
             correction: Correction::default(),
+            done: DONE,
         }
     }
 }

@@ -263,6 +263,25 @@ impl Prepared {
         }
     }
 
+    /// The answer to the last step of a case, and how it changes with the command of each cable ([`Linearization::command`]): of a Cosserat rod at a
+    /// fraction of the cost of [`Self::solve_with_derivatives`], but under loads with a relative error that is that of a method of order 4 on the
+    /// steps of the answer, and without strains. For iterations that correct themselves, such as those of inverse problems.
+    ///
+    /// # Errors
+    /// As [`Self::solve_with_derivatives`].
+    pub fn solve_with_command_changes(
+        &mut self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+    ) -> Result<(Solution, Vec<Change>), SolveError> {
+        if let Self::Cosserat(model, workspace) = self {
+            return model.solve_with_command_changes(case, warm_start, workspace);
+        }
+        let (solution, derivatives) = self.solve_with_derivatives(case, warm_start, &[])?;
+        let cables = 0..self.robot().cables().len();
+        Ok((solution, cables.map(|cable| derivatives.command(cable)).collect()))
+    }
+
     /// The answers to all steps of a case in order, each from where the one before left the robot ([`Self::solve_steps`]), and to
     /// those for which `asks` says so, by their number from 0, with their derivatives. `each` gets them as they come. Where the answer
     /// depends on the steps before, so do the derivatives by parameters; those by commands are by the commands of the step alone.

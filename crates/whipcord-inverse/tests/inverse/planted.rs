@@ -211,6 +211,103 @@ fn study_of_planted_targets() {
     }
 }
 
+/// How random targets inside and outside of the workspace ended.
+#[derive(Debug, Default)]
+struct Outcomes {
+    reached: usize,
+    nearest: usize,
+    undecided: usize,
+    /// Reached, but a solve of the commands is farther from the target than the tolerance.
+    beyond_tolerance: usize,
+    /// A command or a tension outside its limits, by however little.
+    limits_violated: usize,
+    seconds: f64,
+}
+
+/// In turn points in a ball about the base that is a little larger than what the robot reaches, and tips of the robot, every second of them moved
+/// off by up to a tenth of the length.
+fn random_targets(robot: &Robot, greatest: f64, loads: &Loads, count: usize) -> Outcomes {
+    let model = Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural);
+    let cables = robot.cables().len();
+    let least = 0.05 * greatest;
+    let limits = Limits::uniform(
+        cables,
+        CableLimits { tension: [least, greatest], ..CableLimits::default() },
+    );
+    let case = Case { loads: loads.clone(), ..Case::with_tensions(&vec![least; cables]) };
+    let mut solver = InverseSolver::new(&model, robot, &case, &limits, CommandedBy::Case).unwrap();
+    let mut prepared = model.prepare(robot, loads).unwrap();
+    let mut random = Random(2024);
+    let mut outcomes = Outcomes::default();
+    for number in 0..count {
+        let mut ball = Vec3::new(1.0, 1.0, 1.0);
+        while ball.norm() > 1.0 {
+            ball = Vec3::new(random.next(), random.next(), random.next()) * 2.0
+                - Vec3::new(1.0, 1.0, 1.0);
+        }
+        let tensions: Vec<f64> =
+            (0..cables).map(|_| least + random.next() * (greatest - least)).collect();
+        let mut tip = || {
+            let case = Case { loads: loads.clone(), ..Case::with_tensions(&tensions) };
+            prepared.solve(&case, None).map(|solution| solution.disks.tip().position)
+        };
+        let point = match number % 4 {
+            0 | 2 => ball * (1.05 * robots::LENGTH),
+            1 => tip().unwrap(),
+            _ => tip().unwrap() + ball * (0.1 * robots::LENGTH),
+        };
+        let clock = Instant::now();
+        let answer = solver.reach(&Target::Tip(point), &FIRST).unwrap();
+        outcomes.seconds += clock.elapsed().as_secs_f64();
+        match answer.status {
+            ReachStatus::Reached => outcomes.reached += 1,
+            ReachStatus::Nearest => outcomes.nearest += 1,
+            ReachStatus::UnreachableProven | ReachStatus::Undecided => outcomes.undecided += 1,
+        }
+        let is_within = |x: f64| (least..=greatest).contains(&x);
+        let tensions = answer.solution.cables.iter().map(|cable| cable.tension.unwrap());
+        if !answer.commands.iter().copied().chain(tensions).all(is_within) {
+            outcomes.limits_violated += 1;
+        }
+        if answer.status == ReachStatus::Reached {
+            let again = prepared.solve(&answer.case, None).unwrap();
+            let miss = (again.disks.tip().position - point).norm();
+            outcomes.beyond_tolerance += usize::from(miss > 1e-5 * robots::LENGTH);
+        }
+    }
+    outcomes
+}
+
+#[allow(clippy::print_stdout, reason = "a study prints its results")]
+fn check_random_targets(count: usize, robots: Vec<(&'static str, Robot, f64)>) {
+    for (name, robot, greatest) in robots {
+        let outcomes = random_targets(&robot, greatest, &Loads::default(), count);
+        println!("{name}: {outcomes:?}");
+        assert_eq!(outcomes.beyond_tolerance, 0, "{name}");
+        assert_eq!(outcomes.limits_violated, 0, "{name}");
+        // A quarter are tips.
+        assert!(4 * outcomes.reached >= count && outcomes.nearest > 0, "{name}");
+        // Where the descent ends at no minimum nothing is said.
+        assert!(outcomes.undecided * 20 <= count, "{name}");
+    }
+}
+
+fn driven_by_tensions() -> impl Iterator<Item = (&'static str, Robot, f64)> {
+    robots::all().into_iter().filter(|(name, ..)| *name != "with motors")
+}
+
+#[test]
+fn random_targets_keep_tolerance_and_limits() {
+    check_random_targets(60, driven_by_tensions().take(5).collect());
+}
+
+#[test]
+#[ignore = "minutes"]
+fn study_of_random_targets() {
+    let count = std::env::var("COUNT").ok().and_then(|n| n.parse().ok()).unwrap_or(2000);
+    check_random_targets(count, driven_by_tensions().collect());
+}
+
 #[test]
 fn every_model_reaches_what_it_makes() {
     let robot = robots::two_segments();

@@ -22,12 +22,14 @@
 //! | `tension_nodes`, `friction`, `friction_steps` | friction of cables: where their tension is given, the rod's answer to it, and steps of actuation |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 //! | `derivatives` | exact derivatives |
+//! | `command_changes` | derivatives by commands alone, for trials of inverse problems |
 //! | `lanes` | many unloaded rods at once |
 //! | `trace` | solves with a record of the iterations |
 
 mod bending_friction;
 mod branches;
 mod chain;
+mod command_changes;
 mod contact;
 mod contact_response;
 mod continuation;

@@ -5,7 +5,9 @@ use std::sync::{Arc, OnceLock};
 
 use super::friction::FrictionWorkspace;
 use super::scratch::{Scratch, Start};
+use super::sensitivity::Sensitivity;
 use crate::budget::Meter;
+use crate::derivatives::TensionChanges;
 use crate::robot::Robot;
 use crate::statics::command::Command;
 use crate::statics::grid::{Grid, Layout};
@@ -89,6 +91,9 @@ pub struct Workspace {
     pub(super) at_tensions: Scratch,
     pub(super) tensions: Vec<Command>,
     pub(super) friction: FrictionWorkspace,
+    pub(super) tension_changes: TensionChanges,
+    /// With the motions of all nodes.
+    pub(super) motions: Sensitivity,
 }
 
 /// What a solve has found so far.

@@ -14,7 +14,7 @@
 //! start, middle and end of each step: to order 4, as fine as Newton's method needs it.
 
 use pulp::{Arch, Simd, WithSimd};
-use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 use super::loaded::SAMPLED_NODES;
 use crate::section::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
@@ -37,6 +37,10 @@ pub(super) struct Sensitivity {
     /// Of a step with [`Tensions::Varying`]: what each unknown does to the direction of each cable at start and middle, in the
     /// base frame; of every place in turn for every cable, by unknowns.
     pub directions: Vec<Vec3>,
+    /// Whether [`Self::compute`] follows the motions of the nodes.
+    pub follows_motions: bool,
+    /// Motions of all nodes in turn with each unknown, base frame, where they are followed.
+    pub motions: Vec<Twist>,
 }
 
 /// Change of rotation and moment with one unknown, in the body frame, and of the followers' force in
@@ -46,6 +50,8 @@ pub(super) struct Column {
     turn: Vec3,
     moment: Vec3,
     follower_force: Vec3,
+    /// Displacement in the base frame, where motions are followed.
+    position: Vec3,
     /// Change of the load factor: 1 in the column of that unknown.
     load: f64,
 }
@@ -56,6 +62,7 @@ struct Columns {
     turn: LaneVec,
     moment: LaneVec,
     follower_force: LaneVec,
+    position: LaneVec,
     load: Lane,
 }
 
@@ -66,6 +73,7 @@ impl Columns {
             out.turn.set(i, column.turn);
             out.moment.set(i, column.moment);
             out.follower_force.set(i, column.follower_force);
+            out.position.set(i, column.position);
             out.load.0[i] = column.load;
         }
         out
@@ -76,6 +84,7 @@ impl Columns {
             column.turn = self.turn.get(i);
             column.moment = self.moment.get(i);
             column.follower_force = self.follower_force.get(i);
+            column.position = self.position.get(i);
         }
     }
 
@@ -253,8 +262,19 @@ impl Sensitivity {
         }
         self.lengths.clear();
         self.lengths.resize(tensions * unknowns, 0.0);
+        self.motions.clear();
+        if self.follows_motions {
+            self.motions.resize(unknowns, Twist::default());
+        }
         for (k, triple) in samples.chunks_exact(3).enumerate() {
             self.step(grid, loads, load, k, triple, Tensions::Even(tensions));
+            if self.follows_motions {
+                let rotation = poses[k + 1].rotation;
+                self.motions.extend(self.columns.iter().map(|column| Twist {
+                    linear: column.position,
+                    angular: rotation.rotate(column.turn),
+                }));
+            }
             if k + 1 < grid.len() {
                 self.jump(loads, load, k + 1, poses[k + 1].rotation);
             }
@@ -378,6 +398,12 @@ impl Sensitivity {
                 }
                 let (dv, du) = sample.tangent.solve_lanes(&linear, &angular);
                 slope = rate(sample, &stage, &push, &dv, &du);
+                if self.follows_motions {
+                    // `δp′ = R (η × v + δv)`.
+                    let moved = dv - cross(sample.strain.linear, &stage.turn);
+                    let moved = times(&sample.rotation.to_matrix(), &moved);
+                    end.position += weight * h * moved;
+                }
                 if tensions > 0 {
                     let (_, crossings) = grid.shooting.at(k, SAMPLED_NODES[q], step.active);
                     for (i, crossing) in crossings.iter().enumerate() {

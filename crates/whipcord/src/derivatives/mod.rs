@@ -10,7 +10,8 @@
 //! answer and `of_answer` makes it; `cables`, `setting`, `node_change`, `effect` and `column` are data of these. Where cables run straight
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
 //! tensions of their own, which follow from `sliding_holes`. `coordinates` has the same of
-//! models that have generalised coordinates for a rod, from their `linear_system`.
+//! models that have generalised coordinates for a rod, from their `linear_system`. `command_changes` are
+//! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
 //! [`crate::cosserat::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
@@ -25,6 +26,7 @@ mod cables;
 mod change;
 mod column;
 mod columns;
+mod command_changes;
 mod coordinates;
 mod effect;
 mod elimination;
@@ -55,6 +57,7 @@ pub use self::backward::{Cotangent, Gradient};
 pub(crate) use self::cables::{Cables, StraightCables};
 pub use self::change::{Change, Place};
 pub(crate) use self::column::unit_wrench;
+pub(crate) use self::command_changes::{CommandedCable, TensionChanges};
 pub use self::coordinates::CoordinateDerivatives;
 pub(crate) use self::coordinates::{CoordinateCable, SolvedCoordinates};
 pub(crate) use self::linear_system::{Equations, KnownPlaces, LinearSystem, ParameterChange};

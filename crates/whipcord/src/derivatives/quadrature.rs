@@ -13,12 +13,12 @@
 //! as a change of length, both to rounding. What acts within a step is taken by Gauss collocation.
 
 use pulp::{Arch, Simd, WithSimd};
-use whipcord_numerics::{GAUSS_3, Mat3, Pose, Vec3};
+use whipcord_numerics::{GAUSS_3, Mat3, Pose, Twist, Vec3};
 
 use super::effect::{Effect, Forcing};
 use super::elimination::StepPull;
 use super::forward::{Maps, StepMap};
-use super::magnus::{LaneMotion, LaneTwist, end_by_twists};
+use super::magnus::{LaneTwist, end_by_twists};
 use super::replay::{Answer, Stage};
 use crate::section::Fault;
 use crate::section::lanes::{LANES, Lane, LaneMat};
@@ -71,6 +71,18 @@ pub(super) struct Quadrature {
 impl Quadrature {
     /// Linearises an answer whose strains are those at the Gauss nodes.
     pub fn run(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
+        let Answer { grid, tensions, poses, .. } = *answer;
+        self.linearize_points(answer)?;
+        self.shifts.clear();
+        self.shifts.extend(poses.windows(2).map(|pair| pair[1].position - pair[0].position));
+        self.steps.clear();
+        self.steps.reserve(grid.len());
+        Arch::new().dispatch(AllSteps { rod: self, steps: &grid.steps });
+        self.add_nodes(grid, tensions, poses)
+    }
+
+    /// The sections at the Gauss nodes, and how the ends of their steps move with them.
+    pub fn linearize_points(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
         let Answer { grid, tensions, poses, strains, .. } = *answer;
         let cables = tensions.len();
         self.points.clear();
@@ -97,12 +109,33 @@ impl Quadrature {
                 });
             }
         }
-        self.shifts.clear();
-        self.shifts.extend(poses.windows(2).map(|pair| pair[1].position - pair[0].position));
-        self.steps.clear();
-        self.steps.reserve(grid.len());
-        Arch::new().dispatch(AllSteps { rod: self, steps: &grid.steps, poses });
-        self.add_nodes(grid, tensions, poses)
+        Arch::new().dispatch(AllPoints { rod: self, steps: &grid.steps, poses });
+        Ok(())
+    }
+
+    /// How the end of step `k` turns and is displaced against its start with the tension of a cable that reaches through it, base
+    /// frame: eq. (d5). `lengthen` gets the rate of the length of each cable within the step.
+    #[inline]
+    pub fn by_tension(
+        &self,
+        (k, active, cables): (usize, usize, usize),
+        cable: usize,
+        mut lengthen: impl FnMut(usize, f64),
+    ) -> Twist {
+        let mut moved = Twist::default();
+        for at in POINTS * k..POINTS * (k + 1) {
+            let point = &self.points[at];
+            let pulls = &self.pulls[at * cables..][..active];
+            let pull = &pulls[cable].0;
+            let Strain { linear: v, angular: u } = point.yielding(pull.linear, pull.angular);
+            moved.angular -= point.turn * u;
+            moved.linear -= point.shift * u + point.turn * v;
+            for (other, (pull, _)) in pulls.iter().enumerate() {
+                let work = pull.linear.dot(v) + pull.angular.dot(u);
+                lengthen(other, -point.weight * work);
+            }
+        }
+        moved
     }
 
     /// The sections at the nodes, from the strains next to them.
@@ -303,14 +336,14 @@ impl Point {
     }
 }
 
-/// The maps of all steps, a few at a time, compiled for each set of vector instructions.
-struct AllSteps<'a> {
+/// How the ends of all steps move with their points, a few steps at a time, compiled for each set of vector instructions.
+struct AllPoints<'a> {
     rod: &'a mut Quadrature,
     steps: &'a [Step],
     poses: &'a [Pose],
 }
 
-impl WithSimd for AllSteps<'_> {
+impl WithSimd for AllPoints<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -331,15 +364,35 @@ impl WithSimd for AllSteps<'_> {
                 }
             }
             let motions = end_by_twists(&twists, length, &end);
-            let [turn, mixed, shift] = yielding(rod, first, count, &motions);
             for lane in 0..count {
                 let k = first + lane;
                 for (motion, point) in motions.iter().zip(&mut rod.points[POINTS * k..]) {
                     point.turn = motion.turn.get(lane);
                     point.shift = motion.shift.get(lane);
                 }
-                let [turn, mixed, shift] = [turn, mixed, shift].map(|m| m.get(lane));
-                rod.steps.push(step_map(rod.shifts[k], &turn, &mixed, &shift));
+            }
+        }
+    }
+}
+
+/// The maps of all steps likewise.
+struct AllSteps<'a> {
+    rod: &'a mut Quadrature,
+    steps: &'a [Step],
+}
+
+impl WithSimd for AllSteps<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { rod, steps } = self;
+        for first in (0..steps.len()).step_by(LANES) {
+            let count = LANES.min(steps.len() - first);
+            let sums = yielding(rod, first, count);
+            for lane in 0..count {
+                let [turn, mixed, shift] = sums.map(|m| m.get(lane));
+                rod.steps.push(step_map(rod.shifts[first + lane], &turn, &mixed, &shift));
             }
         }
     }
@@ -348,15 +401,11 @@ impl WithSimd for AllSteps<'_> {
 /// `Σ J H⁻¹ Jᵀ/hb` of a few steps: how the end turns with the moment at the end, how it is displaced
 /// with it, and how it is displaced with the force.
 #[inline(always)]
-fn yielding(
-    rod: &Quadrature,
-    first: usize,
-    count: usize,
-    motions: &[LaneMotion; POINTS],
-) -> [LaneMat; 3] {
+fn yielding(rod: &Quadrature, first: usize, count: usize) -> [LaneMat; 3] {
     let mut sums = [LaneMat::default(); 3];
-    for (i, motion) in motions.iter().enumerate() {
+    for i in 0..POINTS {
         let (mut vn, mut vm, mut um) = (LaneMat::default(), LaneMat::default(), LaneMat::default());
+        let (mut turn, mut shift) = (LaneMat::default(), LaneMat::default());
         let mut inverse = Lane::default();
         for lane in 0..count {
             let point = &rod.points[POINTS * (first + lane) + i];
@@ -364,15 +413,17 @@ fn yielding(
             vn.set(lane, &point.compliance[0]);
             vm.set(lane, &point.compliance[1]);
             um.set(lane, &point.compliance[2]);
+            turn.set(lane, &point.turn);
+            shift.set(lane, &point.shift);
         }
-        let (turn, shift) = (motion.turn.scaled(inverse), &motion.shift);
-        let by_moment = shift.times(&um) + motion.turn.times(&vm);
-        let by_force = shift.times_transpose(&vm) + motion.turn.times(&vn);
-        sums[0] = sums[0] + motion.turn.times(&um).times_transpose(&turn);
-        sums[1] = sums[1] + by_moment.times_transpose(&turn);
+        let weighted = turn.scaled(inverse);
+        let by_moment = shift.times(&um) + turn.times(&vm);
+        let by_force = shift.times_transpose(&vm) + turn.times(&vn);
+        sums[0] = sums[0] + turn.times(&um).times_transpose(&weighted);
+        sums[1] = sums[1] + by_moment.times_transpose(&weighted);
         sums[2] = sums[2]
-            + by_moment.times_transpose(shift).scaled(inverse)
-            + by_force.times_transpose(&turn);
+            + by_moment.times_transpose(&shift).scaled(inverse)
+            + by_force.times_transpose(&weighted);
     }
     sums
 }

@@ -40,6 +40,7 @@ macro_rules! for_every_model {
 
 mod backward;
 mod bending_friction;
+mod command_changes;
 mod commands_and_compliance;
 mod contact;
 mod four_bar;

@@ -1,0 +1,68 @@
+//! The changes with commands alone against the exact derivatives of the same answers.
+
+use super::{ROBOTS, Tested, by_length, options, taut};
+use crate::common::Wildness;
+use whipcord::Twist;
+use whipcord::cosserat::{Accuracy, Options};
+use whipcord::derivatives::{Change, Place};
+
+/// The greatest difference of two changes with a command, as a part of the greatest motion.
+fn difference(a: &Change, b: &Change, length: f64) -> f64 {
+    let places = (0..4).map(Place::Station).chain([Place::Disk(1), Place::Tip]);
+    let size = |twist: Twist| twist.linear.norm() + length * twist.angular.norm();
+    let greatest =
+        |of: &Change| (0..4).map(|k| size(of.twist(Place::Station(k)))).fold(0.0, f64::max);
+    let scale = greatest(b).max(1e-30);
+    let motions = places.map(|place| {
+        let (a, b) = (a.twist(place), b.twist(place));
+        size(Twist { linear: a.linear - b.linear, angular: a.angular - b.angular })
+    });
+    let lengths = a.lengths().iter().zip(b.lengths()).map(|(a, b)| (a - b).abs());
+    let tensions = b.tensions().iter().map(|t| t.abs()).fold(0.0, f64::max).max(1e-30);
+    let pulls = a.tensions().iter().zip(b.tensions()).map(|(a, b)| (a - b).abs() / tensions);
+    motions.chain(lengths).map(|x| x / scale).chain(pulls).fold(0.0, f64::max)
+}
+
+/// The greatest difference on so many steps, over the commands of random robots, a third of which are driven by all lengths and a third by some.
+fn greatest_difference(tested: Tested, wild: Wildness, steps: Option<usize>) -> f64 {
+    let mut worst: f64 = 0.0;
+    for (i, (robot, case)) in taut(tested, wild, ROBOTS).enumerate() {
+        let (robot, case) = match i % 3 {
+            0 => (robot, case),
+            kind => by_length(tested, &robot, &case, kind == 1),
+        };
+        let mut options = options(tested, &case);
+        if let Some(steps) = steps {
+            options = Options { accuracy: Accuracy::Steps(steps), ..options };
+        }
+        let mut prepared = tested.prepare(&robot, &case, &options).unwrap();
+        let (solution, exact) = prepared.solve_with_derivatives(&case, None, &[]).unwrap();
+        let (again, changes) = prepared.solve_with_command_changes(&case, Some(&solution)).unwrap();
+        let off = again.disks.tip().position - solution.disks.tip().position;
+        assert!(off.norm() <= 1e-9 * robot.backbone().length);
+        for (cable, change) in changes.iter().enumerate() {
+            let length = robot.backbone().length;
+            worst = worst.max(difference(change, &exact.command(cable), length));
+        }
+    }
+    worst
+}
+
+fn changes_without_load_are_exact(tested: Tested) {
+    let worst = greatest_difference(tested, Wildness::UNLOADED, None);
+    assert!(worst <= 1e-8, "{worst:.1e}");
+}
+
+fn changes_under_load_are_near_the_exact_ones(tested: Tested) {
+    let [coarse, fine] =
+        [40, 80].map(|steps| greatest_difference(tested, Wildness::LOADED, Some(steps)));
+    match tested {
+        // Of order 4.
+        Tested::Continuous => {
+            assert!(fine <= 1e-3 && fine < 0.2 * coarse, "{coarse:.1e} {fine:.1e}");
+        }
+        _ => assert!(fine <= 1e-8, "{fine:.1e}"),
+    }
+}
+
+for_every_model!(changes_without_load_are_exact, changes_under_load_are_near_the_exact_ones);
