@@ -4,7 +4,7 @@ use whipcord::derivatives::Place;
 use whipcord::{Case, Model, Robot, Solution, SolveError, Stations, Twist, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, knows_tensions};
-use crate::descent::{Control, Linear, Workspace};
+use crate::descent::{Control, LEAST_REDUCTION, Linear, Workspace};
 use crate::error::InverseError;
 use crate::estimator::{Estimator, EstimatorOptions};
 use crate::forward::{Evaluation, Forward};
@@ -229,7 +229,12 @@ impl Controller {
         }
         self.constraints.linearize(self.forward.robot(), &evaluation, places.len(), &mut linear);
         let ranges = self.ranges();
-        let control = Control { bounds: &ranges, scales: &scales, evaluations: 1 };
+        let control = Control {
+            bounds: &ranges,
+            scales: &scales,
+            evaluations: 1,
+            least_reduction: LEAST_REDUCTION,
+        };
         let penalty = 1e2 * linear.cost().max(1e-12);
         let unknowns = self.unknowns.clone();
         let step = self.workspace.step(

@@ -62,6 +62,8 @@ pub(crate) struct Control<'a> {
     pub scales: &'a [f64],
     /// Evaluations that may be spent.
     pub evaluations: usize,
+    /// A promised reduction of the cost by less than this part of it is none.
+    pub least_reduction: f64,
 }
 
 /// Largest step at first and at all, in scales of the unknowns.
@@ -71,8 +73,9 @@ const LARGEST_RADIUS: f64 = 4.0;
 const LEAST_STEP: f64 = 1e-11;
 /// An unknown so near to a bound, in scales, is at it.
 const AT_BOUND: f64 = 1e-12;
-/// A promised reduction of the cost by less than this part of it is none.
-const LEAST_REDUCTION: f64 = 1e-9;
+/// [`Control::least_reduction`] of an answer, and of one to a coarse tolerance.
+pub(crate) const LEAST_REDUCTION: f64 = 1e-9;
+pub(crate) const COARSE_REDUCTION: f64 = 1e-4;
 
 /// Minimises `½‖r(x)‖²` within bounds and constraints.
 ///
@@ -114,7 +117,7 @@ pub(crate) fn descend<P: Problem>(
         let size = step[..n].iter().fold(0.0, |a: f64, d| a.max(d.abs()));
         let merit = cost + penalty * linear.violation();
         // At full radius and without damping the promise is that of the linear problem.
-        if size < LEAST_STEP || promised <= LEAST_REDUCTION * merit {
+        if size < LEAST_STEP || promised <= control.least_reduction * merit {
             is_stationary = linear.violation() == 0.0;
             break;
         }

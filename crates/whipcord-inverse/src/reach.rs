@@ -7,7 +7,7 @@ use crate::actuator::{
 };
 use crate::atlas::{Atlas, Survey};
 use crate::certificate::NoProof;
-use crate::descent::{Control, Workspace};
+use crate::descent::{COARSE_REDUCTION, Control, LEAST_REDUCTION, Workspace};
 use crate::error::{InverseError, TargetProblem};
 use crate::forward::{Evaluation, Forward, on_few_steps};
 use crate::limit::{Clearance, Constraints, Limit};
@@ -293,6 +293,7 @@ impl InverseSolver {
                 bounds,
                 scales: &scales,
                 evaluations: EVALUATIONS.min(options.solves - spent),
+                least_reduction: LEAST_REDUCTION,
             };
             let from = if starts == 1 { from } else { None };
             match search.attempt(&unknowns, from, &control, &mut self.workspace, options) {
@@ -350,7 +351,12 @@ impl InverseSolver {
             });
         };
         if best.is_reached && options.prefer != Preference::First {
-            let control = Control { bounds, scales: &scales, evaluations: EVALUATIONS };
+            let control = Control {
+                bounds,
+                scales: &scales,
+                evaluations: EVALUATIONS,
+                least_reduction: LEAST_REDUCTION,
+            };
             let steps = if from.is_some() { STEPS_ON_PATH } else { STEPS };
             let task = redundancy::Task { prefer: options.prefer, start, control: &control, steps };
             if let Some(better) = search.improve(&best, &task, &mut self.workspace, options)? {
@@ -438,7 +444,12 @@ impl InverseSolver {
         let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
         search.done = WITHIN;
         let bounds = &self.ranges.unknowns;
-        let control = Control { bounds, scales: &scales, evaluations: EVALUATIONS };
+        let control = Control {
+            bounds,
+            scales: &scales,
+            evaluations: EVALUATIONS,
+            least_reduction: COARSE_REDUCTION,
+        };
         search.attempt(start, None, &control, &mut self.workspace, options)
     }
 
