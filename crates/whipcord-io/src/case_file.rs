@@ -6,17 +6,18 @@ use std::path::{Path, PathBuf};
 use whipcord::robot::limits;
 use whipcord::{CableCommand, Case, Pose, Problem, Robot, SolveError};
 use whipcord_estimation::identification::RowLabel;
+use whipcord_motion::MotionError;
 
 use crate::check::{self, Fields};
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::node::{Node, Value};
 use crate::overlay::take_out;
-use crate::read::{self, CommandTable, Fit, Goal, Measured, Reference};
+use crate::read::{self, CommandTable, Fit, Goal, Measured, Motion, Reference};
 use crate::schema::{DURATION, ROOT};
 use crate::settings;
 use crate::source::Sources;
-use crate::validate::{Parts, assemble, refusal};
+use crate::validate::{Parts, assemble, motion_refusal, refusal};
 
 /// A robot and what is asked of it, as a file describes them.
 #[derive(Clone, Debug)]
@@ -37,6 +38,8 @@ pub struct CaseFile {
     pub fit: Option<Fit>,
     /// What is to be reached, and within which limits.
     pub goal: Goal,
+    /// How it moves over time.
+    pub motion: Motion,
     /// The file it was read from.
     pub path: PathBuf,
     document: Node,
@@ -70,6 +73,13 @@ impl CaseFile {
     #[must_use]
     pub fn locate(&self, error: &SolveError) -> Option<FileError> {
         let diagnostic = refusal(error, &self.document)?;
+        Some(FileError { problems: vec![diagnostic], more: 0, sources: self.sources.clone() })
+    }
+
+    /// The same of a motion that refuses the robot, the case or the loads over time.
+    #[must_use]
+    pub fn locate_motion(&self, error: &MotionError) -> Option<FileError> {
+        let diagnostic = motion_refusal(error, &self.document)?;
         Some(FileError { problems: vec![diagnostic], more: 0, sources: self.sources.clone() })
     }
 }
@@ -211,6 +221,12 @@ fn read(
     });
     let disks = robot.disks;
     let goal = read::goal(&fields, disks, &document, sources, problems);
+    // Without its cables and motors nothing is known of what they are told.
+    let motion = parts.as_ref().map_or_else(Motion::default, |parts| {
+        let driven = read::Driven { cables: &parts.cables, motors: &parts.motors.motors };
+        let of_loads = (parts.backbone.length, parts.loads.frame);
+        read::motion(&fields, &driven, of_loads, &document, sources, problems)
+    });
     if let Some(reference) = &reference {
         published(reference, &document, problems);
     }
@@ -222,6 +238,7 @@ fn read(
     let commands = parts.table.take();
     let (robot, case) = assemble(parts, &document, problems)?;
     read::check_shortenings(&goal, &robot, &document, problems);
+    read::check_motion(&motion, &robot, &case, &document, problems);
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Some(CaseFile {
         title: fields.text("title").map_or_else(stem, str::to_owned),
@@ -232,6 +249,7 @@ fn read(
         reference,
         fit,
         goal,
+        motion,
         path: path.to_owned(),
         document,
         // Those that were read are put in when all is well.

@@ -29,8 +29,8 @@ mod warnings;
 pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
 pub use case_file::{CaseFile, load, load_stream, load_with, parse};
 pub use document::{
-    FittedFile, Inexpressible, Item, Table, describe, describe_fit, describe_goal, table_in_si,
-    toml,
+    FittedFile, Inexpressible, Item, Table, describe, describe_fit, describe_goal, describe_motion,
+    table_in_si, toml,
 };
 pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
@@ -42,9 +42,9 @@ pub use output::{
     steps_csv, stiffness_json, warnings_json, workspace_json, workspace_table, write_atomically,
 };
 pub use read::{
-    CableBounds, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit, Goal,
-    LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, RateMismatch,
-    Reference, load_markers, load_path, load_shape, parameter_path,
+    CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit,
+    Goal, LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, Motion,
+    RateMismatch, Reference, load_markers, load_path, load_shape, parameter_path,
 };
 pub use render::{render, render_warnings};
 pub use schema::schema;

@@ -5,6 +5,7 @@ use whipcord::{
     Backbone, Cable, CableCommand, Case, Disks, Loads, Obstacle, Pose, Problem, Robot, RobotError,
     Shortening, SolveError,
 };
+use whipcord_motion::MotionError;
 
 use crate::check::given_text;
 use crate::error::{Diagnostic, FileProblem, Problems};
@@ -257,4 +258,24 @@ pub(crate) fn refusal(error: &SolveError, document: &Node) -> Option<Diagnostic>
     let related =
         weight.then(|| (document.locate("loads.gravity").span, "the gravity is given here"));
     Some(Diagnostic { span: document.locate(&path).span, problem, related })
+}
+
+/// The same of a motion.
+pub(crate) fn motion_refusal(error: &MotionError, document: &Node) -> Option<Diagnostic> {
+    let (path, message, help) = match error {
+        MotionError::Invalid(error) => {
+            return refusal(&SolveError::Invalid(error.clone()), document);
+        }
+        MotionError::NoEquilibrium(error) => return refusal(error, document),
+        MotionError::Missing { path, advice } => {
+            (path, format!("the motion needs `{path}`"), *advice)
+        }
+        MotionError::Unsupported { path, what, advice } => {
+            (path, format!("the motion cannot take {what}"), *advice)
+        }
+        _ => return None,
+    };
+    ROOT.key(path.split(['.', '[']).next()?)?;
+    let problem = FileProblem::Measured { message, help: help.into() };
+    Some(Diagnostic { span: document.locate(path).span, problem, related: None })
 }

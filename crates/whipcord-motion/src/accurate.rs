@@ -99,6 +99,7 @@ impl Accurate {
                 let (a, b) = (&self.strains[first], &self.strains[second]);
                 predict(&mut stage.strains, &stage.strain_history, a, b);
             }
+            stage.move_base(loads, from.base, from.time, C[i] * h);
             solver.solve(mechanics, &scheme, control)?;
             let stage = &solver.stage;
             rates(&mut self.velocities[i], &stage.velocities, &stage.velocity_history, scheme.g);

@@ -49,6 +49,7 @@ impl Simulation {
         let stage = &mut solver.stage;
         stage.strains.copy_from_slice(&state.strains);
         stage.velocities.copy_from_slice(&state.velocities);
+        stage.base = state.base;
         for (tension, cable) in stage.tensions.iter_mut().zip(&state.cables) {
             *tension = cable.tension;
         }
@@ -56,6 +57,7 @@ impl Simulation {
     }
 
     /// Force in N and moment about the base in N·m that the base exerts on robot and cables, in the world: the cables leave the robot through the base.
+    /// What is fixed to the base itself has its weight here, but no inertia.
     #[must_use]
     pub fn base_wrench(&mut self) -> Wrench {
         self.take_stage();
@@ -67,7 +69,10 @@ impl Simulation {
             &tensions,
         );
         let weight = loads.gravity * rod.nodes[0].mass;
-        let turn = |v: Vec3| base.rotation.rotate(v);
-        Wrench { force: turn(wrench.linear - weight), moment: turn(wrench.angular) }
+        let turned = base.rotation * state.base.rotation;
+        Wrench {
+            force: turned.rotate(wrench.linear) - base.rotation.rotate(weight),
+            moment: turned.rotate(wrench.angular),
+        }
     }
 }

@@ -63,6 +63,15 @@ impl Course {
         Ok(Self(Kind::Table { times, values }))
     }
 
+    /// The times in s and the values of a table; `None` where it is constant.
+    #[must_use]
+    pub fn rows(&self) -> Option<(&[f64], &[f64])> {
+        match &self.0 {
+            Kind::Constant(_) => None,
+            Kind::Table { times, values } => Some((times, values)),
+        }
+    }
+
     /// The value at a time in s; before the jump where there is one at that time.
     #[must_use]
     pub fn before(&self, time: f64) -> f64 {
@@ -125,6 +134,8 @@ mod tests {
         let course = Course::table(vec![1.0, 2.0, 2.0, 4.0], vec![0.0, 1.0, 5.0, 3.0]).unwrap();
         assert_eq!([0.0, 1.5, 2.0, 3.0, 9.0].map(|t| course.before(t)), [0.0, 0.5, 1.0, 4.0, 3.0]);
         assert_eq!(course.after(2.0), 5.0);
+        assert_eq!(course.rows().map(|(times, _)| times.len()), Some(4));
+        assert_eq!(Course::constant(1.0).rows(), None);
         assert_eq!([0.0, 1.0, 1.9].map(|from| course.next_jump(from, 3.0)), [Some(2.0); 3]);
         assert_eq!([course.next_jump(2.0, 3.0), course.next_jump(0.0, 2.0)], [None; 2]);
     }

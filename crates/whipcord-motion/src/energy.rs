@@ -35,6 +35,8 @@ pub(crate) struct Power {
     pub cables: f64,
     /// Of loads other than gravity; without dead forces that act by the gradients of their heights.
     pub loads: f64,
+    /// Of the base where it moves.
+    pub base: f64,
     /// What damping and drag take.
     pub dissipated: f64,
 }
@@ -42,7 +44,8 @@ pub(crate) struct Power {
 impl Power {
     /// Powers at a stage that is solved.
     pub fn at(rod: &Rod, stage: &Stage, scheme: &Scheme, drag: Vec3) -> Self {
-        let mut power = Self::default();
+        let base = dot(&stage.base_force, &stage.velocities[0]);
+        let mut power = Self { base, ..Self::default() };
         let count = rod.cables.len();
         for (q, point) in rod.points.iter().enumerate() {
             let strain = stage.strains[q];
@@ -78,6 +81,7 @@ impl Power {
     pub fn add(&mut self, f: f64, other: &Self) {
         self.cables += f * other.cables;
         self.loads += f * other.loads;
+        self.base += f * other.base;
         self.dissipated += f * other.dissipated;
     }
 }

@@ -117,7 +117,7 @@ impl Solver {
         let Mechanics { rod, loads } = mechanics;
         let stage = &mut self.stage;
         if loads.any_dead {
-            pose::nodes(rod, &stage.strains, &mut stage.poses);
+            pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
             if scheme.conserves {
                 stage.find_conserving_forces(rod, loads.gravity, scheme);
             }

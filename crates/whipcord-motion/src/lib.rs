@@ -36,6 +36,6 @@ pub use course::Course;
 pub use error::MotionError;
 pub use linear::Linearized;
 pub use modes::Mode;
-pub use options::{Damping, Drag, Initial, LoadCourse, Method, MotionOptions};
+pub use options::{BaseMotion, Damping, Drag, Initial, LoadCourse, Method, MotionOptions};
 pub use simulation::Simulation;
 pub use state::{CableMotion, EnergyBalance, State, StepDiagnostics};

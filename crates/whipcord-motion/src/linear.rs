@@ -69,7 +69,7 @@ impl<'a> Rates<'a> {
                 write(&rate, &mut out[6 * (nodes + q)..]);
             }
         }
-        pose::nodes(rod, strains, &mut stage.poses);
+        pose::nodes(rod, stage.base, strains, &mut stage.poses);
         let scheme = Scheme { g: 0.0, inertia: 1.0, damping: 1.0, place: 1.0, conserves: false };
         stage.assemble(rod, &scheme, loads.gravity, *drag, false);
         for (a, node) in rod.nodes.iter().enumerate().skip(1) {

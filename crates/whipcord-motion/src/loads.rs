@@ -1,11 +1,11 @@
 //! External loads at the nodes of a rod.
 
 use whipcord::{Case, Loads};
-use whipcord_numerics::{UnitQuaternion, Vec3};
+use whipcord_numerics::{GAUSS_3, Pose, Twist, UnitQuaternion, Vec3, magnus_6};
 
 use crate::course::Course;
 use crate::element::{LOBATTO, NODES, PLACES};
-use crate::options::LoadCourse;
+use crate::options::{BaseMotion, MotionOptions};
 use crate::rod::Rod;
 
 /// What acts on a node.
@@ -38,19 +38,21 @@ pub(crate) struct NodeLoads {
     constant: Vec<NodeLoad>,
     /// Loads over time.
     varying: Vec<(Vec<NodeLoad>, Course)>,
+    base: Option<BaseMotion>,
     /// Whether any dead load or gravity acts, whose direction in the section depends on the pose.
     pub any_dead: bool,
 }
 
 impl NodeLoads {
-    pub fn new(rod: &Rod, case: &Case, courses: &[LoadCourse]) -> Self {
+    pub fn new(rod: &Rod, case: &Case, options: &MotionOptions) -> Self {
         let turn = |loads: &Loads| {
             // From the frame of the loads to that of the base.
             case.base.rotation.conjugate() * loads.to_world(case.base.rotation)
         };
         let gravity = turn(&case.loads).rotate(case.loads.gravity.unwrap_or_default());
         let constant = gather(rod, &case.loads, turn(&case.loads));
-        let varying: Vec<_> = courses
+        let varying: Vec<_> = options
+            .loads
             .iter()
             .map(|of| (gather(rod, &of.loads, turn(&of.loads)), of.factor.clone()))
             .collect();
@@ -60,7 +62,7 @@ impl NodeLoads {
         let any_dead = gravity != Vec3::ZERO
             || is_dead(&constant)
             || varying.iter().any(|(loads, _)| is_dead(loads));
-        Self { gravity, constant, varying, any_dead }
+        Self { gravity, constant, varying, base: options.base.clone(), any_dead }
     }
 
     /// The loads at a time, before any jump at that time.
@@ -74,17 +76,39 @@ impl NodeLoads {
         }
     }
 
-    /// The first jump of a load after `from` and before `to`.
-    pub fn next_jump(&self, from: f64, to: f64) -> Option<f64> {
-        self.varying
-            .iter()
-            .filter_map(|(_, course)| course.next_jump(from, to))
-            .min_by(f64::total_cmp)
+    /// Velocity of the base in its frame at a time, before any jump at that time.
+    pub fn base_velocity(&self, time: f64) -> Twist {
+        let Some(base) = &self.base else { return Twist::default() };
+        let at = |courses: &[Course; 3]| {
+            let [x, y, z] = courses;
+            Vec3::new(x.before(time), y.before(time), z.before(time))
+        };
+        Twist { linear: at(&base.velocity), angular: at(&base.angular_velocity) }
     }
 
-    /// Whether a load jumps at a time.
+    /// Pose of the base at a time `h` behind another one, at which it has the pose `from`: by the Magnus series of order 6.
+    pub fn base_pose(&self, from: Pose, time: f64, h: f64) -> Pose {
+        if self.base.is_none() {
+            return from;
+        }
+        from * magnus_6(&GAUSS_3.nodes.map(|place| self.base_velocity(time + place * h) * h))
+    }
+
+    /// All courses of loads and base.
+    fn courses(&self) -> impl Iterator<Item = &Course> {
+        let of_base =
+            self.base.iter().flat_map(|base| base.velocity.iter().chain(&base.angular_velocity));
+        self.varying.iter().map(|(_, course)| course).chain(of_base)
+    }
+
+    /// The first jump of a load or of the base after `from` and before `to`.
+    pub fn next_jump(&self, from: f64, to: f64) -> Option<f64> {
+        self.courses().filter_map(|course| course.next_jump(from, to)).min_by(f64::total_cmp)
+    }
+
+    /// Whether a load or the base jumps at a time.
     pub fn jumps_at(&self, time: f64) -> bool {
-        self.varying.iter().any(|(_, course)| course.before(time) != course.after(time))
+        self.courses().any(|course| course.before(time) != course.after(time))
     }
 }
 

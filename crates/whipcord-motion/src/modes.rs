@@ -91,7 +91,7 @@ pub(crate) fn find(
     stage.velocities.fill(Twist::default());
     stage.strain_history.copy_from_slice(&solver.stage.strains);
     stage.start.copy_from_slice(&solver.stage.strains);
-    pose::nodes(rod, &solver.stage.strains, &mut stage.poses);
+    pose::nodes(rod, stage.base, &solver.stage.strains, &mut stage.poses);
     stage.assemble(rod, &Scheme::STATICS, loads.gravity, Vec3::ZERO, true);
     stage.matrix.factor().ok()?;
     let columns: Vec<Vec<Twist>> =

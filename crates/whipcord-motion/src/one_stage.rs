@@ -72,6 +72,7 @@ impl OneStage {
         along(&mut stage.strain_history, &from.strains, &from.strain_rates, carried);
         along(&mut stage.velocities, &from.velocities, &from.velocity_rates, ahead);
         along(&mut stage.strains, &from.strains, &from.strain_rates, ahead);
+        stage.move_base(loads, from.base, from.time, self.place * h);
         solver.solve(mechanics, &scheme, control)?;
         let stage = &solver.stage;
         let mut work = Power::default();

@@ -60,6 +60,22 @@ pub struct LoadCourse {
     pub factor: Course,
 }
 
+/// How the base moves: velocities over time along and about its own axes, which turn with it. The motion starts from the base of the case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseMotion {
+    /// Velocity in m/s.
+    pub velocity: [Course; 3],
+    /// Angular velocity in rad/s.
+    pub angular_velocity: [Course; 3],
+}
+
+impl Default for BaseMotion {
+    fn default() -> Self {
+        let still = || [0.0; 3].map(Course::constant);
+        Self { velocity: still(), angular_velocity: still() }
+    }
+}
+
 /// Options of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionOptions {
@@ -78,6 +94,8 @@ pub struct MotionOptions {
     pub drag: Drag,
     /// Loads over time, beside those of the case.
     pub loads: Vec<LoadCourse>,
+    /// Motion of the base; `None` is a base at rest. [`Method::Energy`] takes none.
+    pub base: Option<BaseMotion>,
     /// Change of the strains (times the length of the backbone where it is one of curvature) at which the iteration of a step of
     /// 10 ms or more ends; less in shorter steps. [`Method::Energy`] iterates down to rounding instead.
     pub iteration_tolerance: f64,
@@ -115,14 +133,13 @@ impl MotionOptions {
                 return refuse(what, value, "it must be finite and not negative");
             }
         }
-        match &self.damping {
-            Damping::None => {}
-            Damping::Time(time) => {
-                if !(*time >= 0.0 && time.is_finite()) {
-                    return refuse("damping time", *time, "it must be finite and not negative");
-                }
-            }
-            Damping::Matrix(matrix) => check_matrix(matrix)?,
+        self.damping.check()?;
+        if self.base.is_some() && self.method == Method::Energy {
+            return Err(MotionError::Unsupported {
+                path: "motion.base".to_owned(),
+                what: "a base that moves, with the method `energy`",
+                advice: "use the method `accurate` or `robust`",
+            });
         }
         for of in &self.loads {
             if of.loads.gravity.is_some() || !of.loads.masses.is_empty() {
@@ -134,6 +151,24 @@ impl MotionOptions {
             }
         }
         Ok(())
+    }
+}
+
+impl Damping {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`MotionError::Option`] for a time that is negative or not finite, and for a matrix that is not symmetric or has a negative direction.
+    pub fn check(&self) -> Result<(), MotionError> {
+        match self {
+            Self::Time(time) if !(*time >= 0.0 && time.is_finite()) => Err(MotionError::Option {
+                what: "damping time",
+                value: *time,
+                need: "it must be finite and not negative",
+            }),
+            Self::None | Self::Time(_) => Ok(()),
+            Self::Matrix(matrix) => check_matrix(matrix),
+        }
     }
 }
 
@@ -186,6 +221,7 @@ impl Default for MotionOptions {
             damping: Damping::default(),
             drag: Drag::default(),
             loads: Vec::new(),
+            base: None,
             iteration_tolerance: 1e-7,
         }
     }

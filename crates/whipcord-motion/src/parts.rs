@@ -160,7 +160,7 @@ impl Simulation {
         next.velocity_rates.copy_from_slice(velocity_rates);
         next.strain_rates.copy_from_slice(strain_rates);
         let error = if self.options.tolerance.is_some() {
-            pose::nodes(rod, &next.strains, &mut solver.stage.poses);
+            pose::nodes(rod, solver.stage.base, &next.strains, &mut solver.stage.poses);
             pose::displacement(rod, &solver.stage.poses, &accurate.error)
         } else {
             0.0
@@ -207,7 +207,7 @@ impl Simulation {
         {
             *error = (*halves - *whole) * (1.0 / 3.0);
         }
-        pose::nodes(rod, &next.strains, &mut solver.stage.poses);
+        pose::nodes(rod, solver.stage.base, &next.strains, &mut solver.stage.poses);
         Ok(pose::displacement(rod, &solver.stage.poses, &accurate.error))
     }
 
@@ -272,7 +272,9 @@ impl Simulation {
         }
         let Self { rod, loads, solver, state, next, base, .. } = self;
         let poses = &mut solver.stage.poses;
-        pose::nodes(rod, &next.strains, poses);
+        next.base = loads.base_pose(state.base, state.time, time - state.time);
+        next.velocities[0] = loads.base_velocity(time);
+        pose::nodes(rod, next.base, &next.strains, poses);
         let parts = energies(rod, loads, &next.velocities, &next.strains, poses);
         for (out, pose) in next.poses.iter_mut().zip(&*poses) {
             *out = *base * *pose;
@@ -281,6 +283,7 @@ impl Simulation {
         [energy.kinetic, energy.elastic, energy.gravity] = parts;
         energy.cables = state.energy.cables + work.cables;
         energy.loads = state.energy.loads + work.loads;
+        energy.base = state.energy.base + work.base;
         energy.dissipated = state.energy.dissipated + work.dissipated;
         if next.diagnostics.method == Method::Energy {
             let back = base.rotation.conjugate();

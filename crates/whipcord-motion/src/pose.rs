@@ -6,9 +6,9 @@ use crate::block::{dot, transposed_bracket};
 use crate::element::{POINTS, poses, strain_at};
 use crate::rod::Rod;
 
-/// Poses of all nodes in the frame of the base.
-pub(crate) fn nodes(rod: &Rod, strains: &[Twist], out: &mut [Pose]) {
-    let mut pose = Pose::IDENTITY;
+/// Poses of all nodes from that of the base.
+pub(crate) fn nodes(rod: &Rod, base: Pose, strains: &[Twist], out: &mut [Pose]) {
+    let mut pose = base;
     out[0] = pose;
     for (e, &h) in rod.lengths.iter().enumerate() {
         let [middle, end] = poses(pose, &strains[POINTS * e..POINTS * (e + 1)], h);

@@ -103,7 +103,7 @@ impl Simulation {
         let all: Vec<_> =
             core::iter::once(&case.loads).chain(options.loads.iter().map(|of| &of.loads)).collect();
         let rod = Rod::new(robot, &all, &options)?;
-        let loads = NodeLoads::new(&rod, case, &options.loads);
+        let loads = NodeLoads::new(&rod, case, &options);
         let drag = Vec3::new(options.drag.across, options.drag.across, options.drag.along);
         let solver = Solver::new(&rod, drag);
         let state = State {

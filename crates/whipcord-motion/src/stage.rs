@@ -5,7 +5,7 @@ use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 use crate::block::{Block, dot, skew_times, times_skew, transposed_bracket};
 use crate::element::{NODES, POINTS, SHAPES, SLOPES};
 use crate::elimination::Elimination;
-use crate::loads::NodeLoad;
+use crate::loads::{NodeLoad, NodeLoads};
 use crate::pose;
 use crate::rod::{Crossing, Rod};
 
@@ -54,7 +54,11 @@ pub(crate) struct Stage {
     pub loads: Vec<NodeLoad>,
     /// Force on the strain of each point, times its weight, by dead forces that act by the gradient of their heights.
     pub dead: Vec<Twist>,
-    /// Pose of each node, in the frame of the base.
+    /// Pose of the base, in its frame at the start of the motion.
+    pub base: Pose,
+    /// Force and moment of the base on the node there, as the equations were evaluated last.
+    pub base_force: Twist,
+    /// Pose of each node, in the frame of the base at the start of the motion.
     pub poses: Vec<Pose>,
     /// Poses at the start or the end of the step.
     other_poses: Vec<Pose>,
@@ -128,6 +132,8 @@ impl Stage {
             tensions: vec![0.0; rod.cables.len()],
             loads: vec![NodeLoad::default(); nodes],
             dead: twists(points),
+            base: Pose::IDENTITY,
+            base_force: Twist::default(),
             poses: vec![Pose::IDENTITY; nodes],
             other_poses: vec![Pose::IDENTITY; nodes],
             end: twists(points),
@@ -137,8 +143,15 @@ impl Stage {
             matrix: Elimination::new(rod.elements()),
             tangents: vec![PointTangent::default(); points],
         };
-        pose::nodes(rod, &stage.strains, &mut stage.poses);
+        pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
         stage
+    }
+
+    /// Moves the base, from its pose at the start of the step, to where it is `h` later.
+    pub fn move_base(&mut self, loads: &NodeLoads, from: Pose, time: f64, h: f64) {
+        self.base = loads.base_pose(from, time, h);
+        self.velocities[0] = loads.base_velocity(time + h);
+        self.velocity_history[0] = self.velocities[0];
     }
 
     /// Evaluates the residual; with `fresh` the linearisation as well. Poses and loads must be those of the strains.
@@ -152,6 +165,7 @@ impl Stage {
                 self.add_point(rod, scheme, e, k, fresh);
             }
         }
+        self.base_force = self.residual[0];
         for a in 1..rod.nodes.len() {
             self.add_node(rod, scheme, a, gravity, drag, fresh);
         }
@@ -163,15 +177,15 @@ impl Stage {
     pub fn find_conserving_forces(&mut self, rod: &Rod, gravity: Vec3, scheme: &Scheme) {
         /// Below this squared change the correction, of third order in it, is less than rounding.
         const LEAST_CHANGE: f64 = 1e-12;
-        let Self { loads, dead, poses, other_poses, end, start, strains, .. } = self;
+        let Self { base, loads, dead, poses, other_poses, end, start, strains, .. } = self;
         let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
         pose::work_gradient(rod, strains, poses, force, dead);
-        pose::nodes(rod, start, other_poses);
+        pose::nodes(rod, *base, start, other_poses);
         let mut work = -pose::work(other_poses, force);
         for ((end, start), strain) in end.iter_mut().zip(&*start).zip(&*strains) {
             *end = *start + (*strain - *start) * (1.0 / scheme.place);
         }
-        pose::nodes(rod, end, other_poses);
+        pose::nodes(rod, *base, end, other_poses);
         work += pose::work(other_poses, force);
         let squared = rod.length * rod.length;
         let scaled = |change: Twist, weight: f64| Twist {

@@ -6,7 +6,7 @@ use crate::options::Method;
 
 /// Energies in J of a robot in motion, and the work since the start of the motion.
 ///
-/// Without error of the integration `kinetic + elastic + gravity` changes by `cables + loads − dissipated`.
+/// Without error of the integration `kinetic + elastic + gravity` changes by `cables + loads + base − dissipated`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
     /// Kinetic energy of backbone, disks and masses.
@@ -19,6 +19,8 @@ pub struct EnergyBalance {
     pub cables: f64,
     /// What external loads other than gravity have given to the robot.
     pub loads: f64,
+    /// What the base has given where it moves.
+    pub base: f64,
     /// What damping and drag have taken.
     pub dissipated: f64,
     /// Sum of kinetic, elastic and gravity at the start of the motion.
@@ -32,11 +34,11 @@ impl EnergyBalance {
         self.kinetic + self.elastic + self.gravity
     }
 
-    /// What the integration has added to the energy, and taken from it where negative: the change of the total less what cables and loads
-    /// have given and damping has taken.
+    /// What the integration has added to the energy, and taken from it where negative: the change of the total less what cables, loads
+    /// and base have given and damping has taken.
     #[must_use]
     pub fn defect(&self) -> f64 {
-        self.total() - self.initial - (self.cables + self.loads - self.dissipated)
+        self.total() - self.initial - (self.cables + self.loads + self.base - self.dissipated)
     }
 }
 
@@ -82,6 +84,8 @@ pub struct State {
     pub strain_rates: Vec<Twist>,
     /// Whether the rates are known: not at the start, and not behind a jump of a command or a load.
     pub has_rates: bool,
+    /// Pose of the base in its frame at the start of the motion.
+    pub base: Pose,
     /// Pose of each node in the world.
     pub poses: Vec<Pose>,
     /// The cables.
@@ -107,6 +111,7 @@ impl State {
     pub(crate) fn copy_from(&mut self, other: &Self) {
         let Self {
             time,
+            base,
             velocities,
             strains,
             velocity_rates,
@@ -119,7 +124,7 @@ impl State {
             diagnostics,
             commanded,
         } = self;
-        (*time, *has_rates) = (other.time, other.has_rates);
+        (*time, *base, *has_rates) = (other.time, other.base, other.has_rates);
         (*energy, *diagnostics) = (other.energy, other.diagnostics);
         velocities.clone_from(&other.velocities);
         strains.clone_from(&other.strains);

@@ -376,7 +376,7 @@ pub(super) fn placed(mut table: Table, pose: &Pose) -> Table {
     table
 }
 
-fn loads(loads: &Loads) -> Result<Table, Inexpressible> {
+pub(super) fn loads(loads: &Loads) -> Result<Table, Inexpressible> {
     let mut table = Table::default();
     if loads.frame == LoadFrame::World {
         table.insert("frame", "world");

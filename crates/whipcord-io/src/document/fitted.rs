@@ -6,7 +6,7 @@ use whipcord::{Case, Robot, Vec3};
 use whipcord_estimation::Observation;
 
 use super::describe::{Inexpressible, describe};
-use super::{Item, Table, describe_goal, toml};
+use super::{Item, Table, describe_goal, describe_motion, toml};
 use crate::case_file::{CaseFile, parse};
 use crate::node::{Node, Value};
 use crate::read::Goal;
@@ -67,6 +67,7 @@ impl CaseFile {
         let table =
             table.map(|path| relative(path, folder).map_or_else(|| path.clone(), PathBuf::from));
         describe_goal(&Goal { table, ..self.goal.clone() }, &mut file);
+        describe_motion(&self.motion, robot, &mut file)?;
         Ok(FittedFile { text: toml(&file), keeps_text: false })
     }
 

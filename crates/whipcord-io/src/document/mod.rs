@@ -5,6 +5,7 @@ mod check;
 mod describe;
 mod fitted;
 mod goal;
+mod motion;
 mod motor;
 mod obstacle;
 mod text;
@@ -14,6 +15,7 @@ pub use check::table_in_si;
 pub use describe::{Inexpressible, describe};
 pub use fitted::FittedFile;
 pub use goal::describe_goal;
+pub use motion::describe_motion;
 pub use text::toml;
 pub use unknowns::describe_fit;
 

@@ -9,6 +9,7 @@ mod goal;
 mod loads;
 mod measured;
 mod mesh;
+mod motion;
 mod motors;
 mod obstacles;
 mod pose;
@@ -29,6 +30,8 @@ pub(crate) use measured::{Extent, read as measured};
 pub use measured::{
     LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, load_markers,
 };
+pub use motion::{CableCourse, Motion};
+pub(crate) use motion::{Driven, check_motion, motion};
 pub(crate) use motors::{Motors, motor_step, motors};
 pub(crate) use obstacles::obstacles;
 pub(crate) use pose::pose;

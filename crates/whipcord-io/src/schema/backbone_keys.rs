@@ -3,6 +3,7 @@
 use whipcord::robot::limits;
 
 use super::keys::{DISTANCE, LENGTH, force, key, ratio};
+use super::motion_keys::DAMPING;
 use super::{Key, Kind, Rule, Table};
 use crate::materials::NAMES;
 use crate::units::Dimension;
@@ -19,7 +20,7 @@ const BENDING_STIFFNESS: Kind =
     Kind::Quantity(&[Dimension::BendingStiffness], limits::BENDING_STIFFNESS);
 const BENDING_STIFFNESSES: Kind = Kind::Vector(&BENDING_STIFFNESS, 2);
 const YIELD_MOMENT: Kind = Kind::Quantity(&[Dimension::Moment], limits::YIELD_MOMENT);
-const STIFFNESS_MATRIX: Kind = Kind::Vector(&Kind::Vector(&Kind::Number, 6), 6);
+pub(super) const SYMMETRIC_MATRIX: Kind = Kind::Vector(&Kind::Vector(&Kind::Number, 6), 6);
 const LINEAR_DENSITY: Kind = Kind::Quantity(&[Dimension::LinearDensity], limits::LINEAR_DENSITY);
 
 pub(super) static BACKBONE: Table = Table {
@@ -72,6 +73,7 @@ pub(super) static BACKBONE: Table = Table {
             "Timoshenko's factor on the shear stiffness GA of section and material; 1 by default. For a circle it is 6(1+nu)/(7+6nu), for a rectangle 5/6.",
         ),
         key("stiffness", Kind::Table(&STIFFNESS), STIFFNESS.title, STIFFNESS.doc),
+        key("damping", Kind::Table(&DAMPING), DAMPING.title, DAMPING.doc),
         key(
             "density",
             Kind::Quantity(&[Dimension::Density], limits::DENSITY),
@@ -237,7 +239,7 @@ static STIFFNESS: Table = Table {
         ),
         key(
             "matrix",
-            Kind::Either(&[STIFFNESS_MATRIX, Kind::List(&STIFFNESS_MATRIX, 1)]),
+            Kind::Either(&[SYMMETRIC_MATRIX, Kind::List(&SYMMETRIC_MATRIX, 1)]),
             "[[3000, 0, 0, 0, 0, 1.5], [0, 3000, 0, 0, 0, 0], [0, 0, 8000, 0, 0, 0], [0, 0, 0, 0.004, 0.001, 0], [0, 0, 0, 0.001, 0.004, 0], [1.5, 0, 0, 0, 0, 0.003]]",
             "The full symmetric, positive definite stiffness in SI units, by rows: shear along x and y, extension, bending about x and y, twist. Instead of the other entries.",
         ),

@@ -60,7 +60,7 @@ pub(super) static LOADS: Table = Table {
     rules: &[],
 };
 
-static POINT_LOAD: Table = Table {
+pub(super) static POINT_LOAD: Table = Table {
     title: "[[loads.point]]",
     doc: "A force and a moment at one place of the backbone.",
     keys: &[
@@ -77,7 +77,7 @@ static POINT_LOAD: Table = Table {
     rules: &[Rule::Required("at"), Rule::AtLeastOne(&["force", "moment"])],
 };
 
-static DISTRIBUTED: Table = Table {
+pub(super) static DISTRIBUTED: Table = Table {
     title: "[[loads.distributed]]",
     doc: "A force and a moment spread along the backbone, for each metre of its undeformed length.",
     keys: &[

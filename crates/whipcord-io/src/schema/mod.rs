@@ -6,6 +6,7 @@ mod goal_keys;
 mod json;
 mod keys;
 mod load_keys;
+mod motion_keys;
 mod motor_keys;
 mod obstacle_keys;
 
@@ -16,6 +17,7 @@ use crate::units::Dimension;
 pub(crate) use goal_keys::ANGLE_TOLERANCE;
 pub use json::schema;
 pub(crate) use keys::{DURATION, ROOT};
+pub(crate) use motion_keys::LENGTH_OF_TIME;
 
 /// Choices of more words are described by an example, and listed in the remedy.
 pub(crate) const FEW_CHOICES: usize = 10;

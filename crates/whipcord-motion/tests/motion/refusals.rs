@@ -3,7 +3,7 @@
 use whipcord::obstacle::{Form, Obstacle};
 use whipcord::{Backbone, Cable, Case, Disks, Loads, Pose, Robot, Section, Stiffness, Vec3};
 use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, MotionError, MotionOptions, Simulation,
+    CableDrive, Commands, Course, Damping, Method, MotionError, MotionOptions, Simulation,
 };
 
 use super::robots::{paper, straight};
@@ -46,6 +46,10 @@ fn what_is_missing_or_has_no_dynamics_is_named() {
 
     let error = refusal(&robot, &case, MotionOptions { damping: Damping::Time(-1.0), ..options() });
     assert!(matches!(error, MotionError::Option { .. }), "{error}");
+    let moving =
+        MotionOptions { method: Method::Energy, base: Some(Default::default()), ..options() };
+    let error = refusal(&robot, &case, moving);
+    assert!(error.to_string().contains("motion.base"), "{error}");
     let error = refusal(&robot, &Case::with_tensions(&[1.0, 2.0]), options());
     assert!(matches!(error, MotionError::Invalid(_)), "{error}");
 }

@@ -1,0 +1,183 @@
+//! The tables `[motion]` and `[backbone.damping]`.
+
+use whipcord::robot::limits::{self, Range};
+
+use super::backbone_keys::SYMMETRIC_MATRIX;
+use super::keys::{DURATION, LENGTH, force, key};
+use super::load_keys::{DISTRIBUTED, FORCE_VECTOR, MOMENT_VECTOR, POINT_LOAD};
+use super::{Kind, Rule, Table};
+use crate::units::Dimension;
+
+/// What a length of time may be: from a nanosecond to 30 years.
+pub(crate) const LENGTH_OF_TIME: Range =
+    Range { least: 1e-9, above: false, greatest: 1e9, unit: "s" };
+/// A number of a row over time, whichever of the two it is.
+const OF_COURSE: Range = Range { least: -1e12, above: false, greatest: 1e12, unit: "" };
+
+const TIME: Kind = Kind::Quantity(&[Dimension::Time], LENGTH_OF_TIME);
+
+const TENSION_ROW: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::Force], OF_COURSE), 2);
+const SHORTENING_ROW: Kind = Kind::Vector(
+    &Kind::Quantity(&[Dimension::Time, Dimension::Length, Dimension::Ratio], OF_COURSE),
+    2,
+);
+const ANGLE_ROW: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::Angle], OF_COURSE), 2);
+const TRAVEL_ROW: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::Length], OF_COURSE), 2);
+const FACTOR_ROW: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::Ratio], OF_COURSE), 2);
+
+const SHORTENING: Kind = Kind::Quantity(&[Dimension::Length, Dimension::Ratio], limits::COORDINATE);
+const ANGLE: Kind = Kind::Quantity(&[Dimension::Angle], limits::ANGLE);
+const TRAVEL: Kind = Kind::Quantity(&[Dimension::Length], limits::COORDINATE);
+
+pub(super) static MOTION: Table = Table {
+    title: "[motion]",
+    doc: "How `whipcord simulate` computes the motion of the robot.",
+    keys: &[
+        key("duration", TIME, r#""2 s""#, "Time that is simulated."),
+        key(
+            "step",
+            TIME,
+            r#""10 ms""#,
+            "Length of a step; 10 ms by default. Steps are divided where commands jump and where the equations cannot be solved otherwise.",
+        ),
+        key(
+            "method",
+            Kind::Choice(&["accurate", "energy", "robust"]),
+            r#""accurate""#,
+            "How the equations are integrated: accurate (Runge-Kutta of order 4, the default), energy (midpoint rule that conserves the energy but for what is damped), or robust (generalised-alpha, damps vibrations too fast for the step). Cables that are driven by their lengths are always integrated by robust.",
+        ),
+        key(
+            "tolerance",
+            LENGTH,
+            r#""0.1 mm""#,
+            "Error that a step may have, as estimated; steps are divided until they meet it. By default each step is taken as it is.",
+        ),
+        key(
+            "initial",
+            Kind::Choice(&["equilibrium", "rest"]),
+            r#""equilibrium""#,
+            "Where the motion starts: at rest in equilibrium with the commands and loads before the start (default), or at rest in the shape without them.",
+        ),
+        key("commands", Kind::Tables(&MOTION_COMMAND), MOTION_COMMAND.title, MOTION_COMMAND.doc),
+        key("loads", Kind::Tables(&MOTION_LOADS), MOTION_LOADS.title, MOTION_LOADS.doc),
+        key("output", Kind::Table(&OUTPUT), OUTPUT.title, OUTPUT.doc),
+    ],
+    rules: &[Rule::Required("duration")],
+};
+
+static MOTION_COMMAND: Table = Table {
+    title: "[[motion.commands]]",
+    doc: "What a cable or a motor is told over time, instead of its constant command. A value, or rows of time and value: linear between them, constant before the first and beyond the last; a time given twice is a jump.",
+    keys: &[
+        key("cable", Kind::Text, r#""pull""#, "Name of the cable."),
+        key("motor", Kind::Text, r#""bend""#, "Name of the motor."),
+        key(
+            "tension",
+            Kind::Either(&[force(limits::TENSION), Kind::List(&TENSION_ROW, 1)]),
+            r#"[["0 s", "4 N"], ["0 s", "0 N"]]"#,
+            "Tension of the cable.",
+        ),
+        key(
+            "shortening",
+            Kind::Either(&[SHORTENING, Kind::List(&SHORTENING_ROW, 1)]),
+            r#"[["0 s", "0 mm"], ["0.5 s", "10 mm"]]"#,
+            "By how much the cable is shortened from its initial length, as a length or in `%` of that length.",
+        ),
+        key(
+            "angle",
+            Kind::Either(&[ANGLE, Kind::List(&ANGLE_ROW, 1)]),
+            r#"[["0 s", "0 deg"], ["0.5 s", "90 deg"]]"#,
+            "Angle of a motor with a spool.",
+        ),
+        key(
+            "travel",
+            Kind::Either(&[TRAVEL, Kind::List(&TRAVEL_ROW, 1)]),
+            r#"[["0 s", "0 mm"], ["0.5 s", "5 mm"]]"#,
+            "Travel of a linear motor.",
+        ),
+        key(
+            "csv",
+            Kind::Text,
+            r#""commands.csv""#,
+            "CSV or Parquet file, relative to this one, with the commands of several cables or motors. Its columns are t, and the names of cables and motors with a unit that tells what is commanded, as in `pull [N]` or `pull [mm]`; the time in s without one.",
+        ),
+    ],
+    rules: &[
+        Rule::ExactlyOne(&["cable", "motor", "csv"]),
+        Rule::AtMostOne(&["tension", "shortening", "angle", "travel", "csv"]),
+        Rule::Needs("cable", &["tension", "shortening"]),
+        Rule::Needs("tension", &["cable"]),
+        Rule::Needs("shortening", &["cable"]),
+        Rule::Needs("angle", &["motor"]),
+        Rule::Needs("travel", &["motor"]),
+        Rule::Needs("motor", &["angle", "travel"]),
+    ],
+};
+
+static MOTION_LOADS: Table = Table {
+    title: "[[motion.loads]]",
+    doc: "Loads over time, beside those of [loads] and in the same frame.",
+    keys: &[
+        key(
+            "factor",
+            Kind::List(&FACTOR_ROW, 1),
+            r#"[["0 s", 1], ["0 s", 0]]"#,
+            "What all loads of this table are multiplied by, as rows of time and factor: linear between them, constant before the first and beyond the last; a time given twice is a jump.",
+        ),
+        key("tip_force", FORCE_VECTOR, r#"["0.05 N", "0 N", "0 N"]"#, "Force at the tip."),
+        key("tip_moment", MOMENT_VECTOR, r#"["0", "0", "1 mN*m"]"#, "Moment at the tip."),
+        key(
+            "follower",
+            Kind::Flag,
+            "true",
+            "Whether tip force and tip moment turn with the tip; false by default.",
+        ),
+        key("point", Kind::Tables(&POINT_LOAD), "[[motion.loads.point]]", POINT_LOAD.doc),
+        key(
+            "distributed",
+            Kind::Tables(&DISTRIBUTED),
+            "[[motion.loads.distributed]]",
+            DISTRIBUTED.doc,
+        ),
+    ],
+    rules: &[
+        Rule::Required("factor"),
+        Rule::AtLeastOne(&["tip_force", "tip_moment", "point", "distributed"]),
+    ],
+};
+
+static OUTPUT: Table = Table {
+    title: "[motion.output]",
+    doc: "What is written of a motion.",
+    keys: &[key(
+        "every",
+        TIME,
+        r#""10 ms""#,
+        "Time between the states that are written; by default `step`. Steps are shortened so that they end at these times.",
+    )],
+    rules: &[Rule::Required("every")],
+};
+
+pub(super) static DAMPING: Table = Table {
+    title: "[backbone.damping]",
+    doc: "Damping of the material (Kelvin-Voigt): forces and moments in a section by the rates of its strains. Only motion needs it.",
+    keys: &[
+        key(
+            "time",
+            Kind::Quantity(&[Dimension::Time], DURATION),
+            r#""3.5 ms""#,
+            "The damping is this time multiplied by the stiffness.",
+        ),
+        key(
+            "matrix",
+            SYMMETRIC_MATRIX,
+            "[[5, 0, 0, 0, 0, 0], [0, 5, 0, 0, 0, 0], [0, 0, 20, 0, 0, 0], [0, 0, 0, 1e-5, 0, 0], [0, 0, 0, 0, 1e-5, 0], [0, 0, 0, 0, 0, 8e-6]]",
+            "The symmetric damping in N*s and N*m^2*s, by rows: shear along x and y, extension, bending about x and y, twist. Instead of `time`.",
+        ),
+    ],
+    rules: &[Rule::ExactlyOne(&["time", "matrix"])],
+};
