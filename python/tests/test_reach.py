@@ -32,6 +32,7 @@ def test_a_tip_is_reached_within_the_limits(arm: whipcord.Case) -> None:
     assert np.allclose(answer.case.solve().position, answer.solution.position, atol=1e-9)
     assert pickle.loads(pickle.dumps(answer.case)) == answer.case
     near = arm.reach(tip=goal, limits=LIMITS, least="change")
+
     # Changes count relative to the tension that bends the robot by half a turn: twice as much for the upper cables.
     def change(tension: np.ndarray) -> float:
         return float(np.linalg.norm((tension - np.array(arm.tension)) / [2, 2, 2, 1, 1, 1]))

@@ -23,6 +23,7 @@ from .camera import Camera, Located
 from .case import Case, load
 from .cases import solve_cases
 from .comparison import Comparison, Distances, Run, compare
+from .controlling import Controller, Cycle, Estimator
 from .derivatives import Derivatives, Dexterity, Gradient, Place
 from .errors import (
     CalibrationError,
@@ -81,6 +82,7 @@ from .stereo import (
     measure_stereo,
     triangulate,
 )
+from .surveying import Boundary, Workspace
 from .viewing import Viewer
 from .warning import WhipcordWarning
 
@@ -90,6 +92,7 @@ __all__ = [
     "Base",
     "Batch",
     "Benchmark",
+    "Boundary",
     "Branches",
     "Cable",
     "CableOverlap",
@@ -101,8 +104,10 @@ __all__ = [
     "CaseScore",
     "Comparison",
     "Contact",
+    "Controller",
     "CriticalPoint",
     "CrossValidation",
+    "Cycle",
     "Derivatives",
     "DetectionError",
     "Dexterity",
@@ -112,6 +117,7 @@ __all__ = [
     "DistributedLoad",
     "Equilibrium",
     "Estimate",
+    "Estimator",
     "FileError",
     "Finding",
     "Fit",
@@ -173,6 +179,7 @@ __all__ = [
     "Viewer",
     "WhipcordError",
     "WhipcordWarning",
+    "Workspace",
     "__version__",
     "benchmark",
     "compare",

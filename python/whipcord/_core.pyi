@@ -16,6 +16,7 @@ __all__ = [
     "VERSION",
     "Board",
     "Camera",
+    "Controller",
     "Derivatives",
     "Fitted",
     "Model",
@@ -53,6 +54,7 @@ __all__ = [
     "table_in_si",
     "toml",
     "triangulate",
+    "workspace",
     "write_file",
 ]
 
@@ -82,6 +84,14 @@ def follow(
     rows: _Array | None,
     times: list[float],
     nearest: bool,
+) -> dict[str, Any]: ...
+def workspace(
+    setup: Setup,
+    model: Model,
+    asked: dict[str, Any],
+    voxel: float | None,
+    has_stiffness: bool,
+    budget: tuple[int, int] | None,
 ) -> dict[str, Any]: ...
 def parse_quantity(text: str, dimension: str) -> float: ...
 def table_in_si(name: str, table: dict[str, Any]) -> dict[str, Any]: ...
@@ -164,6 +174,17 @@ class Model:
     def kind(self) -> str: ...
     @property
     def arguments(self) -> dict[str, Any]: ...
+
+@final
+class Controller:
+    def __new__(
+        cls, setup: Setup, model: Model, asked: dict[str, Any], options: dict[str, Any]
+    ) -> Controller: ...
+    @property
+    def actuators(self) -> list[tuple[str, str]]: ...
+    def cycle(
+        self, target: dict[str, Any], measured: dict[str, Any] | None
+    ) -> tuple[Solution, dict[str, Any]]: ...
 
 @final
 class Board:
@@ -304,7 +325,9 @@ class Setup:
         motors: Any = None,
         start: Solution | None = None,
     ) -> Solution: ...
-    def solve_steps(self, model: Model, tension: Any = None, shortening: Any = None, motors: Any = None) -> list[Solution]: ...
+    def solve_steps(
+        self, model: Model, tension: Any = None, shortening: Any = None, motors: Any = None
+    ) -> list[Solution]: ...
     def initial_lengths(self, model: Model) -> list[float]: ...
     def cable_paths(self, solution: Solution) -> list[_Array]: ...
     def motors(self, of: Solution) -> list[dict[str, Any]]: ...

@@ -8,17 +8,19 @@ from typing import Any
 
 import numpy.typing as npt
 
-from . import _core, models, reaching
+from . import _core, controlling, models, reaching, surveying
 from ._commands import Commands, commanded, metres, paths, shortening_for, whole
 from ._description import Description
 from ._suggest import suggests
 from ._tables import Quantity
 from .batch import Batch, Gradients, pull_back_batch, solve_batch
+from .controlling import Controller, Estimator
 from .derivatives import Derivatives, Place
 from .errors import InputError
 from .models import ModelLike, StationsLike
 from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
 from .solution import Branches, Solution, begun
+from .surveying import Workspace
 from .viewing import HEIGHT, Viewer, view
 from .warning import distinct, tell
 
@@ -518,6 +520,113 @@ class Case(Description):
         chosen = models.core(model, timeout=timeout)
         setup = reaching.with_goal(self, None, limits, least, clearance)
         return reaching.follow(setup, chosen, asked, path, time, nearest)
+
+    @suggests
+    def workspace(
+        self,
+        *,
+        voxel: Quantity | None = None,
+        limits: Limits | Mapping[str, Any] | None = None,
+        clearance: Quantity | None = None,
+        by: str | None = None,
+        stiffness: bool = True,
+        model: ModelLike = "cosserat",
+        shapes: int | None = None,
+        solves: int | None = None,
+        timeout: float | None = None,
+    ) -> Workspace:
+        """Where the tip can go within the limits: voxels, boundary, and maps of dexterity and stiffness.
+
+        Parameters
+        ----------
+        voxel
+            Edge of a voxel in m; by default a twenty-fifth of the length of the backbone.
+        limits, clearance, by, model
+            As for :meth:`reach`.
+        stiffness
+            Whether to compute the stiffness of the tip for each voxel.
+        shapes
+            Shapes that are solved before the survey grows from them; by default 100,000, fewer for models and robots that take long.
+        solves
+            Solves that the growth may spend; by default 400,000.
+        timeout
+            Seconds after which the survey is ended; by default as long as it takes.
+
+        Returns
+        -------
+        Workspace
+            Arrays with a row for each voxel, and the points of the boundary.
+
+        Examples
+        --------
+        >>> case = load("examples/three-cable-segment.toml")
+        >>> where = case.workspace(voxel="8 mm", limits={"tension": [0, "4 N"]})
+        >>> where.dimension, where.tip.shape[1], where.command.shape[1]
+        (2, 3, 3)
+        """
+        asked = reaching.asked(by, 0, False, None, None)
+        chosen = models.core(model, timeout=timeout)
+        setup = reaching.with_goal(self, None, limits, None, clearance)
+        counts = [
+            usual if given is None else whole(given, name)
+            for name, given, usual in (("shapes", shapes, 100_000), ("solves", solves, 400_000))
+        ]
+        if min(counts) < 1:
+            raise InputError("shapes and solves must be greater than zero", path="solves")
+        return surveying.workspace(setup, chosen, asked, voxel, stiffness, (counts[0], counts[1]))
+
+    @suggests
+    def controller(
+        self,
+        *,
+        period: Quantity,
+        gain: float | None = None,
+        damping: float | None = None,
+        estimator: Estimator | bool | None = None,
+        limits: Limits | Mapping[str, Any] | None = None,
+        tolerance: Quantity | None = None,
+        tolerance_angle: Quantity | None = None,
+        by: str | None = None,
+        model: ModelLike = "cosserat",
+    ) -> Controller:
+        """A controller that starts with the commands of this case.
+
+        Parameters
+        ----------
+        period
+            Time of a cycle in s.
+        gain
+            The part of an error that is left after a second is exp(−gain); by default 5.
+        damping
+            Weight of the change of the commands; more is calmer near singular shapes. 1e-6 by default.
+        estimator
+            What is believed of model and measurement; ``False`` ignores measurements.
+        limits, by, model
+            As for :meth:`reach`; the model must have exact derivatives.
+        tolerance, tolerance_angle
+            As for :meth:`reach`: how an angle counts beside a distance.
+
+        Returns
+        -------
+        Controller
+            It remembers the commands in force and the estimate: one for each robot.
+
+        Examples
+        --------
+        >>> case = load("examples/three-cable-segment.toml")
+        >>> controller = case.controller(period="1 ms", limits={"tension": [0, "20 N"], "rate": "50 N/s"})
+        >>> cycle = controller.step(tip=["20 mm", 0, "117 mm"])
+        >>> cycle.command.shape, cycle.jacobian.shape
+        ((3,), (6, 3))
+        >>> bool((abs(cycle.command - case.tension) <= 0.05 + 1e-12).all())
+        True
+        """
+        asked = reaching.asked(by, 0, False, tolerance, tolerance_angle)
+        chosen = models.core(model)
+        setup = reaching.with_goal(self, None, limits, None, None)
+        given = controlling.options(period, gain, damping, estimator)
+        inner = _core.Controller(setup, chosen, asked, given)
+        return Controller(self, chosen, inner, len(self._setup.disks()))
 
     @suggests
     def differentiate(

@@ -66,6 +66,11 @@ def to_polars(columns: Columns) -> Any:
     return needed("polars").DataFrame(plain)
 
 
+def to_arrow(columns: Columns) -> Any:
+    """A ``pyarrow.Table``."""
+    return needed("pyarrow").table(columns)
+
+
 def to_csv(columns: Columns, path: str | os.PathLike[str]) -> None:
     """Writes a CSV file; its numbers are read back to the last bit."""
     text = io.StringIO()
@@ -77,7 +82,7 @@ def to_csv(columns: Columns, path: str | os.PathLike[str]) -> None:
 
 def to_parquet(columns: Columns, path: str | os.PathLike[str]) -> None:
     """Writes a Parquet file."""
-    needed("pyarrow.parquet").write_table(needed("pyarrow").table(columns), os.fspath(path))
+    needed("pyarrow.parquet").write_table(to_arrow(columns), os.fspath(path))
 
 
 UNITS = {"position": "m", "orientation": "1", "tension": "N", "length": "m", "arc_length": "m"}

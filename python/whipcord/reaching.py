@@ -197,19 +197,27 @@ def asked(
         "by": by,
         "starts": min(starts, 20_000),
         "prove": prove,
-        "tolerance": _in_si(tolerance, "tolerance", "length"),
-        "tolerance_angle": _in_si(tolerance_angle, "tolerance_angle", "angle"),
+        "tolerance": positive(tolerance, "tolerance", "length"),
+        "tolerance_angle": positive(tolerance_angle, "tolerance_angle", "angle"),
     }
 
 
-def _in_si(value: Quantity | None, name: str, dimension: str) -> float | None:
+def in_si(value: Quantity, name: str, dimension: str) -> float:
+    """A number in SI, from a number or a text with a unit."""
+    number = _core.parse_quantity(value, dimension) if isinstance(value, str) else value
+    if isinstance(number, bool) or not isinstance(number, (int, float, np.number)) or not np.isfinite(number):
+        raise InputError(f"{name} must be a finite number or a text with a unit, but is {value!r}", path=name)
+    return float(number)
+
+
+def positive(value: Quantity | None, name: str, dimension: str) -> float | None:
+    """A number greater than zero in SI, where one is given."""
     if value is None:
         return None
-    number = _core.parse_quantity(value, dimension) if isinstance(value, str) else value
-    if isinstance(number, bool) or not isinstance(number, (int, float, np.number)) or not number > 0:
-        message = f"{name} must be greater than zero, but is {value!r}"
-        raise InputError(message, path=name)
-    return float(number)
+    number = in_si(value, name, dimension)
+    if not number > 0:
+        raise InputError(f"{name} must be greater than zero, but is {value!r}", path=name)
+    return number
 
 
 def with_goal(
@@ -282,9 +290,7 @@ def shape_of(shape: npt.ArrayLike | None, disks: int) -> list[tuple[int, list[fl
 def reached(case: Case, model: _core.Model, found: tuple[_core.Solution, dict[str, Any]]) -> Reached:
     answer, values = found
     lists = ("actuators", "motors", "active_limits")
-    fields: dict[str, Any] = {
-        key: tuple(value) if key in lists else value for key, value in values.items()
-    }
+    fields: dict[str, Any] = {key: tuple(value) if key in lists else value for key, value in values.items()}
     return Reached(solution=Solution._of(case, model, answer, None), **fields)
 
 

@@ -1,7 +1,7 @@
 //! Commands for a robot in motion: one quadratic programme a cycle, with an estimate of what the model does not know.
 
 use whipcord::derivatives::Place;
-use whipcord::{Case, Model, Robot, Solution, SolveError, Stations, Twist, Vec3};
+use whipcord::{CableState, Case, Model, Robot, Solution, SolveError, Stations, Twist, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, knows_tensions};
 use crate::descent::{Control, LEAST_REDUCTION, Linear, Workspace};
@@ -71,6 +71,8 @@ pub struct Cycle {
     pub compliance: [Twist; 3],
     /// Rates of the tensions of the cables in N, by actuators.
     pub tension_rates: Vec<Vec<f64>>,
+    /// Rates of the lengths of the cables inside the robot in m, by actuators.
+    pub length_rates: Vec<Vec<f64>>,
     /// Estimated bias of each actuator.
     pub bias: Vec<Estimate>,
     /// Estimated force on the tip in N along x, y, z of the base, beside the loads of the case.
@@ -266,6 +268,7 @@ impl Controller {
             miss,
             jacobian: evaluation.motions.iter().map(|motions| motions[tip]).collect(),
             compliance: forces.map(|motions| motions[tip]),
+            length_rates: self.length_rates(&evaluation),
             tension_rates: evaluation.tension_rates,
             solution: evaluation.solution,
             bias,
@@ -299,6 +302,21 @@ impl Controller {
         };
         let forces = self.forward.motions_with_forces(&rates, places);
         Ok((evaluation, forces))
+    }
+
+    /// Of each cable by each actuator: its stretch less the shortening that is commanded.
+    fn length_rates(&self, evaluation: &Evaluation) -> Vec<Vec<f64>> {
+        let robot = self.forward.robot();
+        let all = evaluation.tension_rates.iter().zip(&evaluation.shortening_rates);
+        all.map(|(tensions, shortenings)| {
+            let states = evaluation.solution.cables.iter().zip(tensions).zip(shortenings);
+            let of =
+                |(cable, ((state, tension), shortening)): (usize, ((&CableState, &f64), &f64))| {
+                    robot.cable_compliance(cable, state.initial_length) * tension - shortening
+                };
+            states.enumerate().map(of).collect()
+        })
+        .collect()
     }
 
     /// What the unknowns may be after a cycle.

@@ -4,7 +4,7 @@ use whipcord::cosserat::{self, Accuracy};
 use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
-    CableCommand, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
+    CableCommand, Cancel, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
     SolveError, StabilityAnalysis, Twist, Wrench,
 };
 
@@ -476,6 +476,12 @@ impl Forward {
             self.push_rates(&mut evaluation, motions, none, &rates.lengths);
         }
         Ok(evaluation)
+    }
+
+    /// Lets this flag end the solves.
+    pub fn set_cancel(&mut self, cancel: &Cancel) {
+        self.model.set_cancel(cancel);
+        self.verifier.set_cancel(cancel);
     }
 
     fn without_rates(&self, solution: Solution) -> Evaluation {

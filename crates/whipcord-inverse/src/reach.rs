@@ -1,6 +1,8 @@
 //! Commands that bring a robot to a target.
 
-use whipcord::{Case, Model, ModelKind, Robot, Shortening, Solution, SolveError, Stations, Vec3};
+use whipcord::{
+    Cancel, Case, Model, ModelKind, Robot, Shortening, Solution, SolveError, Stations, Vec3,
+};
 
 use crate::actuator::{
     Actuator, Actuators, CommandedBy, commanded_shortening, knows_tensions, write_commands,
@@ -212,6 +214,18 @@ impl InverseSolver {
         if self.forward.actuators.are_direct() {
             self.ranges.values.clone_from(&self.ranges.unknowns);
         }
+    }
+
+    /// Lets this flag end the solves.
+    pub fn set_cancel(&mut self, cancel: &Cancel) {
+        self.model = self.model.cancelled_by(cancel);
+        self.forward.set_cancel(cancel);
+    }
+
+    /// Takes the commands of this case in place of those of its own: searches start from them. All else stays.
+    pub fn start_at(&mut self, case: &Case) {
+        self.case.commands.clone_from(&case.commands);
+        self.case.motors.clone_from(&case.motors);
     }
 
     /// The unknowns that the case commands.

@@ -7,12 +7,14 @@ mod batch;
 mod benchmark;
 mod calibration;
 mod camera;
+mod controller;
 mod convert;
 mod derivatives;
 mod errors;
 mod figure;
 mod file_data;
 mod fit;
+mod inverse;
 mod measurement;
 mod model;
 mod notice;
@@ -26,6 +28,7 @@ mod setup;
 mod solution;
 mod stereo;
 mod wait;
+mod workspace;
 
 use std::ffi::OsString;
 
@@ -54,6 +57,8 @@ mod _core {
     use super::calibration::{Board, Seen, calibrate};
     #[pymodule_export]
     use super::camera::{Camera, locate_orthographic};
+    #[pymodule_export]
+    use super::controller::Controller;
     #[pymodule_export]
     use super::convert::{materials, parse_quantity, table_in_si, toml, write_file};
     #[pymodule_export]
@@ -84,6 +89,8 @@ mod _core {
     use super::solution::Solution;
     #[pymodule_export]
     use super::stereo::{calibrate_two, in_space, points_csv, triangulate};
+    #[pymodule_export]
+    use super::workspace::workspace;
 
     /// Version of the library.
     #[pymodule_export]

@@ -8,128 +8,18 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::batch::Progress;
-use whipcord::{Case, MotorState, Pose, Robot, UnitQuaternion, Vec3};
+use whipcord::{MotorState, Pose, Robot, UnitQuaternion, Vec3};
 use whipcord_inverse::{
-    Actuator, CommandedBy, Followed, InverseError, InverseSolver, PathPoint, ReachOptions,
-    ReachStatus, Reached, Target, Tolerance,
+    Actuator, Followed, InverseSolver, PathPoint, ReachStatus, Reached, Target,
 };
-use whipcord_io::{Clearance, Goal};
 
 use crate::convert::array;
 use crate::errors;
+use crate::inverse::{Asked, Failure, Task, names, raised};
 use crate::model::Model;
 use crate::setup::Setup;
 use crate::solution::Solution;
 use crate::wait::{supervise, within};
-
-/// How a target is to be reached, as Python gives it.
-#[derive(FromPyObject)]
-pub struct Asked {
-    /// Which commands are sought; `None` for those of the case.
-    #[pyo3(item)]
-    by: Option<String>,
-    #[pyo3(item)]
-    starts: usize,
-    #[pyo3(item)]
-    prove: bool,
-    #[pyo3(item)]
-    tolerance: Option<f64>,
-    #[pyo3(item)]
-    tolerance_angle: Option<f64>,
-}
-
-/// Boxes of tensions that a proof may look at.
-const BOXES: usize = 1_000_000;
-
-/// What a thread needs to make a solver.
-struct Task {
-    model: whipcord::Model,
-    robot: Robot,
-    case: Arc<Case>,
-    goal: Goal,
-    by: CommandedBy,
-    options: ReachOptions,
-}
-
-/// Why there is no answer.
-enum Failure {
-    Inverse(InverseError),
-    Rate(String),
-}
-
-impl From<InverseError> for Failure {
-    fn from(error: InverseError) -> Self {
-        Self::Inverse(error)
-    }
-}
-
-impl Task {
-    fn new(py: Python<'_>, setup: &Setup, model: whipcord::Model, asked: &Asked) -> PyResult<Self> {
-        let by = match asked.by.as_deref() {
-            None => CommandedBy::Case,
-            Some("tensions") => CommandedBy::Tensions,
-            Some("lengths") => CommandedBy::Shortenings,
-            Some("motors") => CommandedBy::Motors,
-            Some(other) => {
-                let message = format!(
-                    "nothing is commanded by `{other}`: choose tensions, lengths or motors"
-                );
-                return Err(errors::input(py, "by", message));
-            }
-        };
-        let mut goal = setup.file_data.goal.clone();
-        goal.tolerance = asked.tolerance.or(goal.tolerance);
-        goal.tolerance_angle = asked.tolerance_angle.or(goal.tolerance_angle);
-        let length = setup.robot.backbone().length;
-        let options = ReachOptions {
-            tolerance: Some(goal.tolerance(length).unwrap_or_else(|| Tolerance::of_length(length))),
-            prefer: goal.preference.unwrap_or_default(),
-            clearance: match goal.clearance {
-                Some(Clearance::Touch) => None,
-                Some(Clearance::Least(least)) => Some(least),
-                None => ReachOptions::default().clearance,
-            },
-            starts: asked.starts.min(20_000),
-            proof: asked.prove.then_some(BOXES),
-            ..ReachOptions::default()
-        };
-        Ok(Self {
-            model,
-            robot: setup.robot.clone(),
-            case: Arc::clone(&setup.case),
-            goal,
-            by,
-            options,
-        })
-    }
-
-    fn solver(&self) -> Result<InverseSolver, Failure> {
-        let (robot, case) = (&self.robot, &*self.case);
-        let actuators = Actuator::of(robot, case, self.model.kind(), self.by)?;
-        let limits = self.goal.limits(robot, &actuators).map_err(|mismatch| {
-            let what = if mismatch.by_tension { "tension, in N/s" } else { "shortening, in m/s" };
-            let name = &robot.cables()[mismatch.cable].name;
-            Failure::Rate(format!("the rate of cable {name} must be that of its {what}"))
-        })?;
-        Ok(InverseSolver::new(&self.model, robot, case, &limits, self.by)?)
-    }
-}
-
-fn raised(py: Python<'_>, failure: Failure) -> PyErr {
-    match failure {
-        Failure::Inverse(InverseError::Solve(error) | InverseError::NoStart(error)) => {
-            errors::solve(py, &error)
-        }
-        Failure::Inverse(error @ InverseError::Target(_)) => {
-            errors::input(py, "target", error.to_string())
-        }
-        Failure::Inverse(error @ InverseError::NoMotors) => {
-            errors::input(py, "by", error.to_string())
-        }
-        Failure::Inverse(error) => errors::input(py, "limits", error.to_string()),
-        Failure::Rate(message) => errors::input(py, "limits", message),
-    }
-}
 
 /// The answer to one target: the solution, and what else is known of it. Without `shape` the target is that of the file data.
 #[pyfunction]
@@ -176,16 +66,6 @@ pub fn reach<'py>(
     values.set_item("motors", motors(&task.robot, &reached))?;
     let case = Arc::new(reached.case);
     Ok((Solution::new(reached.solution, &case), values))
-}
-
-/// The kind of each command and the name of its cable or motor.
-fn names(robot: &Robot, actuators: &[Actuator]) -> Vec<(&'static str, String)> {
-    let of = |actuator: &Actuator| match *actuator {
-        Actuator::Tension(cable) => ("tension", robot.cables()[cable].name.clone()),
-        Actuator::Shortening(cable) => ("shortening", robot.cables()[cable].name.clone()),
-        Actuator::Motor(motor) => ("motor", robot.motors()[motor].name.clone()),
-    };
-    actuators.iter().map(of).collect()
 }
 
 fn motors(robot: &Robot, reached: &Reached) -> Vec<Option<f64>> {

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 
 use whipcord::robot::limits::{COORDINATE, FRACTION, LENGTH, Range, SPEED, TENSION};
 use whipcord::{Problem, Robot, Shortening, Vec3};
-use whipcord_inverse::{Actuator, CableLimits, Limits, PathPoint, Preference, Target, Tolerance};
+use whipcord_inverse::{
+    Actuator, CableLimits, Limits, PathPoint, Preference, ReachOptions, Target, Tolerance,
+};
 
 use crate::check::{Data, Fields};
 use crate::error::{FileProblem, Problems};
@@ -71,6 +73,16 @@ pub struct RateMismatch {
 }
 
 impl Goal {
+    /// Least distance of the robot from obstacles in m; `None` where it may touch them.
+    #[must_use]
+    pub fn least_clearance(&self) -> Option<f64> {
+        match self.clearance {
+            Some(Clearance::Touch) => None,
+            Some(Clearance::Least(least)) => Some(least),
+            None => ReachOptions::default().clearance,
+        }
+    }
+
     /// The tolerance for a backbone of this length in m; what is not given follows from the other at a lever of a third of the length.
     #[must_use]
     pub fn tolerance(&self, length: f64) -> Option<Tolerance> {
