@@ -1,0 +1,76 @@
+//! Robots with other lists of holes, and the shapes that they take.
+
+use whipcord::batch::{BatchOptions, solve_robots};
+use whipcord::{Case, Model, Robot, Routing, Solution, SolveError};
+
+use crate::choices::Choices;
+use crate::error::DesignError;
+use crate::goal::ShapeGoal;
+
+/// The robot whose varied cables go through these combinations of holes, one for each disk.
+pub(crate) fn with_holes(
+    robot: &Robot,
+    choices: &Choices,
+    list: &[usize],
+) -> Result<Robot, DesignError> {
+    let mut cables = robot.cables().to_vec();
+    for (place, &cable) in choices.cables.iter().enumerate() {
+        let holes: Vec<usize> =
+            list.iter().map(|&choice| choices.hole(choice, place) + 1).collect();
+        let interpolation = match &cables[cable].routing {
+            Routing::Holes { interpolation, .. } => *interpolation,
+            _ => whipcord::Interpolation::default(),
+        };
+        cables[cable].routing = Routing::Holes { holes, interpolation };
+        cables[cable].ends_at = None;
+    }
+    let changed = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables)?;
+    Ok(changed.with_motors(robot.motors().to_vec())?)
+}
+
+/// How many robots are solved at a time.
+const PIECE: usize = 512;
+
+/// Solves each list under a case; `take` gets the number of the list and its answer.
+pub(crate) fn solve_lists(
+    model: &Model,
+    robot: &Robot,
+    choices: &Choices,
+    case: &Case,
+    lists: &[Vec<usize>],
+    mut take: impl FnMut(usize, Result<&Solution, &SolveError>),
+) -> Result<(), DesignError> {
+    for (piece, lists) in lists.chunks(PIECE).enumerate() {
+        let robots = lists
+            .iter()
+            .map(|list| Ok((with_holes(robot, choices, list)?, case.clone())))
+            .collect::<Result<Vec<_>, DesignError>>()?;
+        let solved = solve_robots(model, &robots, &BatchOptions::default())?;
+        for (number, answer) in solved.iter().enumerate() {
+            take(piece * PIECE + number, answer.as_ref());
+        }
+    }
+    Ok(())
+}
+
+/// The cost of each list; infinite where the model has no answer. The first reason why there is none, if none has one.
+pub(crate) fn costs(
+    model: &Model,
+    robot: &Robot,
+    choices: &Choices,
+    goals: &[ShapeGoal],
+    lists: &[Vec<usize>],
+) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
+    let mut costs = vec![0.0; lists.len()];
+    let mut refusal = None;
+    for goal in goals {
+        solve_lists(model, robot, choices, &goal.case, lists, |number, answer| match answer {
+            Ok(solution) => costs[number] += goal.cost(&solution.disks.poses),
+            Err(error) => {
+                costs[number] = f64::INFINITY;
+                refusal.get_or_insert_with(|| error.clone());
+            }
+        })?;
+    }
+    Ok((costs, refusal))
+}

@@ -1,0 +1,248 @@
+//! Which holes the cables of a design may go through.
+
+use whipcord::{Robot, Routing};
+
+use crate::error::DesignError;
+
+/// A hole that a cable goes through in any case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FixedHole {
+    /// Which of the varied cables, by its place in the list of them.
+    pub cable: usize,
+    /// Disk, from 0.
+    pub disk: usize,
+    /// Hole, from 1.
+    pub hole: usize,
+}
+
+/// What can be manufactured.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct HoleRules {
+    /// Holes by which a cable may move from a disk to the next, either way; `None` does not limit it.
+    pub largest_jump: Option<usize>,
+    /// Holes that are given.
+    pub fixed: Vec<FixedHole>,
+    /// Whether no two cables may share a hole, with those that are not varied where these have lists of holes.
+    pub are_distinct: bool,
+    /// Whether the varied cables must not cross one another between two disks.
+    pub do_not_cross: bool,
+}
+
+/// The combined choices of all varied cables at one disk, by numbers in mixed radix, and which of them the rules allow.
+#[derive(Clone, Debug)]
+pub(crate) struct Choices {
+    pub holes: usize,
+    pub cables: Vec<usize>,
+    /// Number of combinations at a disk.
+    pub count: usize,
+    /// By disks: which combinations are allowed.
+    allowed: Vec<Vec<usize>>,
+    /// From each combination to which at the next disk.
+    next: Vec<Vec<usize>>,
+}
+
+/// Combinations of holes at a disk that are looked at.
+const MOST: usize = 2_000;
+
+impl Choices {
+    pub fn new(robot: &Robot, cables: &[usize], rules: &HoleRules) -> Result<Self, DesignError> {
+        let holes = robot.disks().holes.filter(|holes| *holes > 0).ok_or(DesignError::NoHoles)?;
+        let disks = robot.disks().count();
+        if cables.is_empty() {
+            return Err(DesignError::NoCables);
+        }
+        for (place, &cable) in cables.iter().enumerate() {
+            if cable >= robot.cables().len() || cables[..place].contains(&cable) {
+                let cables = robot.cables().len();
+                return Err(DesignError::NoSuchCable { cable, cables });
+            }
+        }
+        for &FixedHole { cable, disk, hole } in &rules.fixed {
+            if cable >= cables.len() || disk >= disks || hole == 0 || hole > holes {
+                return Err(DesignError::NoSuchHole { hole, disk, holes, disks });
+            }
+        }
+        let power = u32::try_from(cables.len()).unwrap_or(u32::MAX);
+        let count = holes.checked_pow(power).filter(|count| *count <= MOST);
+        let Some(count) = count else {
+            return Err(DesignError::TooManySpans {
+                spans: holes.saturating_pow(power.saturating_mul(2)),
+                most: MOST,
+            });
+        };
+        let mut choices =
+            Self { holes, cables: cables.to_vec(), count, allowed: Vec::new(), next: Vec::new() };
+        choices.allowed = (0..disks)
+            .map(|disk| {
+                let taken = choices.taken(robot, disk);
+                (0..count).filter(|&choice| choices.allows(choice, disk, rules, &taken)).collect()
+            })
+            .collect();
+        if let Some(disk) = choices.allowed.iter().position(Vec::is_empty) {
+            return Err(DesignError::NoChoice { disk });
+        }
+        choices.next = (0..count)
+            .map(|from| (0..count).filter(|&to| choices.may_follow(from, to, rules)).collect())
+            .collect();
+        Ok(choices)
+    }
+
+    /// The hole of one of the cables in a combination, from 0.
+    pub const fn hole(&self, choice: usize, place: usize) -> usize {
+        let mut rest = choice;
+        let mut k = 0;
+        while k < place {
+            rest /= self.holes;
+            k += 1;
+        }
+        rest % self.holes
+    }
+
+    /// The combination of these holes, from 0.
+    pub fn combined(&self, hole: impl Fn(usize) -> usize) -> usize {
+        (0..self.cables.len()).rev().fold(0, |sum, place| sum * self.holes + hole(place))
+    }
+
+    /// What may be chosen at a disk.
+    pub fn at(&self, disk: usize) -> &[usize] {
+        &self.allowed[disk]
+    }
+
+    /// What may be chosen at a disk behind this at the disk before.
+    pub fn after(&self, choice: usize, disk: usize) -> impl Iterator<Item = usize> + '_ {
+        let allowed = &self.allowed[disk];
+        let is_free = allowed.len() == self.count;
+        self.next[choice]
+            .iter()
+            .copied()
+            .filter(move |next| is_free || allowed.binary_search(next).is_ok())
+    }
+
+    /// Pairs of combinations that follow one another.
+    pub fn pairs(&self) -> usize {
+        self.next.iter().map(Vec::len).sum()
+    }
+
+    /// The disk at which the rules leave no way on, if there is one.
+    pub fn dead_end(&self) -> Option<usize> {
+        let mut reachable = self.allowed[0].clone();
+        for disk in 1..self.allowed.len() {
+            let mut next: Vec<usize> =
+                reachable.iter().flat_map(|&choice| self.after(choice, disk)).collect();
+            next.sort_unstable();
+            next.dedup();
+            if next.is_empty() {
+                return Some(disk);
+            }
+            reachable = next;
+        }
+        None
+    }
+
+    /// Holes of the cables that are not varied, from 0.
+    fn taken(&self, robot: &Robot, disk: usize) -> Vec<usize> {
+        let others = robot.cables().iter().enumerate();
+        let others = others.filter(|(cable, _)| !self.cables.contains(cable));
+        let hole = |routing: &Routing| match routing {
+            Routing::Holes { holes, .. } => holes.get(disk).map(|hole| hole - 1),
+            _ => None,
+        };
+        others.filter_map(|(_, cable)| hole(&cable.routing)).collect()
+    }
+
+    fn allows(&self, choice: usize, disk: usize, rules: &HoleRules, taken: &[usize]) -> bool {
+        let places = 0..self.cables.len();
+        let keeps = |fixed: &FixedHole| {
+            fixed.disk != disk || self.hole(choice, fixed.cable) == fixed.hole - 1
+        };
+        let is_apart = |place: usize| {
+            let hole = self.hole(choice, place);
+            !taken.contains(&hole) && (0..place).all(|other| self.hole(choice, other) != hole)
+        };
+        rules.fixed.iter().all(keeps) && (!rules.are_distinct || places.clone().all(is_apart))
+    }
+
+    fn may_follow(&self, from: usize, to: usize, rules: &HoleRules) -> bool {
+        let jump = |place: usize| self.jump(self.hole(from, place), self.hole(to, place));
+        let places = 0..self.cables.len();
+        let is_near =
+            |place| rules.largest_jump.is_none_or(|largest| jump(place).unsigned_abs() <= largest);
+        if !places.clone().all(is_near) {
+            return false;
+        }
+        !rules.do_not_cross
+            || places.clone().all(|b| (0..b).all(|a| !self.crosses(from, to, (a, b))))
+    }
+
+    /// Holes from one to another the shorter way, positive counter-clockwise.
+    pub fn jump(&self, from: usize, to: usize) -> isize {
+        let ahead = (to + self.holes - from) % self.holes;
+        let (ahead, holes) = (ahead.cast_signed(), self.holes.cast_signed());
+        if 2 * ahead > holes { ahead - holes } else { ahead }
+    }
+
+    /// Whether two cables change sides between two disks.
+    fn crosses(&self, from: usize, to: usize, (a, b): (usize, usize)) -> bool {
+        let [start_a, start_b] = [a, b].map(|place| self.hole(from, place));
+        let [end_a, end_b] = [a, b].map(|place| self.hole(to, place));
+        let apart = ((start_b + self.holes - start_a) % self.holes).cast_signed();
+        let then = apart + self.jump(start_b, end_b) - self.jump(start_a, end_a);
+        let holes = self.holes.cast_signed();
+        // Cables in one hole cross where they leave it apart from one another only by choice of the designer.
+        apart != 0 && (then <= 0 || then >= holes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use whipcord::{Backbone, Cable, Disks};
+
+    fn robot(cables: usize) -> Robot {
+        let cable = |k: usize| Cable::new(format!("{k}"), Routing::holes(vec![1 + k; 3]));
+        let disks = Disks::equally_spaced(0.1, 3, 0.008).with_holes(12);
+        Robot::new(Backbone::new(0.1), disks, (0..cables).map(cable).collect()).unwrap()
+    }
+
+    #[test]
+    fn jumps_take_the_shorter_way() {
+        let choices = Choices::new(&robot(1), &[0], &HoleRules::default()).unwrap();
+        assert_eq!(choices.jump(11, 1), 2);
+        assert_eq!(choices.jump(1, 11), -2);
+        assert_eq!(choices.jump(0, 6), 6);
+        let rules = HoleRules { largest_jump: Some(2), ..HoleRules::default() };
+        let choices = Choices::new(&robot(1), &[0], &rules).unwrap();
+        assert_eq!(choices.after(11, 1).collect::<Vec<_>>(), [0, 1, 9, 10, 11]);
+        assert_eq!(choices.pairs(), 12 * 5);
+    }
+
+    #[test]
+    fn cables_that_change_sides_cross() {
+        let rules = HoleRules { do_not_cross: true, ..HoleRules::default() };
+        let choices = Choices::new(&robot(2), &[0, 1], &rules).unwrap();
+        let of = |a: usize, b: usize| choices.combined(|place| [a, b][place]);
+        let follows = |from, to| choices.after(from, 1).any(|next| next == to);
+        assert!(follows(of(0, 3), of(2, 4)));
+        assert!(!follows(of(0, 3), of(4, 3)));
+        assert!(!follows(of(0, 3), of(0, 0)));
+        // Round the other side.
+        assert!(!follows(of(0, 10), of(10, 10)) && follows(of(0, 10), of(11, 10)));
+    }
+
+    #[test]
+    fn rules_that_leave_nothing_are_found() {
+        let fixed = |disk, hole| FixedHole { cable: 0, disk, hole };
+        let rules = HoleRules {
+            largest_jump: Some(1),
+            fixed: vec![fixed(0, 1), fixed(2, 7)],
+            ..HoleRules::default()
+        };
+        let choices = Choices::new(&robot(1), &[0], &rules).unwrap();
+        assert_eq!(choices.dead_end(), Some(2));
+        // The hole of a cable that stays.
+        let rules =
+            HoleRules { are_distinct: true, fixed: vec![fixed(1, 2)], ..HoleRules::default() };
+        let refused = Choices::new(&robot(2), &[0], &rules);
+        assert!(matches!(refused, Err(DesignError::NoChoice { disk: 1 })));
+    }
+}

@@ -1,0 +1,135 @@
+//! Why there is no design.
+
+use thiserror::Error;
+use whipcord::batch::BatchError;
+use whipcord::{RobotError, SolveError};
+
+/// Why there is no design.
+#[derive(Clone, Debug, Error)]
+pub enum DesignError {
+    /// There is nothing to come near to.
+    #[error("a target without points: give points for some of the disks")]
+    NoPoints,
+    /// A target names a disk that the robot does not have.
+    #[error("the target names disk {disk}, but the robot has disks 0 to {last}")]
+    NoSuchDisk {
+        /// Number of the disk, from 0.
+        disk: usize,
+        /// Number of the last one.
+        last: usize,
+    },
+    /// A point or a weight is not a finite number, or a weight is negative.
+    #[error(
+        "the point or weight of disk {disk} of target {target} is not a number that can be used"
+    )]
+    NotFinite {
+        /// Number of the target, from 0.
+        target: usize,
+        /// Number of the disk, from 0.
+        disk: usize,
+    },
+    /// A cable to vary does not exist, or is given twice.
+    #[error(
+        "cable {cable} cannot be varied: the robot has {cables} cables, and each may be given once"
+    )]
+    NoSuchCable {
+        /// Number of the cable, from 0.
+        cable: usize,
+        /// Number of cables.
+        cables: usize,
+    },
+    /// No cable is to be varied.
+    #[error("no cable to vary: give at least one")]
+    NoCables,
+    /// The disks have no holes to choose from.
+    #[error("the disks have no holes to choose from: give `holes` in [disks]")]
+    NoHoles,
+    /// A fixed hole or a largest jump that cannot be.
+    #[error(
+        "hole {hole} of disk {disk} cannot be fixed: the disks have holes 1 to {holes}, and the cable passes {disks} disks"
+    )]
+    NoSuchHole {
+        /// Number of the hole, from 1.
+        hole: usize,
+        /// Number of the disk, from 0.
+        disk: usize,
+        /// Number of holes of a disk.
+        holes: usize,
+        /// Disks that the cable passes.
+        disks: usize,
+    },
+    /// The rules leave no list of holes.
+    #[error("the rules leave no hole for disk {disk}: allow larger jumps or fix fewer holes")]
+    NoChoice {
+        /// Number of the disk, from 0.
+        disk: usize,
+    },
+    /// More pairs of holes than can be tabulated.
+    #[error(
+        "{spans} pairs of neighbouring holes are more than the {most} that can be tabulated: vary fewer cables at once or allow smaller jumps"
+    )]
+    TooManySpans {
+        /// How many there are.
+        spans: usize,
+        /// How many may be.
+        most: usize,
+    },
+    /// The model has no answer for any of the lists that were tried.
+    #[error("the model has no answer for any list of holes that was tried; the first: {0}")]
+    NoAnswer(SolveError),
+    /// The batch of trials was stopped.
+    #[error("the trials were stopped: {0}")]
+    Stopped(String),
+    /// The robot of the design is none.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// The model refuses the design.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// A curve without places, or with numbers that cannot be.
+    #[error("{what}")]
+    Curve {
+        /// What is wrong and what to give instead.
+        what: String,
+    },
+    /// The stiffness of the backbone is not given, or not that of a round section.
+    #[error("{what}")]
+    Backbone {
+        /// What is wrong and what to give instead.
+        what: String,
+    },
+    /// The curve takes a cable farther from the axis than it may be.
+    #[error(
+        "at {arc_length:.4} m the cable would have to be {radius:.5} m from the axis, and may be {largest:.5} m: a tension of {tension:.2} N or more brings it in"
+    )]
+    NotAttainable {
+        /// Where in m.
+        arc_length: f64,
+        /// Needed distance from the axis in m.
+        radius: f64,
+        /// Largest distance in m.
+        largest: f64,
+        /// The tension in N that would do.
+        tension: f64,
+    },
+    /// The iteration did not converge.
+    #[error(
+        "the {what} did not converge: after {iterations} steps a change of {change:.1e} is left; {advice}"
+    )]
+    NotConverged {
+        /// What iterated.
+        what: &'static str,
+        /// Steps.
+        iterations: usize,
+        /// Last relative change.
+        change: f64,
+        /// What to try.
+        advice: &'static str,
+    },
+}
+
+impl From<BatchError> for DesignError {
+    fn from(error: BatchError) -> Self {
+        Self::Stopped(error.to_string())
+    }
+}

@@ -1,0 +1,230 @@
+//! The holes with which a robot comes nearest to target shapes.
+
+use whipcord::{Actuation, Loads, Model, ModelKind, Robot, Solution, Statics as _, Stations};
+
+use crate::candidates::with_holes;
+use crate::choices::{Choices, HoleRules};
+use crate::error::DesignError;
+use crate::goal::{self, ShapeGoal, root_mean_square};
+use crate::shape_search::{Found, ShapeSearch};
+use crate::span_table::{SpanTable, is_sequential};
+use crate::swap_search::SwapSearch;
+use crate::tip_search;
+
+/// How much a search may spend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HoleSearchOptions {
+    /// Spans that branch and bound may look at.
+    pub nodes: usize,
+    /// Solves of each goal where shapes must be solved as a whole.
+    pub solves: usize,
+    /// Starts of that search.
+    pub starts: usize,
+}
+
+impl Default for HoleSearchOptions {
+    fn default() -> Self {
+        Self { nodes: 20_000_000, solves: 20_000, starts: 3 }
+    }
+}
+
+/// How far the errors of the spans and of the whole robot may be apart, as a part of the length.
+const CONSISTENT: f64 = 1e-5;
+
+/// What is known of a design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Proof {
+    /// No list of holes that the rules allow comes nearer, by the model.
+    Optimal,
+    /// The best of what was found: the spans that may be looked at did not suffice.
+    Budget,
+    /// The best of what was found: no change of one hole or of two neighbouring ones comes nearer. Under loads, with given lengths, with friction, among
+    /// obstacles and in models of continuous cables the shape of a span depends on all holes.
+    Local,
+}
+
+impl Proof {
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Optimal => "no other list of holes that the rules allow comes nearer",
+            Self::Budget => {
+                "the best found within the budget of the search, which may not be the best of all"
+            }
+            Self::Local => {
+                "no change of one hole or of two neighbouring ones comes nearer; it may not be the best of all"
+            }
+        }
+    }
+}
+
+/// A robot with chosen holes.
+#[derive(Clone, Debug)]
+pub struct HoleDesign {
+    /// The robot with these holes.
+    pub robot: Robot,
+    /// The hole of each disk from 1, for each varied cable.
+    pub holes: Vec<Vec<usize>>,
+    /// The shape under the case of each goal, from a solve of the whole robot.
+    pub solutions: Vec<Solution>,
+    /// Disk and distance of each point of each goal in m, of these shapes.
+    pub misses: Vec<Vec<(usize, f64)>>,
+    /// Weighted root of the mean of the squares of these distances in m.
+    pub error: f64,
+    /// What is known of it.
+    pub proof: Proof,
+    /// Spans or solves that the search took.
+    pub effort: usize,
+}
+
+/// Chooses the holes of some cables of a robot, so that its disks come nearest to the points of the goals in the mean square, within the rules.
+///
+/// Without load, by tensions, and in models with straight cables between disks, every span is independent of the others: its shapes are tabulated, and the choice is proven to be
+/// the best of all lists by branch and bound, or by meeting in the middle where there is one goal with one point. Else
+/// changes of one or two holes are tried from several starts. The winner is solved again as a whole robot by the model. Cables that end before the tip get holes up to the tip.
+///
+/// # Errors
+/// [`DesignError`].
+pub fn design_holes(
+    model: &Model,
+    robot: &Robot,
+    cables: &[usize],
+    goals: &[ShapeGoal],
+    rules: &HoleRules,
+    options: &HoleSearchOptions,
+) -> Result<HoleDesign, DesignError> {
+    goal::check(robot, goals)?;
+    let choices = Choices::new(robot, cables, rules)?;
+    if let Some(disk) = choices.dead_end() {
+        return Err(DesignError::NoChoice { disk });
+    }
+    let model = model.at(Stations::Disks);
+    let (found, proof) = if is_sequential(&model, robot, goals) {
+        let found = sequential(&model, robot, &choices, goals, options)?;
+        let proof = if found.is_proven { Proof::Optimal } else { Proof::Budget };
+        (found, proof)
+    } else {
+        let search = SwapSearch {
+            model: &model,
+            robot,
+            choices: &choices,
+            goals,
+            most_solves: options.solves,
+        };
+        let starts = starts(robot, &choices, goals, options);
+        (search.run(&starts)?, Proof::Local)
+    };
+    let robot = with_holes(robot, &choices, &found.list)?;
+    let solutions =
+        goals.iter().map(|goal| model.solve(&robot, &goal.case)).collect::<Result<Vec<_>, _>>()?;
+    let costs = goals.iter().zip(&solutions);
+    let cost = costs.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum();
+    let error = root_mean_square(goals, cost);
+    // The proof holds for the robot only if its shape is the product of the spans.
+    let off = (error - root_mean_square(goals, found.cost)).abs();
+    let is_consistent = off <= CONSISTENT * robot.backbone().length;
+    let proof = if is_consistent { proof } else { Proof::Local };
+    let of_cable = |place| {
+        found.list.iter().map(|&choice| choices.hole(choice, place) + 1).collect::<Vec<usize>>()
+    };
+    Ok(HoleDesign {
+        holes: (0..cables.len()).map(of_cable).collect(),
+        misses: goals.iter().zip(&solutions).map(|(goal, of)| goal.misses(of)).collect(),
+        error,
+        robot,
+        solutions,
+        proof,
+        effort: found.nodes,
+    })
+}
+
+/// The best list of all by the table of spans.
+fn sequential(
+    model: &Model,
+    robot: &Robot,
+    choices: &Choices,
+    goals: &[ShapeGoal],
+    options: &HoleSearchOptions,
+) -> Result<Found, DesignError> {
+    let table = SpanTable::new(model, robot, choices, goals)?;
+    let disks = robot.disks().count();
+    let points = || goals.iter().flat_map(|goal| &goal.points);
+    let last = points().map(|(disk, _)| disk + 1).max().unwrap_or(disks);
+    let mut found = match goals {
+        [goal] if goal.points.len() == 1 && last > 1 => {
+            tip_search::nearest(choices, &table, last - 1, goal.points[0].1)
+                .map(|found| Found { cost: found.cost * goal.weight, ..found })
+        }
+        _ => None,
+    };
+    if found.is_none() {
+        found = ShapeSearch::new(choices, &table, goals, last).run(options.nodes);
+    }
+    let mut found = found.ok_or(DesignError::NoChoice { disk: last - 1 })?;
+    // What is behind the last point is free: as straight on as the rules allow.
+    while found.list.len() < disks {
+        let disk = found.list.len();
+        let from = found.list[disk - 1];
+        let jump = |next: usize| -> usize {
+            let places = 0..choices.cables.len();
+            places
+                .map(|place| {
+                    choices
+                        .jump(choices.hole(from, place), choices.hole(next, place))
+                        .unsigned_abs()
+                })
+                .sum()
+        };
+        let next = choices.after(from, disk).min_by_key(|&next| jump(next));
+        found.list.push(next.ok_or(DesignError::NoChoice { disk })?);
+    }
+    Ok(found)
+}
+
+/// Lists to start from: the best without loads where that is known, then lists straight on.
+fn starts(
+    robot: &Robot,
+    choices: &Choices,
+    goals: &[ShapeGoal],
+    options: &HoleSearchOptions,
+) -> Vec<Vec<usize>> {
+    let model = Model::new(ModelKind::CosseratDisks, Stations::Disks, Actuation::Tension);
+    let free: Vec<ShapeGoal> = goals
+        .iter()
+        .map(|goal| {
+            let mut goal = goal.clone();
+            goal.case.loads = Loads::default();
+            goal.case.obstacles.clear();
+            goal.case.before.clear();
+            goal
+        })
+        .collect();
+    let mut starts = Vec::new();
+    if is_sequential(&model, robot, &free) {
+        starts.extend(sequential(&model, robot, choices, &free, options).ok().map(|of| of.list));
+    }
+    let disks = robot.disks().count();
+    let firsts = choices.at(0);
+    let wanted = options.starts.max(1);
+    for k in 0..wanted {
+        if starts.len() >= wanted {
+            break;
+        }
+        // Spread over the combinations.
+        let first = firsts[k * firsts.len() / wanted];
+        let mut list = vec![first];
+        for disk in 1..disks {
+            let from = list[disk - 1];
+            let straight = choices.after(from, disk).find(|&next| next == from);
+            match straight.or_else(|| choices.after(from, disk).next()) {
+                Some(next) => list.push(next),
+                None => break,
+            }
+        }
+        if list.len() == disks {
+            starts.push(list);
+        }
+    }
+    starts
+}

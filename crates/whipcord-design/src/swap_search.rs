@@ -1,0 +1,115 @@
+//! A list of holes that no change of one hole, or of two neighbouring ones, makes better: where shapes must be solved as a whole.
+
+use whipcord::{Model, Robot, SolveError};
+
+use crate::candidates::costs;
+use crate::choices::Choices;
+use crate::error::DesignError;
+use crate::goal::ShapeGoal;
+use crate::shape_search::Found;
+
+/// What is searched.
+pub(crate) struct SwapSearch<'a> {
+    pub model: &'a Model,
+    pub robot: &'a Robot,
+    pub choices: &'a Choices,
+    pub goals: &'a [ShapeGoal],
+    /// Solves that may be spent on each goal.
+    pub most_solves: usize,
+}
+
+impl SwapSearch<'_> {
+    /// The best of what is found from each start.
+    pub fn run(&self, starts: &[Vec<usize>]) -> Result<Found, DesignError> {
+        let mut spent = 0;
+        let mut best: Option<Found> = None;
+        let mut refusal: Option<SolveError> = None;
+        for start in starts {
+            let (first, reason) = self.costs(core::slice::from_ref(start), &mut spent)?;
+            refusal = refusal.or(reason);
+            let found = self.descend(start.clone(), first[0], &mut spent)?;
+            if best.as_ref().is_none_or(|best| found.cost < best.cost) {
+                best = Some(found);
+            }
+            if spent >= self.most_solves {
+                break;
+            }
+        }
+        match (best.filter(|best| best.cost.is_finite()), refusal) {
+            (Some(best), _) => Ok(Found { nodes: spent, ..best }),
+            (None, Some(error)) => Err(DesignError::NoAnswer(error)),
+            (None, None) => Err(DesignError::NoChoice { disk: 0 }),
+        }
+    }
+
+    fn costs(
+        &self,
+        lists: &[Vec<usize>],
+        spent: &mut usize,
+    ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
+        *spent += lists.len();
+        costs(self.model, self.robot, self.choices, self.goals, lists)
+    }
+
+    /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.
+    fn descend(
+        &self,
+        mut list: Vec<usize>,
+        mut cost: f64,
+        spent: &mut usize,
+    ) -> Result<Found, DesignError> {
+        while *spent < self.most_solves {
+            let mut is_better = false;
+            for width in [1, 2] {
+                let room = self.most_solves.saturating_sub(*spent);
+                let changed: Vec<Vec<usize>> = self.changed(&list, width).take(room).collect();
+                let (costs, _) = self.costs(&changed, spent)?;
+                let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+                if let Some((number, &lower)) = best
+                    && lower < cost * (1.0 - 1e-9)
+                {
+                    (cost, is_better) = (lower, true);
+                    list.clone_from(&changed[number]);
+                    break;
+                }
+            }
+            if !is_better {
+                break;
+            }
+        }
+        Ok(Found { list, cost, is_proven: false, nodes: 0 })
+    }
+
+    /// The lists with other combinations at so many neighbouring disks that the rules allow.
+    fn changed<'a>(
+        &'a self,
+        list: &'a [usize],
+        width: usize,
+    ) -> impl Iterator<Item = Vec<usize>> + 'a {
+        let places = 0..(list.len() + 1).saturating_sub(width);
+        places.flat_map(move |first| {
+            let second = if width > 1 { self.choices.at(first + 1) } else { &[][..] };
+            self.choices.at(first).iter().flat_map(move |&a| {
+                let seconds: Vec<Option<usize>> = match width {
+                    1 => vec![None],
+                    _ => second.iter().copied().map(Some).collect(),
+                };
+                seconds.into_iter().filter_map(move |b| {
+                    let mut changed = list.to_vec();
+                    changed[first] = a;
+                    if let Some(b) = b {
+                        changed[first + 1] = b;
+                    }
+                    let is_new = a != list[first] && b.is_none_or(|b| b != list[first + 1]);
+                    (is_new && self.is_allowed(&changed)).then_some(changed)
+                })
+            })
+        })
+    }
+
+    fn is_allowed(&self, list: &[usize]) -> bool {
+        list.windows(2)
+            .enumerate()
+            .all(|(span, pair)| self.choices.after(pair[0], span + 1).any(|next| next == pair[1]))
+    }
+}

@@ -1,0 +1,11 @@
+//! Designs against exhaustion, closed forms and forward solves.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and a study prints its results"
+)]
+
+mod curves;
+mod holes;
+mod robots;
