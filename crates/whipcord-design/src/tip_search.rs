@@ -21,7 +21,11 @@ struct Way {
     code: u64,
 }
 
-type Tree = RTree<GeomWithData<[f64; 3], u64>>;
+/// Where the last disk can be in the frame of the disk in the middle, and how far from it.
+struct Places {
+    tree: RTree<GeomWithData<[f64; 3], u64>>,
+    distances: [f64; 2],
+}
 
 /// The best list to one disk for the first goal; `None` where there are too many ways even for halves, or none.
 pub(crate) fn nearest(
@@ -31,13 +35,19 @@ pub(crate) fn nearest(
     point: Vec3,
 ) -> Option<Found> {
     let middle = split(choices, disk)?;
-    let trees: Vec<Option<Tree>> = (0..choices.count)
+    let trees: Vec<Option<Places>> = (0..choices.count)
         .map(|start| {
             choices.at(middle).binary_search(&start).ok()?;
             let start = Way { pose: Pose::IDENTITY, last: start, code: 0 };
             let ways = extended(choices, table, vec![start], middle, disk);
             let place = |way: &Way| GeomWithData::new(way.pose.position.to_array(), way.code);
-            (!ways.is_empty()).then(|| RTree::bulk_load(ways.iter().map(place).collect()))
+            let distances = || ways.iter().map(|way| way.pose.position.norm());
+            let least = distances().fold(f64::INFINITY, f64::min);
+            let greatest = distances().fold(0.0, f64::max);
+            (!ways.is_empty()).then(|| Places {
+                tree: RTree::bulk_load(ways.iter().map(place).collect()),
+                distances: [least, greatest],
+            })
         })
         .collect();
     let start = |&choice: &usize| Way { pose: table.bases[0], last: choice, code: choice as u64 };
@@ -45,11 +55,16 @@ pub(crate) fn nearest(
     let fronts = extended(choices, table, starts, 0, middle);
     let mut best: Option<(f64, u64, u64, usize)> = None;
     for front in &fronts {
-        let Some(tree) = &trees[front.last] else { continue };
+        let Some(Places { tree, distances: [least, greatest] }) = &trees[front.last] else {
+            continue;
+        };
         let asked = front.pose.inverse().transform(point);
-        let asked = asked.to_array();
         let known = best.map_or(f64::INFINITY, |(distance, ..)| distance);
-        if tree.root().envelope().distance_2(&asked) >= known {
+        // All places are in a thin shell.
+        let away = asked.norm();
+        let outside = (least - away).max(away - greatest);
+        let asked = asked.to_array();
+        if outside >= known.sqrt() || tree.root().envelope().distance_2(&asked) >= known {
             continue;
         }
         let Some((found, distance)) = tree.nearest_neighbor_iter_with_distance_2(asked).next()
