@@ -3,7 +3,7 @@ CARGO ?= cargo
 # The crates of mechanics are tested in release with default flags: what the optimiser makes of the numerics counts. All
 # other tests run in the profile dev, which compiles fast and has debug assertions and overflow checks, those of the
 # mechanics under them included. `make test-long` runs the tests of mechanics in that profile as well.
-MECHANICS := whipcord-numerics whipcord whipcord-estimation whipcord-inverse whipcord-motion
+MECHANICS := whipcord-numerics whipcord whipcord-estimation whipcord-inverse whipcord-motion whipcord-design
 
 PYTHON ?= python3
 # Where the tests of the Python package have their packages.

@@ -11,12 +11,13 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-estimation", &["whipcord", "whipcord-numerics"]),
     ("whipcord-inverse", &["whipcord", "whipcord-numerics"]),
     ("whipcord-motion", &["whipcord", "whipcord-numerics"]),
+    ("whipcord-design", &["whipcord", "whipcord-numerics"]),
     ("whipcord-io", &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-motion"]),
     ("whipcord-plot", &["whipcord", "whipcord-estimation", "whipcord-inverse"]),
     ("whipcord-vision", &["whipcord", "whipcord-estimation", "whipcord-numerics"]),
@@ -104,6 +105,7 @@ fn the_mechanics_reach_for_no_operating_system() {
         "whipcord-estimation",
         "whipcord-inverse",
         "whipcord-motion",
+        "whipcord-design",
     ] {
         let mut files = Vec::new();
         rust_files(&workspace_root().join("crates").join(name).join("src"), &mut files);
