@@ -31,7 +31,8 @@ use clap::{Parser, Subcommand};
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
     bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure,
-    measure_stereo, new, overlay, reach, schema, score, solve, stiffness, view, workspace,
+    measure_stereo, new, overlay, reach, schema, score, simulate, solve, stiffness, view,
+    workspace,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -54,6 +55,7 @@ enum Verb {
     Reach(Box<reach::ReachArgs>),
     Workspace(workspace::WorkspaceArgs),
     Stiffness(stiffness::StiffnessArgs),
+    Simulate(simulate::SimulateArgs),
     Compare(compare::CompareArgs),
     Score(score::ScoreArgs),
     Fit(fit::FitArgs),
@@ -82,6 +84,7 @@ impl Verb {
             Self::Workspace(_) => ("workspace", Limit::None),
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
+            Self::Simulate(_) => ("simulate", Limit::None),
             Self::Compare(_) => ("compare", Limit::None),
             Self::Score(_) => ("score", Limit::None),
             Self::Fit(_) => ("fit", Limit::None),
@@ -136,6 +139,7 @@ where
         Verb::Reach(args) => reach::run(&args, style),
         Verb::Workspace(args) => workspace::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
+        Verb::Simulate(args) => simulate::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Score(args) => score::run(&args, style),
         Verb::Fit(args) => fit::run(&args, style),

@@ -30,6 +30,7 @@ mod rod;
 mod simulation;
 mod stage;
 mod state;
+mod trajectory;
 
 pub use commands::{CableDrive, Commands};
 pub use course::Course;
@@ -39,3 +40,4 @@ pub use modes::Mode;
 pub use options::{BaseMotion, Damping, Drag, Initial, LoadCourse, Method, MotionOptions};
 pub use simulation::Simulation;
 pub use state::{CableMotion, EnergyBalance, State, StepDiagnostics};
+pub use trajectory::Trajectory;

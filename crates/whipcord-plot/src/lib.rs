@@ -38,6 +38,7 @@ mod scene;
 mod space;
 mod svg;
 mod ticks;
+mod time;
 mod timing;
 mod title;
 mod unit;
@@ -60,5 +61,6 @@ pub use png::png;
 pub use robot_figure::{
     CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, label, robot_figure,
 };
+pub use time::{OverTime, TimeSeries, time_chart};
 pub use timing::{TimingSeries, timing_chart};
 pub use workspace_figure::{WorkspaceFigure, workspace_figure};

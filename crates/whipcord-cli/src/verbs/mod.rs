@@ -18,6 +18,7 @@ mod reach_path;
 mod reach_words;
 pub mod schema;
 pub mod score;
+pub mod simulate;
 pub mod solve;
 pub mod stiffness;
 pub mod view;

@@ -99,10 +99,13 @@ impl CaseFile {
         let cameras = cameras.take_while(|path| self.document().find(path).is_some());
         let meshes = (0..self.case.obstacles.len()).map(|k| format!("obstacles[{k}].file"));
         let meshes = meshes.filter(|path| self.document().find(path).is_some());
+        let over_time = (0..).map(|k| format!("motion.commands[{k}]"));
+        let over_time = over_time.take_while(|path| self.document().find(path).is_some());
+        let over_time = over_time.map(|path| format!("{path}.csv"));
         let files = ["extends", "commands.table", "measured.disks", "measured.table"];
         let files = files.into_iter().chain(["target.shape", "target.path"]);
         let files = files.map(str::to_owned);
-        for path in files.chain(cameras).chain(meshes) {
+        for path in files.chain(cameras).chain(meshes).chain(over_time) {
             if let Some(Node { span, value: Value::Text(named) }) = self.document().find(&path)
                 && span.file == 0
             {

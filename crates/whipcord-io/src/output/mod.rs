@@ -5,6 +5,7 @@ mod csv;
 mod fit;
 mod fit_analyses;
 mod json;
+mod motion;
 mod notices;
 mod parquet;
 mod path;
@@ -20,6 +21,7 @@ pub use csv::{
 };
 pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
+pub use motion::{motion_json, motion_table, poses_table};
 pub use notices::{problems_json, warnings_json};
 pub use path::{Beside, answer_json};
 pub use reach::{follow_json, reach_json};

@@ -8,6 +8,7 @@ mod examples;
 mod goal;
 mod materials;
 mod messages;
+mod motion;
 mod motors;
 mod reading;
 mod schema;

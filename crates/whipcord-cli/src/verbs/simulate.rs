@@ -1,0 +1,222 @@
+//! `whipcord simulate`: how the robot moves over time.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use whipcord_io::{CaseFile, CsvTable, motion_json, motion_table, poses_table, warnings_json};
+use whipcord_motion::{Method, MotionError, Simulation, State, Trajectory};
+use whipcord_plot::{OverTime, PlotError, TimeSeries, time_chart};
+
+use crate::inputs::{Settings, read_one};
+use crate::warnings::Warnings;
+use whipcord_study::failure::{Failure, message, refuses};
+use whipcord_study::files::{self, Folder};
+use whipcord_study::quantity::{fixed_millimetres, millimetres, newtons, number, vector};
+use whipcord_study::style::Style;
+use whipcord_study::table::{Align, Table};
+
+/// How the robot moves over time: poses, tensions, slack cables and the energy balance
+///
+/// Computes the motion of the Cosserat rod with its masses from [motion]: duration, steps, method, commands and loads
+/// over time, and the damping of [backbone.damping]. The folder gets motion.json (all states),
+/// motion.csv (a row for each state: tip, cables, energies) and poses.csv (a row for each node of each state).
+/// The summary is in mm, all else in SI units. Friction and obstacles are refused.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// Robot file, or - for standard input
+    file: PathBuf,
+    #[command(flatten)]
+    settings: Settings,
+    /// Folder for the results
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object with all states
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// Print the table of motion.csv
+    #[arg(long)]
+    csv: bool,
+    /// Write motion.parquet and poses.parquet to the folder as well
+    #[arg(long, requires = "out")]
+    parquet: bool,
+    /// Draw the tip, the tensions and the energies over time, to the folder as SVG and PNG
+    #[arg(long, requires = "out")]
+    plot: bool,
+    #[command(flatten)]
+    warnings: Warnings,
+}
+
+/// Simulates, writes the folder and returns what standard output shows.
+pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
+    let file = read_one(&args.file, &args.settings)?;
+    let warnings = file.warnings();
+    args.warnings.tell(&file, &warnings)?;
+    let Some((every, steps, rows)) = file.motion.rows() else {
+        return Err(Failure::Input(format!(
+            "error: {}: there is no [motion]\nhelp: add it to the file, or set its key: --set motion.duration=\"2 s\"",
+            file.path.display()
+        )));
+    };
+    let refused = |error| from_motion(&file, &error);
+    let commands = file.motion.commands(&file.robot, &file.case);
+    let options = file.motion.options();
+    let simulation = Simulation::with_commands(&file.robot, &file.case, &commands, options);
+    let trajectory = simulation
+        .and_then(|mut simulation| simulation.run(&commands, every, steps, rows))
+        .map_err(refused)?;
+    let no_result = |error| files::no_result(&error);
+    let mut json = motion_json(&file.title, &file.robot, &trajectory).map_err(no_result)?;
+    json["warnings"] = warnings_json(&file, &warnings);
+    let table = motion_table(&file.robot, &trajectory);
+    if let Some(out) = &args.out {
+        let poses = poses_table(&trajectory);
+        let parquet = |table: &CsvTable| table.to_parquet().map_err(no_result);
+        let binary = match args.parquet {
+            true => vec![("motion.parquet", parquet(&table)?), ("poses.parquet", parquet(&poses)?)],
+            false => Vec::new(),
+        };
+        let pictures = if args.plot { pictures(&file, &trajectory)? } else { Vec::new() };
+        let folder = Folder::create(out)?;
+        folder.write("motion.json", &format!("{json:#}\n"))?;
+        folder.write_table("motion.csv", &table)?;
+        folder.write_table("poses.csv", &poses)?;
+        for (name, bytes) in &binary {
+            files::write(&folder.path().join(name), bytes)?;
+        }
+        for (name, svg) in &pictures {
+            folder.write_figure(name, svg)?;
+        }
+    }
+    if args.json {
+        return Ok(format!("{json:#}\n"));
+    }
+    if args.csv {
+        return table.to_csv().map_err(no_result);
+    }
+    Ok(summary(args, &file, &trajectory, style))
+}
+
+/// What a motion says: with its place in the file where it refuses robot or case.
+fn from_motion(file: &CaseFile, error: &MotionError) -> Failure {
+    if let Some(located) = file.locate_motion(error) {
+        return Failure::Input(message(&located));
+    }
+    let text = format!("error: {}: {error}", file.path.display());
+    match error {
+        MotionError::NoEquilibrium(error) if !refuses(error) => Failure::Solve(text),
+        MotionError::Unbalanced { .. }
+        | MotionError::NotConverged { .. }
+        | MotionError::Tolerance { .. }
+        | MotionError::NoModes => Failure::Solve(text),
+        _ => Failure::Input(text),
+    }
+}
+
+/// The charts by their names.
+fn pictures(
+    file: &CaseFile,
+    trajectory: &Trajectory,
+) -> Result<Vec<(&'static str, String)>, Failure> {
+    let line = |label: &str, value: &dyn Fn(&State) -> f64| TimeSeries {
+        label: label.to_owned(),
+        rows: trajectory.states.iter().map(|state| [state.time, value(state)]).collect(),
+    };
+    let tip = [
+        line("x", &|state| state.tip().position.x),
+        line("y", &|state| state.tip().position.y),
+        line("z", &|state| state.tip().position.z),
+    ];
+    let cables = file.robot.cables().iter().enumerate();
+    let tensions: Vec<TimeSeries> =
+        cables.map(|(i, cable)| line(&cable.name, &|state| state.cables[i].tension)).collect();
+    let energies = [
+        line("kinetic", &|state| state.energy.kinetic),
+        line("elastic", &|state| state.energy.elastic),
+        line("gravity", &|state| state.energy.gravity),
+        line("from the cables", &|state| state.energy.cables),
+        line("from loads", &|state| state.energy.loads),
+        line("dissipated", &|state| state.energy.dissipated),
+    ];
+    let charts = [
+        ("tip", OverTime::Position, &tip[..]),
+        ("tensions", OverTime::Tension, &tensions[..]),
+        ("energy", OverTime::Energy, &energies[..]),
+    ];
+    let drawn = charts.into_iter().filter(|(_, _, series)| !series.is_empty());
+    let failed =
+        |error: PlotError| Failure::Solve(format!("error: the motion cannot be drawn: {error}"));
+    drawn
+        .map(|(name, what, series)| {
+            Ok((name, time_chart(&file.title, what, series).map_err(failed)?))
+        })
+        .collect()
+}
+
+fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style: Style) -> String {
+    let mut text = style.heading(&file.title);
+    text.push('\n');
+    let (Some(first), Some(last)) = (trajectory.states.first(), trajectory.states.last()) else {
+        return text;
+    };
+    let method = match last.diagnostics.method {
+        Method::Accurate => "accurate",
+        Method::Energy => "energy",
+        Method::Robust => "robust",
+    };
+    text += &format!("motion of cosserat, {method}\n\n");
+    let mut line = |name: &str, value: String| {
+        text += &format!("{}  {value}\n", style.faint(format!("{name:<9}")));
+    };
+    let (divided, steps) = (trajectory.parts > trajectory.steps, trajectory.steps);
+    let parts = if divided { format!(" in {} parts", trajectory.parts) } else { String::new() };
+    line("time", format!("{} s, {steps} steps{parts}", number(last.time, 4)));
+    line("start", vector(first.tip().position));
+    line("end", vector(last.tip().position));
+    let farthest = trajectory
+        .states
+        .iter()
+        .map(|state| (state.tip().position - first.tip().position).norm())
+        .fold(0.0, f64::max);
+    line("farthest", format!("{} mm from the start", fixed_millimetres(farthest, 2)));
+    if file.motion.tolerance.is_some() {
+        line(
+            "error",
+            format!("{} in a step at most, as estimated", millimetres(trajectory.greatest_error)),
+        );
+    }
+    let mut table = Table::new([
+        ("cable", Align::Left),
+        ("tension at the end", Align::Right),
+        ("greatest", Align::Right),
+        ("greatest slack", Align::Right),
+    ]);
+    for (i, cable) in file.robot.cables().iter().enumerate() {
+        let of = |value: fn(&whipcord_motion::CableMotion) -> f64| {
+            trajectory.states.iter().map(|state| value(&state.cables[i])).fold(0.0, f64::max)
+        };
+        table.row(vec![
+            cable.name.clone(),
+            newtons(last.cables[i].tension),
+            newtons(of(|cable| cable.tension)),
+            millimetres(of(|cable| cable.slack)),
+        ]);
+    }
+    if !file.robot.cables().is_empty() {
+        text += &format!("\n{}", table.text(style));
+    }
+    let energy = &last.energy;
+    let millijoules = |joules: f64| format!("{} mJ", number(1e3 * joules, 4));
+    text += &format!(
+        "\nenergy  {} at the start, {} at the end\n        {} from the cables, {} from loads, {} dissipated, {} by the integration\n",
+        millijoules(first.energy.total()),
+        millijoules(energy.total()),
+        millijoules(energy.cables),
+        millijoules(energy.loads),
+        millijoules(energy.dissipated),
+        millijoules(energy.defect()),
+    );
+    if let Some(out) = &args.out {
+        text += &format!("results: {}\n", out.display());
+    }
+    text
+}

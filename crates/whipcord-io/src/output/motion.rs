@@ -1,0 +1,162 @@
+//! Motions as JSON and tables.
+
+use serde_json::{Value, json};
+use whipcord::{Robot, Twist};
+use whipcord_motion::{EnergyBalance, Method, State, Trajectory};
+
+use super::NonFinite;
+use super::csv::{Cell, CsvTable};
+use super::json::{number, numbers, quaternion, vector};
+
+/// A motion as the JSON object that `whipcord simulate --json` prints; SI. Poses are those of the nodes in the world; strains `(v, u)` are those at the
+/// integration points, two for each element from base to tip.
+///
+/// # Errors
+/// [`NonFinite`] with the place of a number that is not finite.
+pub fn motion_json(
+    title: &str,
+    robot: &Robot,
+    trajectory: &Trajectory,
+) -> Result<Value, NonFinite> {
+    let states = trajectory.states.iter().enumerate();
+    let states: Vec<Value> =
+        states.map(|(k, state)| self::state(k, robot, state)).collect::<Result<_, _>>()?;
+    Ok(json!({
+        "title": title,
+        "model": "cosserat",
+        "status": "converged",
+        "arc_length": numbers("arc_length", &trajectory.arc_lengths)?,
+        "version": env!("CARGO_PKG_VERSION"),
+        "steps": trajectory.steps,
+        "parts": trajectory.parts,
+        "iterations": trajectory.iterations,
+        "estimated_error": number(|| "estimated_error".to_owned(), trajectory.greatest_error)?,
+        "states": states,
+    }))
+}
+
+fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
+    let place = |name: &str| format!("states[{k}].{name}");
+    let poses: Vec<Value> = state
+        .poses
+        .iter()
+        .enumerate()
+        .map(|(i, pose)| {
+            let path = |name: &str| place(&format!("poses[{i}].{name}"));
+            Ok(json!({
+                "position": vector(|| path("position"), pose.position)?,
+                "orientation": quaternion(|| path("orientation"), pose)?,
+            }))
+        })
+        .collect::<Result<_, NonFinite>>()?;
+    let strains: Vec<Value> = state
+        .strains
+        .iter()
+        .enumerate()
+        .map(|(i, strain)| numbers(&place(&format!("strains[{i}]")), &six(strain)))
+        .collect::<Result<_, _>>()?;
+    let velocities: Vec<Value> = state
+        .velocities
+        .iter()
+        .enumerate()
+        .map(|(i, velocity)| numbers(&place(&format!("velocities[{i}]")), &six(velocity)))
+        .collect::<Result<_, _>>()?;
+    let cables: Vec<Value> = robot
+        .cables()
+        .iter()
+        .zip(&state.cables)
+        .enumerate()
+        .map(|(i, (cable, of))| {
+            let path = |name: &str| place(&format!("cables[{i}].{name}"));
+            Ok(json!({
+                "name": cable.name,
+                "tension": number(|| path("tension"), of.tension)?,
+                "length": number(|| path("length"), of.length)?,
+                "slack": number(|| path("slack"), of.slack)?,
+            }))
+        })
+        .collect::<Result<_, NonFinite>>()?;
+    let mut energy = serde_json::Map::new();
+    for (name, value) in ENERGIES.iter().zip(energies(&state.energy)) {
+        energy.insert((*name).to_owned(), number(|| place(&format!("energy.{name}")), value)?);
+    }
+    Ok(json!({
+        "time": number(|| place("time"), state.time)?,
+        "method": method_name(state.diagnostics.method),
+        "poses": poses,
+        "velocities": velocities,
+        "strains": strains,
+        "cables": cables,
+        "motor_outputs": numbers(&place("motor_outputs"), &state.motor_outputs)?,
+        "energy": energy,
+    }))
+}
+
+fn six(twist: &Twist) -> [f64; 6] {
+    let ([a, b, c], [d, e, f]) = (twist.linear.to_array(), twist.angular.to_array());
+    [a, b, c, d, e, f]
+}
+
+/// The name of a method in files.
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Accurate => "accurate",
+        Method::Energy => "energy",
+        Method::Robust => "robust",
+    }
+}
+
+const ENERGIES: [&str; 7] =
+    ["kinetic", "elastic", "gravity", "cables", "loads", "dissipated", "defect"];
+
+fn energies(energy: &EnergyBalance) -> [f64; 7] {
+    let EnergyBalance { kinetic, elastic, gravity, cables, loads, dissipated, .. } = *energy;
+    [kinetic, elastic, gravity, cables, loads, dissipated, energy.defect()]
+}
+
+/// A row for each state: time, tip, its speed, the cables and the energy balance.
+#[must_use]
+pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
+    let mut columns: Vec<String> = ["t [s]", "tip_x [m]", "tip_y [m]", "tip_z [m]"]
+        .into_iter()
+        .chain(["tip_qw", "tip_qx", "tip_qy", "tip_qz", "tip_speed [m/s]"])
+        .map(str::to_owned)
+        .collect();
+    for cable in robot.cables() {
+        for what in ["tension [N]", "length [m]", "slack [m]"] {
+            columns.push(format!("{}.{what}", cable.name));
+        }
+    }
+    columns.extend(ENERGIES.iter().map(|name| format!("{name} [J]")));
+    let mut table = CsvTable::new(columns);
+    for state in &trajectory.states {
+        let (tip, last) = (state.tip(), state.velocities.last());
+        let speed = last.map_or(0.0, |velocity| velocity.linear.norm());
+        let mut row = vec![Cell::from(state.time)];
+        row.extend(tip.position.to_array().map(Cell::from));
+        row.extend(tip.rotation.wxyz().map(Cell::from));
+        row.push(Cell::from(speed));
+        for cable in &state.cables {
+            row.extend([cable.tension, cable.length, cable.slack].map(Cell::from));
+        }
+        row.extend(energies(&state.energy).map(Cell::from));
+        table.push(row);
+    }
+    table
+}
+
+/// A row for each node of each state: time, arc length and pose in the world.
+#[must_use]
+pub fn poses_table(trajectory: &Trajectory) -> CsvTable {
+    let mut table =
+        CsvTable::new(["t [s]", "s [m]", "x [m]", "y [m]", "z [m]", "qw", "qx", "qy", "qz"]);
+    for state in &trajectory.states {
+        for (s, pose) in trajectory.arc_lengths.iter().zip(&state.poses) {
+            let mut row = vec![Cell::from(state.time), Cell::from(*s)];
+            row.extend(pose.position.to_array().map(Cell::from));
+            row.extend(pose.rotation.wxyz().map(Cell::from));
+            table.push(row);
+        }
+    }
+    table
+}
