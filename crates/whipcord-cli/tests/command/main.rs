@@ -20,6 +20,7 @@ mod measure;
 mod overlay;
 mod reach;
 mod reference;
+mod simulate;
 mod solve;
 mod start;
 mod stereo;

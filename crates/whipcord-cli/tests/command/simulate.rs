@@ -1,0 +1,106 @@
+//! `whipcord simulate`.
+
+use serde_json::Value;
+
+use crate::support::{Scratch, fail, succeed};
+
+const ARM: &str = "examples/released-arm.toml";
+const SHORT: [&str; 2] = ["--set", "motion.duration=\"0.3 s\""];
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+#[test]
+fn a_released_arm_swings_and_its_energy_is_balanced() {
+    let scratch = Scratch::new();
+    let out = scratch.file("out");
+    let args = ["simulate", ARM, SHORT[0], SHORT[1], "--out", &out, "--plot", "--parquet"];
+    let summary = succeed(&args);
+    assert!(summary.contains("motion of cosserat, accurate"), "{summary}");
+    let folder = scratch.path().join("out");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let json: Value = serde_json::from_str(&read("motion.json")).unwrap();
+    let states = json["states"].as_array().unwrap();
+    // At 0, 10, … 300 ms.
+    assert_eq!(states.len(), 31);
+    assert!((number(&states[30]["time"]) - 0.3).abs() < 1e-12);
+    let tip = |state: &Value| number(&state["poses"].as_array().unwrap().last().unwrap()["position"][0]);
+    let first = tip(&states[0]);
+    // Bent towards the pulled cable, then past the middle to the other side.
+    assert!(first > 0.005, "{first}");
+    assert!(states.iter().any(|state| tip(state) < -0.2 * first));
+    let held = &states[0]["cables"][0]["tension"];
+    assert!((number(held) - 4.0).abs() < 1e-12 || number(held) == 0.0, "{held}");
+    assert_eq!(number(&states[5]["cables"][0]["tension"]), 0.0);
+    // What the material takes is what is lacking, and nothing else.
+    let energy = |state: &Value, name: &str| number(&state["energy"][name]);
+    let start = energy(&states[0], "elastic").abs();
+    let last = states.last().unwrap();
+    assert!(energy(last, "dissipated") > 0.0);
+    assert!(energy(last, "defect").abs() < 0.02 * start, "{last}");
+    assert_eq!(read("motion.csv").lines().count(), 32);
+    let nodes = states[0]["poses"].as_array().unwrap().len();
+    assert_eq!(read("poses.csv").lines().count(), 1 + 31 * nodes);
+    for name in ["tip", "tensions", "energy"] {
+        for ending in ["svg", "png"] {
+            assert!(folder.join(format!("{name}.{ending}")).exists(), "{name}.{ending}");
+        }
+    }
+    for name in ["motion.parquet", "poses.parquet"] {
+        assert!(std::fs::read(folder.join(name)).unwrap().starts_with(b"PAR1"), "{name}");
+    }
+}
+
+#[test]
+fn json_and_csv_are_those_of_the_folder() {
+    let json: Value =
+        serde_json::from_str(&succeed(&["simulate", ARM, SHORT[0], SHORT[1], "--json"])).unwrap();
+    assert_eq!(json["status"], "converged");
+    let csv = succeed(&["simulate", ARM, SHORT[0], SHORT[1], "--csv"]);
+    let rows: Vec<&str> = csv.lines().collect();
+    assert!(rows[0].starts_with("t [s],tip_x [m],tip_y [m],tip_z [m]"), "{}", rows[0]);
+    let state = &json["states"][7];
+    let tip = number(&state["poses"].as_array().unwrap().last().unwrap()["position"][0]);
+    let cell: f64 = rows[8].split(',').nth(1).unwrap().parse().unwrap();
+    assert!((cell - tip).abs() <= 1e-12 * tip.abs().max(1e-3));
+}
+
+/// The three methods agree where the steps are short.
+#[test]
+fn the_methods_agree() {
+    let tip = |method: &str| {
+        let method = format!("motion.method={method:?}");
+        let text = succeed(&[
+            "simulate",
+            ARM,
+            "--set",
+            "motion.duration=\"50 ms\"",
+            "--set",
+            "motion.step=\"0.5 ms\"",
+            "--set",
+            &method,
+            "--json",
+        ]);
+        let json: Value = serde_json::from_str(&text).unwrap();
+        let last = json["states"].as_array().unwrap().last().unwrap().clone();
+        let position = last["poses"].as_array().unwrap().last().unwrap()["position"].clone();
+        [0, 1, 2].map(|i| number(&position[i]))
+    };
+    let accurate = tip("accurate");
+    for method in ["energy", "robust"] {
+        let of = tip(method);
+        let off = (0..3).map(|i| (of[i] - accurate[i]).powi(2)).sum::<f64>().sqrt();
+        assert!(off < 3e-3 * 0.3, "{method}: {off}");
+    }
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused() {
+    assert!(fail(2, &["simulate", "examples/three-cable-segment.toml"]).contains("[motion]"));
+    let rubbing = ["simulate", ARM, "--set", "cables[0].friction=0.2"];
+    assert!(fail(2, &rubbing).contains("friction"));
+    assert!(fail(2, &["simulate", ARM, "--plot"]).contains("--out"));
+    let method = ["simulate", ARM, "--set", "motion.method=\"magic\""];
+    assert!(fail(2, &method).contains("accurate"));
+}
