@@ -11,8 +11,9 @@ use whipcord::{
 };
 use whipcord_io::CaseFile;
 
+use crate::inverse::TipSolver;
 use crate::protocol::{
-    self, Answer, CableState, Command, Compliance, Contact, Frame, Malformed, PlacedObject,
+    self, Answer, CableState, Command, Compliance, Contact, Frame, Malformed, PlacedObject, Reach,
     Request, Slider, Solved,
 };
 use crate::scene::{array, model, sliders};
@@ -30,6 +31,7 @@ pub struct Bench {
     sliders: Vec<Slider>,
     places: Places,
     ready: Vec<Ready>,
+    tip_solver: TipSolver,
     cancel: Cancel,
     /// How long the flag lets a solve take.
     limit: Duration,
@@ -65,7 +67,8 @@ impl Bench {
         let places = Places::of(&file.robot);
         let sliders = sliders(&file.robot, &file.case);
         let (ready, cancel, limit) = (Vec::new(), Cancel::default(), Duration::MAX);
-        Self { file, sliders, places, ready, cancel, limit }
+        let tip_solver = TipSolver::default();
+        Self { file, sliders, places, ready, tip_solver, cancel, limit }
     }
 
     /// Lets this flag, which is set after so long, end the next solves.
@@ -90,6 +93,13 @@ impl Bench {
     /// [`Malformed`] for a model that is not known.
     pub fn solve(&mut self, request: &Request, arrival: Instant) -> Result<Frame, Malformed> {
         let presets = request.presets()?;
+        let reach = request.target.map(|place| self.reach(&presets, request, place.into()));
+        let commands = match &reach {
+            Some(Reach::Found { commands, .. }) => Some(commands.clone()),
+            Some(Reach::Failed { .. }) | None => None,
+        };
+        let changed = commands.map(|commands| Request { commands, ..request.clone() });
+        let request = changed.as_ref().unwrap_or(request);
         let found = match self.case(request) {
             Ok(case) => self.found(&presets, &case),
             Err(why) => presets.into_iter().map(|preset| (preset, Err(why.clone()))).collect(),
@@ -108,7 +118,20 @@ impl Bench {
             }
         });
         let answers = answers.collect();
-        Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers })
+        Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers, reach })
+    }
+
+    /// Commands for a place of the tip, by the first model.
+    fn reach(&mut self, presets: &[ModelPreset], request: &Request, place: Vec3) -> Reach {
+        let Some(&preset) = presets.first() else {
+            return Reach::Failed { message: "no model is chosen".to_owned() };
+        };
+        let case = match self.case(request) {
+            Ok(case) => case,
+            Err(message) => return Reach::Failed { message },
+        };
+        let sliders = (self.sliders.as_slice(), request.commands.as_slice());
+        self.tip_solver.reach(&self.file, (preset, &case), sliders, place, &self.cancel)
     }
 
     /// What these models find, in their order.

@@ -15,6 +15,7 @@ use whipcord::Cancel;
 use crate::bench::Bench;
 use crate::opened::{Opened, Usable};
 use crate::protocol::{self, FromPage, Malformed, Request, ToPage};
+use crate::survey::surveys;
 
 /// Messages that wait to be sent to a page that is slow to take them.
 const WAITING: usize = 4;
@@ -45,6 +46,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     let (mut out, mut incoming) = socket.split();
     let (send, mut messages) = mpsc::channel::<ToPage>(WAITING);
     let (ask, latest) = watch::channel::<Option<Arrived>>(None);
+    let (survey, latest_survey) = watch::channel::<Option<Arc<Request>>>(None);
     let writer = async move {
         while let Some(message) = messages.recv().await {
             // What is sent has been checked to hold numbers only, which is all that could fail.
@@ -54,6 +56,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
             }
         }
     };
+    let surveyor = surveys(shared.opened.clone(), latest_survey, send.clone());
     let solver = solve(shared, latest, send.clone());
     let reader = async move {
         while let Some(Ok(message)) = incoming.next().await {
@@ -67,6 +70,12 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
                 Ok(FromPage::Solve(request)) => {
                     ask.send_replace(Some((Arc::new(request), Instant::now())));
                 }
+                Ok(FromPage::Survey(request)) => {
+                    survey.send_replace(Some(Arc::new(request)));
+                }
+                Ok(FromPage::EndSurvey) => {
+                    survey.send_replace(None);
+                }
                 Err(error) => {
                     if send.send(ToPage::Error { message: error.to_string() }).await.is_err() {
                         break;
@@ -78,6 +87,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     tokio::select! {
         () = writer => {}
         () = solver => {}
+        () = surveyor => {}
         () = reader => {}
     }
 }

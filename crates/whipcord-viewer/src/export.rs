@@ -5,13 +5,15 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use whipcord::{ModelPreset, Shape, Solution, Twist, Vec3};
+use whipcord_inverse::Workspace;
 use whipcord_io::{CaseFile, load};
 
 use crate::bench::Bench;
 use crate::error::ViewError;
 use crate::grid::Grid;
+use crate::inverse::cloud;
 use crate::page::{Page, page};
-use crate::protocol::{Command, Pose, Request, Scene};
+use crate::protocol::{Cloud, Command, Pose, Request, Scene};
 use crate::scene::{begin_with, pose, scene};
 
 /// Most bytes of an exported page.
@@ -38,6 +40,9 @@ struct Recording {
     /// The positions of each slider. The last frame is that of the file, which is none of theirs.
     axes: Vec<Vec<f64>>,
     models: Vec<Recorded>,
+    /// Where the tip can go, where the page shows that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cloud: Option<Cloud>,
 }
 
 /// The frames of one model.
@@ -100,7 +105,22 @@ pub fn export(
 ) -> Result<String, ViewError> {
     let file = Arc::new(load(path)?);
     let page = page()?;
-    written(page, &record(&file, models, tell)?)
+    written(page, &record(&file, models, None, tell)?)
+}
+
+/// Writes the page of a robot with where its tip can go, as it was surveyed by this model.
+///
+/// # Errors
+/// As [`export`].
+pub fn export_workspace(
+    file: &CaseFile,
+    model: ModelPreset,
+    workspace: &Workspace,
+    tell: impl FnMut(Progress),
+) -> Result<String, ViewError> {
+    let page = page()?;
+    let file = Arc::new(file.clone());
+    written(page, &record(&file, &[model], Some(cloud(0, workspace)), tell)?)
 }
 
 /// The page with a recording inside.
@@ -115,6 +135,7 @@ fn written(page: Page, recording: &Recording) -> Result<String, ViewError> {
 fn record(
     file: &Arc<CaseFile>,
     models: &[ModelPreset],
+    cloud: Option<Cloud>,
     mut tell: impl FnMut(Progress),
 ) -> Result<Recording, ViewError> {
     let mut scene = scene(file);
@@ -137,7 +158,9 @@ fn record(
         + 4 * POSE_NUMBERS * moving
         + 2
         + touching;
-    let most = (MOST_OF_FRAMES / presets.len() / bytes).min(MOST_FRAMES);
+    // A cloud takes up to a megabyte.
+    let room = if cloud.is_some() { MOST_OF_FRAMES / 2 } else { MOST_OF_FRAMES };
+    let most = (room / presets.len() / bytes).min(MOST_FRAMES);
     let grid = Grid::new(&scene.initial.commands, |slider| scene.reach(slider), most);
     let each = grid.frames() + TRIALS;
     let all = each * presets.len();
@@ -151,7 +174,7 @@ fn record(
     });
     let recorded = recorded.collect();
     let axes = grid.axes.into_iter().map(|axis| axis.values).collect();
-    Ok(Recording { scene, axes, models: recorded })
+    Ok(Recording { scene, axes, models: recorded, cloud })
 }
 
 /// Frames in an order in which each is solved from a neighbour: every other row backwards.

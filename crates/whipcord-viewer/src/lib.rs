@@ -9,6 +9,7 @@ mod connection;
 mod error;
 mod export;
 mod grid;
+mod inverse;
 mod obstacles;
 mod opened;
 mod page;
@@ -17,6 +18,7 @@ mod ranges;
 mod scene;
 mod server;
 mod stations;
+mod survey;
 #[cfg(test)]
 mod tests;
 
@@ -28,7 +30,7 @@ use crate::page::{Page, page};
 use crate::server::{Server, Viewed};
 
 pub use error::ViewError;
-pub use export::{Progress, export};
+pub use export::{Progress, export, export_workspace};
 pub use scene::offered;
 
 /// A robot file that is about to be viewed: it can be used, and the server listens.

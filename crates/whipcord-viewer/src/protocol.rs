@@ -5,8 +5,12 @@
 //!
 //! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
 
+mod inverse;
+
 use serde::{Deserialize, Serialize};
 use whipcord::{ModelKind, ModelPreset};
+
+pub use inverse::{Cloud, MetLimit, Reach};
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -20,6 +24,11 @@ const MOST_ID: u64 = (1 << 53) - 1;
 pub enum FromPage {
     /// To solve what the sliders say. A request that comes before an earlier one is begun replaces it.
     Solve(Request),
+    /// To survey where the tip can go, by the first model of the request and under its loads, beside all other requests. It replaces
+    /// a survey that goes on.
+    Survey(Request),
+    /// To end a survey that goes on.
+    EndSurvey,
 }
 
 /// What the sliders say.
@@ -41,6 +50,9 @@ pub struct Request {
     /// Whether the compliance of the tip is asked for.
     #[serde(default)]
     pub compliance: bool,
+    /// A place in m for the tip: commands are sought that bring it there, from those given, and the models answer for these.
+    #[serde(default)]
+    pub target: Option<[f64; 3]>,
 }
 
 /// What one cable or motor is told.
@@ -78,6 +90,15 @@ pub enum ToPage {
     },
     /// The answer to a request.
     Frame(Frame),
+    /// Where the tip can go.
+    Cloud(Cloud),
+    /// A survey that has no answer.
+    NoCloud {
+        /// Number of its request.
+        id: u64,
+        /// Why.
+        message: String,
+    },
     /// A message from the page that means nothing.
     Error {
         /// Why.
@@ -312,6 +333,8 @@ pub struct Frame {
     pub time: f64,
     /// What each model says, in the order of the request.
     pub answers: Vec<Answer>,
+    /// Commands for the place of the request, where it has one.
+    pub reach: Option<Reach>,
 }
 
 /// What a model says.
@@ -483,7 +506,9 @@ pub enum Malformed {
 pub fn read(text: &str) -> Result<FromPage, Malformed> {
     let message: FromPage =
         serde_json::from_str(text).map_err(|error| Malformed::Json(error.to_string()))?;
-    let FromPage::Solve(request) = &message;
+    let (FromPage::Solve(request) | FromPage::Survey(request)) = &message else {
+        return Ok(message);
+    };
     if request.id > MOST_ID {
         return Err(Malformed::Id(request.id));
     }

@@ -206,6 +206,7 @@ fn initial(file: &CaseFile, sliders: &[Slider], initial_lengths: &[f64]) -> Requ
         gravity: array(loads.gravity.unwrap_or_default()),
         models: Vec::new(),
         compliance: false,
+        target: None,
     }
 }
 

@@ -1,13 +1,14 @@
 // The page: what the user does becomes a state, a state a request, an answer a picture.
 
 import { modelColour } from "./colours";
+import { describe as describeCloud, points } from "./cloud";
 import { ellipsoid } from "./ellipsoid";
 import { Controls } from "./controls";
 import { byId, element } from "./dom";
 import { add, conjugate, rotate, scale, tipFrame } from "./geometry";
 import { key, show, type Legend } from "./legend";
 import { paints } from "./paint";
-import type { Answer, Frame, Quaternion, Scene, Solved, Vector } from "./protocol";
+import type { Answer, Cloud, Frame, Quaternion, Scene, Solved, Vector } from "./protocol";
 import { readout } from "./readout";
 import { RobotMesh } from "./robot";
 import { describe, Recorded, recordingInPage, type Recording } from "./recorded";
@@ -67,6 +68,13 @@ export class App {
   #connected = false;
   /** Force at the tip when it was taken hold of, in the world. */
   #held: Vector | undefined;
+  /** Where the tip is dragged to. */
+  #target: Vector | undefined;
+  /** Whether the tip has been let go, but the answer to the last place is still waited for. */
+  #letGo = false;
+  /** What the latest survey was asked for, and its number. */
+  #surveyed = "";
+  #survey = 0;
 
   constructor() {
     const button = (label: string, keys: string, act: () => void): HTMLButtonElement =>
@@ -82,10 +90,12 @@ export class App {
       this.#theme.button,
     );
     this.#stage = new Stage(byId("canvas") as HTMLCanvasElement, {
-      pull: (by) => this.#pull(by),
+      pull: (by, to) => this.#pull(by, to),
       release: () => {
         this.#held = undefined;
-        this.#commit();
+        if (this.#target) this.#letGo = true;
+        else this.#commit();
+        this.#settle();
       },
       looked: () => {
         this.#looks = true;
@@ -108,6 +118,10 @@ export class App {
     const listener: Listener = {
       scene: (scene) => this.#open(scene),
       frame: (frame) => this.#receive(frame),
+      cloud: (cloud) => this.#cloud(cloud),
+      noCloud: (id, message) => {
+        if (id === this.#survey) this.#tellOfCloud(message);
+      },
       broken: (message) => {
         this.#broken = message;
         this.#tell();
@@ -149,8 +163,13 @@ export class App {
     }
     this.#scene = scene;
     this.#initial = initialState(scene);
+    // A page that was exported with a cloud shows it from the start.
+    if (this.#recording?.cloud) this.#state.workspace = this.#initial.workspace = true;
     this.#outdated = this.#asked;
     this.#frame = undefined;
+    [this.#target, this.#letGo, this.#surveyed] = [undefined, false, ""];
+    this.#stage.target(undefined);
+    this.#stage.cloud(undefined);
     this.#whenShown = undefined;
     this.#stage.robots([]);
     for (const { mesh } of this.#shown.values()) mesh.dispose();
@@ -172,6 +191,7 @@ export class App {
       },
       modelColour,
       this.#recording?.axes,
+      !this.#recording || this.#recording.cloud !== undefined,
     );
     if (this.#recording) {
       byId("note").textContent = describe(this.#recording);
@@ -183,8 +203,9 @@ export class App {
     if (again) this.#writeAddress();
     refocus(focused);
     const spacing = significant(toUnit(gridSpacing(scene), MILLIMETRE), 3);
-    const points = scene.measured.length > 0 ? [key({ colour: MEASURED, label: "measured on the real robot" })] : [];
-    byId("scale").replaceChildren(`grid ${spacing} mm`, ...points);
+    const measured = scene.measured.length > 0 ? [key({ colour: MEASURED, label: "measured on the real robot" })] : [];
+    byId("scale").replaceChildren(`grid ${spacing} mm`, ...measured);
+    if (!this.#recording || this.#recording.cloud) this.#ensureCloud(this.#state);
     this.#show();
   }
 
@@ -192,14 +213,47 @@ export class App {
     if (!this.#state || !this.#scene) return;
     const { colouring } = this.#state;
     edit(this.#state);
+    this.#controls?.limits(null);
     // A matter of the page alone.
     if (this.#state.colouring !== colouring) this.#dress(this.#scene, this.#state);
     else this.#show();
   }
 
+  /** Asks where the tip can go, if that is to be shown and is not known for these loads. */
+  #ensureCloud(state: State): void {
+    const kinds = state.commands.map((command) => Object.keys(command)[0]);
+    const { tipForce, tipMoment, gravity, models } = state;
+    const wanted = state.workspace ? JSON.stringify([tipForce, tipMoment, gravity, models[0], kinds]) : "";
+    if (wanted === this.#surveyed) return;
+    const ended = this.#surveyed !== "";
+    this.#surveyed = wanted;
+    this.#stage.cloud(undefined);
+    if (wanted !== "") {
+      this.#source.survey(toRequest(state, ++this.#survey));
+      this.#tellOfCloud("Surveying…");
+    } else if (ended) {
+      this.#source.survey(undefined);
+      this.#tellOfCloud("");
+    }
+  }
+
+  #cloud(cloud: Cloud): void {
+    if (cloud.id !== this.#survey || this.#surveyed === "") return;
+    this.#stage.cloud(points(cloud));
+    this.#tellOfCloud(describeCloud(cloud));
+  }
+
+  #tellOfCloud(words: string): void {
+    const hint = document.getElementById("cloud");
+    if (!hint) return;
+    hint.textContent = words;
+    hint.hidden = words === "";
+  }
+
   #commit(): void {
     if (!this.#state || !this.#initial) return;
     this.#history?.commit(this.#state);
+    this.#ensureCloud(this.#state);
     this.#failure = undefined;
     this.#writeAddress();
     this.#buttons();
@@ -230,6 +284,9 @@ export class App {
   #set(state: State | undefined): void {
     if (!state) return;
     this.#state = state;
+    [this.#target, this.#letGo] = [undefined, false];
+    this.#stage.target(undefined);
+    this.#controls?.limits(null);
     this.#show(true);
     this.#commit();
   }
@@ -271,10 +328,16 @@ export class App {
     }
   }
 
-  /** The force that drags the tip grows with the distance: half the robot's length is the end of the slider. */
-  #pull(by: Vector): void {
+  /** The force that drags the tip grows with the distance: half the robot's length is the end of the slider. Or commands are
+   * sought for the place. */
+  #pull(by: Vector, to: Vector): void {
     const [scene, state] = [this.#scene, this.#state];
     if (!scene || !state) return;
+    if (state.dragging === "reach") {
+      [this.#target, this.#letGo] = [to, false];
+      this.#stage.target(to);
+      return this.#show();
+    }
     const frame = this.#tipFrame(scene);
     this.#held ??= rotate(frame, state.tipForce);
     const force = add(this.#held, scale(by, (2 * scene.ranges.force) / scene.length));
@@ -306,7 +369,7 @@ export class App {
     requestAnimationFrame(() => {
       this.#scheduled = false;
       if (!this.#state) return;
-      this.#source.ask(toRequest(this.#state, ++this.#asked));
+      this.#source.ask(toRequest(this.#state, ++this.#asked, this.#target ?? null));
       // Most answers come at once; who waits is told that it goes on.
       if (this.#connected) this.#patience ||= window.setTimeout(() => this.#wait(true), PATIENCE);
     });
@@ -338,12 +401,28 @@ export class App {
     const [scene, state] = [this.#scene, this.#state];
     if (!scene || !state) return;
     this.#answers = frame.answers;
+    if (frame.reach && this.#target) {
+      this.#controls?.limits(frame.reach);
+      if (frame.reach.status === "found") {
+        state.commands = frame.reach.commands;
+        this.#controls?.show(state, false);
+      }
+    }
     byId("view").dataset["frame"] = String(frame.id);
     this.#dress(scene, state);
     this.#reading ||= window.setTimeout(() => this.#read(), READABLE - (performance.now() - this.#readAt));
     this.#tell();
     this.#drawn = frame.id;
+    this.#settle();
     this.#catchUp();
+  }
+
+  /** Ends dragging once the answer to the last place is there. */
+  #settle(): void {
+    if (!this.#letGo || this.#drawn !== this.#asked || this.#scheduled) return;
+    [this.#target, this.#letGo] = [undefined, false];
+    this.#stage.target(undefined);
+    this.#commit();
   }
 
   /** Does what waits for the answer to the latest request, if that is what is shown. */

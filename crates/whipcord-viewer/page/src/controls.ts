@@ -2,8 +2,8 @@
 
 import { element } from "./dom";
 import { swatch } from "./legend";
-import type { Motor, Scene, Vector } from "./protocol";
-import { COLOURINGS, commandOf, valueOf, type Colouring, type Kind, type State } from "./state";
+import type { MetLimit, Motor, Reach, Scene, Vector } from "./protocol";
+import { COLOURINGS, commandOf, DRAGGING, valueOf, type Colouring, type Dragging, type Kind, type State } from "./state";
 import {
   DEGREE,
   fromUnit,
@@ -11,6 +11,7 @@ import {
   MILLIMETRE,
   MILLINEWTON_METRE,
   NEWTON,
+  significant,
   toUnit,
   type Unit,
 } from "./units";
@@ -119,16 +120,21 @@ export class Controls {
   readonly #models = new Map<string, HTMLInputElement>();
   readonly #colouring: HTMLSelectElement;
   readonly #compliance: HTMLInputElement;
+  readonly #workspace: HTMLInputElement;
+  readonly #dragging = new Map<Dragging, HTMLInputElement>();
+  readonly #limits = element("p", { class: "hint", id: "limits", role: "status", hidden: true });
   readonly #scene: Scene;
   readonly #axes: readonly number[][] | undefined;
 
-  /** `axes` are the positions of the sliders of cables and motors in an exported page, in which nothing else can be moved. */
+  /** `axes` are the positions of the sliders of cables and motors in an exported page, in which nothing else can be moved, and `hasCloud`
+   * says whether it knows where the tip can go. */
   constructor(
     scene: Scene,
     into: HTMLElement,
     changes: Changes,
     colourOf: (model: string) => string,
     axes?: readonly number[][],
+    hasCloud = axes === undefined,
   ) {
     this.#scene = scene;
     this.#axes = axes;
@@ -159,10 +165,16 @@ export class Controls {
       changes.change((state) => void (state.compliance = this.#compliance.checked));
       changes.commit();
     });
+    this.#workspace = element("input", { type: "checkbox", id: "workspace" });
+    this.#workspace.addEventListener("change", () => {
+      changes.change((state) => void (state.workspace = this.#workspace.checked));
+      changes.commit();
+    });
     const fixed = scene.loads_in_base ? "in the frame of the base" : "in the world";
     const frame = scene.tip_follower ? "in the frame of the tip, with which it turns, as the moment does" : fixed;
     const force = group("Force at the tip", ...this.#vectors[0]!.each.map((q) => q.row));
     force.append(element("p", { class: "hint" }, `Drag the tip, or set it here, ${frame}.`));
+    const drag = group("Dragging the tip", ...DRAGGING.map((name) => this.#drag(name, changes)), this.#limits);
     const loads = [
       force,
       group("Moment at the tip", ...this.#vectors[1]!.each.map((q) => q.row)),
@@ -171,12 +183,18 @@ export class Controls {
     into.replaceChildren(
       ...(scene.motors.length > 0 ? [group("Motors", ...this.#rows("motor"))] : []),
       ...(scene.motors.length === 0 || this.#rows("cable").length > 0 ? [group("Cables", ...this.#rows("cable"))] : []),
-      ...(axes ? [] : loads),
+      ...(axes ? [] : [drag, ...loads]),
       group("Models", ...scene.models.filter((model) => !axes || model.refusal === null).map((model) => this.#model(model.name, model.refusal, changes, colourOf(model.name)))),
       group(
         "Show",
         element("div", { class: "choice" }, element("label", { for: "colouring" }, "Colour by"), this.#colouring),
-        ...(axes ? [] : [element("div", { class: "choice" }, this.#compliance, element("label", { for: "compliance" }, "Compliance of the tip"))]),
+        ...(axes ? [] : [
+          element("div", { class: "choice" }, this.#compliance, element("label", { for: "compliance" }, "Compliance of the tip")),
+        ]),
+        ...(hasCloud ? [
+          element("div", { class: "choice" }, this.#workspace, element("label", { for: "workspace" }, "Where the tip can go")),
+          element("p", { class: "hint", id: "cloud", role: "status", hidden: true }),
+        ] : []),
       ),
     );
     axes?.forEach((values, i) => this.#sliders[i]!.bound(values[0]!, values.at(-1)!));
@@ -210,6 +228,21 @@ export class Controls {
     for (const [name, box] of this.#models) box.checked = state.models.includes(name);
     this.#colouring.value = state.colouring;
     this.#compliance.checked = state.compliance;
+    this.#workspace.checked = state.workspace;
+    for (const [name, button] of this.#dragging) button.checked = state.dragging === name;
+  }
+
+  /** Marks the sliders at a limit, and says which limits the robot is at, or why it does not get to the pointer. */
+  limits(reach: Reach | null): void {
+    const met = reach?.status === "found" ? reach.limits : [];
+    this.#sliders.forEach(({ row }, i) => row.classList.toggle("limited", met.some(({ slider }) => slider === i)));
+    const words =
+      reach?.status === "failed" ? reach.message
+      : reach && !reach.reached ? `${significant(1e3 * reach.distance, 3)} mm from the pointer${met.length > 0 ? `, at a limit: ${list(met)}` : ""}`
+      : met.length > 0 ? `At a limit: ${list(met)}`
+      : "";
+    if (this.#limits.textContent !== words) this.#limits.textContent = words;
+    this.#limits.hidden = words === "";
   }
 
   /** The sliders of cables, or those of motors. */
@@ -248,6 +281,18 @@ export class Controls {
     return new Quantity(name, `cable-${cable}`, NEWTON, [0, this.#scene.ranges.tension], changes, edit, toggle);
   }
 
+  #drag(name: Dragging, changes: Changes): HTMLElement {
+    const id = `drag-${name}`;
+    const button = element("input", { type: "radio", name: "dragging", id, value: name });
+    button.addEventListener("change", () => {
+      changes.change((state) => void (state.dragging = name));
+      changes.commit();
+    });
+    this.#dragging.set(name, button);
+    const words = name === "force" ? "A force pulls at it" : "It follows the pointer";
+    return element("div", { class: "choice" }, button, element("label", { for: id }, words));
+  }
+
   #model(name: string, refusal: string | null, changes: Changes, colour: string): HTMLElement {
     const id = `model-${name}`;
     const box = element("input", { type: "checkbox", id, disabled: refusal !== null });
@@ -268,6 +313,10 @@ export class Controls {
     }
     return row;
   }
+}
+
+function list(limits: readonly MetLimit[]): string {
+  return limits.map(({ words }) => words).join(", ");
 }
 
 function group(legend: string, ...rows: HTMLElement[]): HTMLElement {

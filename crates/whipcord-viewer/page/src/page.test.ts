@@ -6,7 +6,7 @@ import { course, place, rotate, spans, strainsOf, tensions, tipFrame } from "./g
 import interpolation from "./interpolation.json";
 import { extent, ticks } from "./plots";
 import { around, contacts, move, objects } from "./recorded";
-import { decode, encode, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
+import { decode, encode, encodeSurvey, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { Sharpness } from "./sharpness";
 import { fromHash, History, initialState, rebase, toHash, toRequest, viewFromHash, viewToHash } from "./state";
@@ -23,9 +23,11 @@ describe("the protocol", () => {
   });
 
   it("is written as the server reads it", () => {
-    const { type, ...request } = fromPage[0]!;
-    expect(type).toBe("solve");
-    expect(JSON.parse(encode(request satisfies Request))).toEqual(fromPage[0]);
+    const [solve, survey, end] = fromPage;
+    const { type: _, ...request } = solve as { type: string } & Request;
+    expect(JSON.parse(encode(request))).toEqual(solve);
+    expect(JSON.parse(encodeSurvey(request))).toEqual(survey);
+    expect(JSON.parse(encodeSurvey(undefined))).toEqual(end);
   });
 });
 
@@ -73,7 +75,8 @@ describe("colours", () => {
 
 describe("the state", () => {
   it("asks for what the file asks for", () => {
-    expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false });
+    expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false, target: null });
+    expect(toRequest(initialState(scene), 7, [0, 0, 1]).target).toEqual([0, 0, 1]);
   });
 
   it("goes through the address and back", () => {
@@ -84,8 +87,9 @@ describe("the state", () => {
     state.tipForce = [0, -0.5, 1e-3];
     state.models = ["cosserat"];
     state.colouring = "curvature";
+    [state.dragging, state.workspace] = ["reach", true];
     const hash = toHash(state, initial);
-    expect(hash).toBe("cables=s-0.0031,t4.25,m-0.5&force=0,-0.5,0.001&models=cosserat&colour=curvature");
+    expect(hash).toBe("cables=s-0.0031,t4.25,m-0.5&force=0,-0.5,0.001&models=cosserat&colour=curvature&drag=reach&workspace=true");
     expect(fromHash(`#${hash}`, scene)).toEqual(state);
     state.models = [];
     expect(fromHash(toHash(state, initial), scene)).toEqual(state);
@@ -124,7 +128,7 @@ describe("the state", () => {
   });
 
   it("is that of the file where the address makes no sense", () => {
-    const nonsense = "#cables=t1&force=1,2&moment=a,b,c&models=none&colour=pink&gravity=1,2,NaN&%";
+    const nonsense = "#cables=t1&force=1,2&moment=a,b,c&models=none&colour=pink&gravity=1,2,NaN&drag=away&workspace=1&%";
     for (const other of ["#cables=x1,t2,m1", "#cables=t1,t2", "#cables=m1,t2,m1", "#cables=t1,t2,s1"]) {
       expect(fromHash(other, scene)).toEqual(initialState(scene));
     }

@@ -18,9 +18,11 @@ export interface Request {
   gravity: Vector;
   models: string[];
   compliance: boolean;
+  /** A place for the tip, which commands are sought for. */
+  target: Vector | null;
 }
 
-export type FromPage = { type: "solve" } & Request;
+export type FromPage = ({ type: "solve" } & Request) | ({ type: "survey" } & Request) | { type: "end_survey" };
 
 export interface Pose {
   position: Vector;
@@ -176,20 +178,52 @@ export type Answer =
   | ({ status: "solved" } & Solved)
   | { status: "failed"; model: string; message: string };
 
+/** A limit that is met, and the slider that it is of, if it is of one. */
+export interface MetLimit {
+  slider: number | null;
+  words: string;
+}
+
+/** Commands for the place that the tip is dragged to, or for the nearest to it. */
+export type Reach =
+  | { status: "found"; reached: boolean; commands: Command[]; distance: number; limits: MetLimit[] }
+  | { status: "failed"; message: string };
+
 export interface Frame {
   id: number;
   time: number;
   answers: Answer[];
+  reach: Reach | null;
+}
+
+/** Where the tip can go. */
+export interface Cloud {
+  id: number;
+  voxel: number;
+  points: Vector[];
+  dexterity: number[];
+  /** 3 of a body, 2 of a surface, 1 of a curve. */
+  dimension: number;
+  measure: number;
+  complete: boolean;
 }
 
 export type ToPage =
   | ({ type: "scene" } & Scene)
   | { type: "broken"; message: string }
   | ({ type: "frame" } & Frame)
+  | ({ type: "cloud" } & Cloud)
+  | { type: "no_cloud"; id: number; message: string }
   | { type: "error"; message: string };
 
 export function encode(request: Request): string {
   const message: FromPage = { type: "solve", ...request };
+  return JSON.stringify(message);
+}
+
+/** To survey where the tip can go; without a request, to end that. */
+export function encodeSurvey(request: Request | undefined): string {
+  const message: FromPage = request ? { type: "survey", ...request } : { type: "end_survey" };
   return JSON.stringify(message);
 }
 
@@ -200,6 +234,8 @@ export function decode(text: string): ToPage {
     case "scene":
     case "broken":
     case "frame":
+    case "cloud":
+    case "no_cloud":
     case "error":
       return message;
     default:

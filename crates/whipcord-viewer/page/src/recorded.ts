@@ -2,7 +2,7 @@
 // has it, and the shape is what they add up to: geometry, as everything here.
 
 import { add, rotate, scale, cross } from "./geometry";
-import type { Answer, Command, Contact, Frame, Pose, Quaternion, Request, Scene, Solved, Vector } from "./protocol";
+import type { Answer, Cloud, Command, Contact, Frame, Pose, Quaternion, Request, Scene, Solved, Vector } from "./protocol";
 import type { Listener, Source } from "./source";
 import { valueOf } from "./state";
 import { significant } from "./units";
@@ -12,6 +12,8 @@ export interface Recording {
   scene: Scene;
   axes: number[][];
   models: RecordedModel[];
+  /** Where the tip can go, if the page shows that. */
+  cloud?: Cloud;
 }
 
 interface RecordedModel {
@@ -209,10 +211,15 @@ export class Recorded implements Source {
     });
   }
 
+  survey(request: Request | undefined): void {
+    const { cloud } = this.#recording;
+    if (request && cloud) queueMicrotask(() => this.#listener.cloud({ ...cloud, id: request.id }));
+  }
+
   ask(request: Request): void {
     const begun = performance.now();
     const answers = request.models.map((model) => this.#answer(model, request));
-    const frame: Frame = { id: request.id, time: (performance.now() - begun) / 1e3, answers };
+    const frame: Frame = { id: request.id, time: (performance.now() - begun) / 1e3, answers, reach: null };
     queueMicrotask(() => this.#listener.frame(frame));
   }
 

@@ -36,7 +36,55 @@ export const fromPage: FromPage[] = [
       "cosserat",
       "four-bar"
     ],
-    "compliance": true
+    "compliance": true,
+    "target": [
+      0.05,
+      0.0,
+      0.1
+    ]
+  },
+  {
+    "type": "survey",
+    "id": 7,
+    "commands": [
+      {
+        "tension": 1.5
+      },
+      {
+        "shortening": -0.002
+      },
+      {
+        "motor": 0.7
+      }
+    ],
+    "tip_force": [
+      0.1,
+      0.0,
+      -0.2
+    ],
+    "tip_moment": [
+      0.0,
+      0.01,
+      0.0
+    ],
+    "gravity": [
+      0.0,
+      0.0,
+      -9.81
+    ],
+    "models": [
+      "cosserat",
+      "four-bar"
+    ],
+    "compliance": true,
+    "target": [
+      0.05,
+      0.0,
+      0.1
+    ]
+  },
+  {
+    "type": "end_survey"
   }
 ];
 
@@ -183,7 +231,12 @@ export const toPage: ToPage[] = [
         "cosserat",
         "four-bar"
       ],
-      "compliance": true
+      "compliance": true,
+      "target": [
+        0.05,
+        0.0,
+        0.1
+      ]
     },
     "ranges": {
       "tension": 10.0,
@@ -553,7 +606,12 @@ export const toPage: ToPage[] = [
         "cosserat",
         "four-bar"
       ],
-      "compliance": true
+      "compliance": true,
+      "target": [
+        0.05,
+        0.0,
+        0.1
+      ]
     },
     "ranges": {
       "tension": 10.0,
@@ -933,7 +991,12 @@ export const toPage: ToPage[] = [
         "cosserat",
         "four-bar"
       ],
-      "compliance": true
+      "compliance": true,
+      "target": [
+        0.05,
+        0.0,
+        0.1
+      ]
     },
     "ranges": {
       "tension": 10.0,
@@ -1393,7 +1456,276 @@ export const toPage: ToPage[] = [
         "model": "cosserat-disks",
         "message": "why"
       }
-    ]
+    ],
+    "reach": {
+      "status": "found",
+      "reached": false,
+      "commands": [
+        {
+          "tension": 1.5
+        },
+        {
+          "shortening": -0.002
+        },
+        {
+          "motor": 0.7
+        }
+      ],
+      "distance": 0.002,
+      "limits": [
+        {
+          "slider": 1,
+          "words": "which"
+        }
+      ]
+    }
+  },
+  {
+    "type": "frame",
+    "id": 7,
+    "time": 0.001,
+    "answers": [
+      {
+        "status": "solved",
+        "model": "cosserat",
+        "positions": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.1
+          ]
+        ],
+        "orientations": [
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "strains": [
+          [
+            1.5,
+            0.0,
+            -0.001
+          ]
+        ],
+        "cables": [
+          {
+            "tension": 1.5,
+            "length": 0.19,
+            "initial_length": 0.2,
+            "shortening": 0.001,
+            "slack": false,
+            "span_tensions": [
+              1.5,
+              1.4
+            ]
+          }
+        ],
+        "contacts": [
+          {
+            "obstacle": 0,
+            "arc_length": 0.1,
+            "point": [
+              0.0,
+              0.0,
+              0.1
+            ],
+            "normal": [
+              1.0,
+              0.0,
+              0.0
+            ],
+            "force": 0.3,
+            "friction": [
+              0.0,
+              0.05,
+              0.0
+            ],
+            "sticks": true
+          }
+        ],
+        "grasps": [
+          {
+            "obstacle": 0,
+            "contacts": 1,
+            "sliding": 0,
+            "normal_force": 0.3,
+            "force": [
+              -0.3,
+              -0.05,
+              0.0
+            ],
+            "moment": [
+              0.0,
+              0.0,
+              0.001
+            ],
+            "slip_margin": 0.4
+          }
+        ],
+        "objects": [
+          {
+            "obstacle": 0,
+            "pose": {
+              "position": [
+                0.0,
+                0.0,
+                0.2
+              ],
+              "orientation": [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ]
+            }
+          }
+        ],
+        "residual": 1e-12,
+        "iterations": 3,
+        "stability": 0.9,
+        "unstable": false,
+        "solve_time": 0.00002,
+        "driven_by": null,
+        "compliance": {
+          "status": "known",
+          "values": [
+            0.1,
+            0.01,
+            0.001
+          ],
+          "directions": [
+            [
+              1.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              1.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.0,
+              1.0
+            ]
+          ]
+        },
+        "warnings": [
+          {
+            "message": "what",
+            "help": "do"
+          }
+        ]
+      },
+      {
+        "status": "solved",
+        "model": "four-bar",
+        "positions": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.1
+          ]
+        ],
+        "orientations": [
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "strains": [
+          [
+            1.5,
+            0.0,
+            -0.001
+          ]
+        ],
+        "cables": [
+          {
+            "tension": null,
+            "length": 0.19,
+            "initial_length": 0.2,
+            "shortening": 0.001,
+            "slack": true,
+            "span_tensions": []
+          }
+        ],
+        "contacts": [],
+        "grasps": [],
+        "objects": [],
+        "residual": 1e-12,
+        "iterations": 3,
+        "stability": null,
+        "unstable": false,
+        "solve_time": 0.00002,
+        "driven_by": "cosserat",
+        "compliance": {
+          "status": "unknown",
+          "message": "why"
+        },
+        "warnings": []
+      },
+      {
+        "status": "failed",
+        "model": "cosserat-disks",
+        "message": "why"
+      }
+    ],
+    "reach": {
+      "status": "failed",
+      "message": "why"
+    }
+  },
+  {
+    "type": "cloud",
+    "id": 8,
+    "voxel": 0.01,
+    "points": [
+      [
+        0.0,
+        0.0,
+        0.2
+      ]
+    ],
+    "dexterity": [
+      0.1
+    ],
+    "dimension": 3,
+    "measure": 0.5,
+    "complete": true
+  },
+  {
+    "type": "no_cloud",
+    "id": 8,
+    "message": "why"
   },
   {
     "type": "error",

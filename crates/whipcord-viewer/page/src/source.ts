@@ -1,10 +1,14 @@
 // Where answers come from: the server, over a WebSocket.
 
-import { decode, encode, type Frame, type Request, type Scene } from "./protocol";
+import { decode, encode, encodeSurvey, type Cloud, type Frame, type Request, type Scene } from "./protocol";
 
 export interface Listener {
   scene(scene: Scene): void;
   frame(frame: Frame): void;
+  /** Where the tip can go. */
+  cloud(cloud: Cloud): void;
+  /** That is not known, and why. */
+  noCloud(id: number, message: string): void;
   /** The file on disk cannot be used as it now is. */
   broken(message: string): void;
   /** Whether answers can be had at all. */
@@ -16,6 +20,8 @@ export interface Listener {
 /** What answers requests. A newer request makes older ones void. */
 export interface Source {
   ask(request: Request): void;
+  /** Asks where the tip can go; without a request nobody waits for that any more. */
+  survey(request: Request | undefined): void;
 }
 
 /** How long to wait before connecting again, in ms. */
@@ -24,6 +30,7 @@ const PATIENCE = 1000;
 export class Live implements Source {
   #socket: WebSocket | undefined;
   #waiting: Request | undefined;
+  #waitingSurvey: Request | undefined;
   readonly #url: string;
   readonly #listener: Listener;
 
@@ -38,6 +45,11 @@ export class Live implements Source {
     else this.#waiting = request;
   }
 
+  survey(request: Request | undefined): void {
+    if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(encodeSurvey(request));
+    else this.#waitingSurvey = request;
+  }
+
   #connect(): void {
     const socket = new WebSocket(this.#url);
     this.#socket = socket;
@@ -45,6 +57,8 @@ export class Live implements Source {
       this.#listener.connected(true);
       if (this.#waiting) this.ask(this.#waiting);
       this.#waiting = undefined;
+      if (this.#waitingSurvey) this.survey(this.#waitingSurvey);
+      this.#waitingSurvey = undefined;
     });
     socket.addEventListener("message", (event) => this.#hear(String(event.data)));
     socket.addEventListener("close", () => {
@@ -60,6 +74,10 @@ export class Live implements Source {
         return this.#listener.scene(message);
       case "frame":
         return this.#listener.frame(message);
+      case "cloud":
+        return this.#listener.cloud(message);
+      case "no_cloud":
+        return this.#listener.noCloud(message.id, message.message);
       case "broken":
         return this.#listener.broken(message.message);
       case "error":

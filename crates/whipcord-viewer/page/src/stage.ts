@@ -13,6 +13,7 @@ import {
   MeshBasicMaterial,
   MeshStandardMaterial,
   PerspectiveCamera,
+  Points,
   Quaternion as Turn,
   Plane,
   Raycaster,
@@ -35,8 +36,8 @@ import type { Colours } from "./theme";
 import { drawsBySoftware, REST, Sharpness } from "./sharpness";
 
 export interface Dragging {
-  /** The tip is pulled this far from where it is, in m in the world. */
-  pull(by: Vector): void;
+  /** The tip is pulled this far from where it was taken hold of, to this place, in m in the world. */
+  pull(by: Vector, to: Vector): void;
   /** The handle is let go. */
   release(): void;
   /** The user looks from elsewhere. */
@@ -57,6 +58,8 @@ export class Stage {
   readonly #marks = new Group();
   readonly #pushes = new Group();
   readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: HANDLE, depthTest: false, transparent: true }));
+  readonly #target = new Mesh(new SphereGeometry(1, 12, 8), new MeshBasicMaterial({ color: HANDLE, wireframe: true, depthTest: false, transparent: true }));
+  readonly #cloud = new Group();
   readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, HANDLE);
   /** Of the robot that was looked at. */
   #length = 0;
@@ -92,9 +95,11 @@ export class Stage {
     this.#handle.renderOrder = 2;
     this.#handle.visible = false;
     this.#arrow.visible = false;
+    this.#target.renderOrder = 2;
+    this.#target.visible = false;
     this.#space.add(
       new HemisphereLight("#ffffff", "#8890a0", 1.3), sun, this.#camera,
-      this.#surroundings, this.#robots, this.#marks, this.#pushes, this.#handle, this.#arrow,
+      this.#surroundings, this.#robots, this.#marks, this.#pushes, this.#handle, this.#arrow, this.#target, this.#cloud,
     );
     this.#listen(dragging);
     new ResizeObserver(() => this.#resize()).observe(canvas.parentElement ?? canvas);
@@ -123,6 +128,7 @@ export class Stage {
     this.#space.add(this.#surroundings);
     this.#space.background = new Color(colours.background);
     this.#handle.scale.setScalar(0.022 * scene.length);
+    this.#target.scale.setScalar(0.022 * scene.length);
     this.draw();
     if (this.#length === scene.length) return false;
     this.#length = scene.length;
@@ -234,6 +240,21 @@ export class Stage {
     }
   }
 
+  /** Where the tip is to go, if it is dragged there. */
+  target(at: Vector | undefined): void {
+    this.#target.visible = at !== undefined;
+    if (at) this.#target.position.set(...at);
+    this.draw();
+  }
+
+  /** Shows a cloud of points, or none any more. */
+  cloud(points: Points | undefined): void {
+    discard(this.#cloud);
+    this.#cloud.clear();
+    if (points) this.#cloud.add(points);
+    this.draw();
+  }
+
   /** Draws at the next opportunity of the display. */
   draw(): void {
     if (this.#asked) return;
@@ -327,7 +348,7 @@ export class Stage {
       const drags = held === event.pointerId;
       this.#canvas.style.cursor = drags || hit() ? "grab" : "";
       const to = drags ? caster.ray.intersectPlane(plane, new Vector3()) : null;
-      if (to) dragging.pull([to.x - from.x, to.y - from.y, to.z - from.z]);
+      if (to) dragging.pull([to.x - from.x, to.y - from.y, to.z - from.z], [to.x, to.y, to.z]);
     });
     const release = (event: PointerEvent): void => {
       if (held !== event.pointerId) return;
@@ -351,7 +372,7 @@ function discard(group: Object3D): void {
     if (object instanceof Sprite) {
       object.material.map?.dispose();
       object.material.dispose();
-    } else if (object instanceof Mesh || object instanceof Line) {
+    } else if (object instanceof Mesh || object instanceof Line || object instanceof Points) {
       object.geometry.dispose();
       for (const material of [object.material].flat()) material.dispose();
     }

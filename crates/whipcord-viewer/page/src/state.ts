@@ -6,6 +6,10 @@ import type { Command, Request, Scene, Vector } from "./protocol";
 export const COLOURINGS = ["model", "tension", "curvature", "strain", "contact"] as const;
 export type Colouring = (typeof COLOURINGS)[number];
 
+/** What dragging the tip does: a force pulls at it, or commands are sought that bring it to the pointer. */
+export const DRAGGING = ["force", "reach"] as const;
+export type Dragging = (typeof DRAGGING)[number];
+
 export interface State {
   commands: Command[];
   tipForce: Vector;
@@ -14,6 +18,8 @@ export interface State {
   models: string[];
   colouring: Colouring;
   compliance: boolean;
+  dragging: Dragging;
+  workspace: boolean;
 }
 
 export function initialState(scene: Scene): State {
@@ -26,10 +32,12 @@ export function initialState(scene: Scene): State {
     models: [...models],
     colouring: "model",
     compliance: false,
+    dragging: "force",
+    workspace: false,
   };
 }
 
-export function toRequest(state: State, id: number): Request {
+export function toRequest(state: State, id: number, target: Vector | null = null): Request {
   return {
     id,
     commands: state.commands,
@@ -38,6 +46,7 @@ export function toRequest(state: State, id: number): Request {
     gravity: state.gravity,
     models: state.models,
     compliance: state.compliance,
+    target,
   };
 }
 
@@ -86,6 +95,8 @@ export function toHash(state: State, initial: State): string {
   put("models", state.models.join(","), initial.models.join(","));
   put("colour", state.colouring, initial.colouring);
   put("compliance", String(state.compliance), String(initial.compliance));
+  put("drag", state.dragging, initial.dragging);
+  put("workspace", String(state.workspace), String(initial.workspace));
   return parts.join("&");
 }
 
@@ -126,6 +137,12 @@ export function fromHash(hash: string, scene: Scene): State {
         break;
       case "compliance":
         state.compliance = value === "true";
+        break;
+      case "drag":
+        state.dragging = DRAGGING.find((name) => name === value) ?? state.dragging;
+        break;
+      case "workspace":
+        state.workspace = value === "true";
         break;
     }
   }

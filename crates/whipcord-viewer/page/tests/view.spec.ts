@@ -217,6 +217,79 @@ test("the tip is dragged", async ({ page, viewer }) => {
   await expect.poll(async () => near(await tip(page, "cosserat"), before, SAME)).toBe(true);
 });
 
+/** Drags the tip by so many pixels, and looks at the page before the button is released. */
+async function drag(page: Page, x: number, y: number, meanwhile: () => Promise<void> = async () => {}): Promise<void> {
+  await expect(page.locator("#canvas")).toHaveAttribute("data-handle", /\d/);
+  const handle = JSON.parse((await page.locator("#canvas").getAttribute("data-handle")) ?? "[]") as [number, number];
+  const box = (await page.locator("#canvas").boundingBox())!;
+  await page.mouse.move(box.x + handle[0], box.y + handle[1]);
+  await page.mouse.down();
+  await page.mouse.move(box.x + handle[0] + x, box.y + handle[1] + y, { steps: 12 });
+  await meanwhile();
+  await page.mouse.up();
+}
+
+test("the commands bring the tip to where it is dragged, within the limits", async ({ page, viewer }) => {
+  viewer.edit((text) => `${text}\n[limits]\ntension = ["0.5 N", "40 N"]\n`);
+  const before = await tip(page, "cosserat");
+  await page.getByLabel("It follows the pointer").check();
+  const handle = async (): Promise<[number, number]> =>
+    JSON.parse((await page.locator("#canvas").getAttribute("data-handle")) ?? "[]") as [number, number];
+  await expect(page.locator("#canvas")).toHaveAttribute("data-handle", /\d/);
+  const start = await handle();
+  await drag(page, -40, 20, async () => {
+    // The tip is where the pointer is.
+    await expect.poll(async () => Math.hypot((await handle())[0] - start[0] + 40, (await handle())[1] - start[1] - 20)).toBeLessThan(2);
+    await page.screenshot({ path: `${ARTEFACTS}/reach.png` });
+  });
+  expect(page.url()).not.toContain("force=");
+  await expect.poll(() => page.url()).toContain("cables=");
+  // The shape is that of the commands that the sliders now have, and these keep the limits.
+  const tensions = await page.locator('input[type="number"][data-name^="cable-"]').evaluateAll((boxes) => boxes.map((box) => Number((box as HTMLInputElement).value)));
+  for (const tension of tensions) expect(tension >= 0.5 && tension <= 40).toBe(true);
+  const moved = await tip(page, "cosserat");
+  let k = 0;
+  const expected = tipBySolve(viewer.file, (text) => text.replace(/^tension = "[\d.]+ N"/gm, () => `tension = "${tensions[k++]} N"`));
+  expect(k).toBe(6);
+  // The boxes have six digits.
+  expect(near(moved, expected, 1e-5), `${moved} is not ${expected}`).toBe(true);
+  // Far away there is a limit, which is said, and its slider is marked.
+  await drag(page, -400, 0, async () => {
+    await expect(page.locator("#limits")).toContainText("mm from the pointer, at a limit: ");
+    await expect(page.locator(".quantity.limited")).not.toHaveCount(0);
+    await page.screenshot({ path: `${ARTEFACTS}/reach-limits.png` });
+  });
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => near(await tip(page, "cosserat"), moved, 1e-5)).toBe(true);
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => near(await tip(page, "cosserat"), before, SAME)).toBe(true);
+  await expect(page.locator(".quantity.limited")).toHaveCount(0);
+});
+
+test("where the tip can go is surveyed in the background, and is ended", async ({ page, viewer }) => {
+  viewer.edit((text) => `${text.replace("9.81 m/s^2", "0")}\n[limits]\ntension = ["0 N", "16 N"]\n`);
+  const limited = tipBySolve(viewer.file, (text) => text);
+  await expect.poll(async () => near(await tip(page, "cosserat"), limited, SAME)).toBe(true);
+  const box = page.getByLabel("Where the tip can go");
+  await box.check();
+  await expect(page.locator("#cloud")).toHaveText("Surveying…");
+  // Sliders are answered meanwhile.
+  await set(page, "cable-3", "12.5");
+  const expected = tipBySolve(viewer.file, (text) => text.replace("8 N", "12.5 N"));
+  await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
+  await expect(page.locator("#cloud")).toContainText("cm³", { timeout: 60_000 });
+  await page.screenshot({ path: `${ARTEFACTS}/cloud.png` });
+  await box.uncheck();
+  await expect(page.locator("#cloud")).toBeHidden();
+  // Ended at once, and asked for again.
+  await box.check();
+  await box.uncheck();
+  await expect(page.locator("#cloud")).toBeHidden();
+  await box.check();
+  await expect(page.locator("#cloud")).toContainText("cm³", { timeout: 60_000 });
+  expect(page.url()).toContain("workspace=true");
+});
+
 test("a force that turns with the tip is dragged in its frame", async ({ page, viewer }) => {
   // Pulled to one side until the tip has turned by more than a right angle: in any other frame the tip would go elsewhere.
   viewer.edit((text) => `${text.replace("14 N", "24 N")}\nfollower = true\n`);

@@ -50,7 +50,7 @@ fn decoded(recording: &Recording, frame: usize) -> (Vec3, Vec<f64>) {
 
 /// Whether frames are what a model says without the grid.
 fn assert_holds_answers(file: &Arc<CaseFile>, recording: &Recording, preset: ModelPreset) {
-    let Recording { scene, axes, models } = recording;
+    let Recording { scene, axes, models, .. } = recording;
     assert_eq!(models[0].model, preset.name());
     let frames = axes.iter().map(Vec::len).product::<usize>() + 1;
     let valid = bytes(&models[0].valid);
@@ -95,7 +95,7 @@ fn a_robot_with_six_cables_fits_in_a_page() {
     let file = Arc::new(whipcord_io::parse(&text, "six.toml").unwrap());
     // Most lengths that six cables could be told contradict each other.
     let preset = ModelPreset::usual(ModelKind::FourBar);
-    let recording = record(&file, &[preset], drop).unwrap();
+    let recording = record(&file, &[preset], None, drop).unwrap();
     assert_eq!(recording.axes.iter().map(Vec::len).collect::<Vec<_>>(), [4; 6]);
     assert_holds_answers(&file, &recording, preset);
     assert!(written(bare(), &recording).unwrap().len() < MOST_BYTES);
@@ -108,7 +108,7 @@ fn cables_that_are_shortened_are_recorded_so() {
     let file = Arc::new(whipcord_io::parse(&text, &path).unwrap());
     assert!(matches!(scene(&file).initial.commands[..], [Command::Shortening(_)]));
     let preset = ModelPreset::usual(ModelKind::Cosserat);
-    let recording = record(&file, &[], drop).unwrap();
+    let recording = record(&file, &[], None, drop).unwrap();
     let (axis, reach) = (&recording.axes[0], recording.scene.ranges.shortening);
     assert_eq!((axis[0], axis[axis.len() - 1]), (-reach, reach));
     assert_holds_answers(&file, &recording, preset);
@@ -165,7 +165,8 @@ fn movable_objects_are_where_the_frames_have_them() {
 #[test]
 fn what_is_too_large_for_a_page_is_refused() {
     let file = example("table1/case-3.toml");
-    let mut recording = record(&file, &[ModelPreset::usual(ModelKind::FourBar)], drop).unwrap();
+    let mut recording =
+        record(&file, &[ModelPreset::usual(ModelKind::FourBar)], None, drop).unwrap();
     written(bare(), &recording).unwrap();
     recording.scene.measured = vec![[1.0 / 3.0; 3]; 100_000];
     match written(bare(), &recording).unwrap_err() {
@@ -178,7 +179,7 @@ fn what_is_too_large_for_a_page_is_refused() {
 fn frames_say_how_far_what_lies_between_them_is_off() {
     let file = example("table1/case-3.toml");
     let mut told = Vec::new();
-    let recording = record(&file, &[], |progress| told.push(progress)).unwrap();
+    let recording = record(&file, &[], None, |progress| told.push(progress)).unwrap();
     let recorded = &recording.models[0];
     assert_eq!((recorded.model.as_str(), recording.axes.len()), ("cosserat", 1));
     assert_eq!(recorded.solved, recording.axes[0].len() + 1);
@@ -198,6 +199,7 @@ fn a_model_that_does_not_take_the_robot_is_refused() {
     let error = record(
         &example("two-segment-arm.toml"),
         &[ModelPreset::usual(ModelKind::ConstantCurvature)],
+        None,
         drop,
     )
     .unwrap_err();
@@ -208,7 +210,7 @@ fn a_model_that_does_not_take_the_robot_is_refused() {
 fn a_model_that_is_named_twice_is_exported_once() {
     let names = [ModelKind::FourBar, ModelKind::Cosserat, ModelKind::FourBar];
     let file = example("table1/case-3.toml");
-    let recording = record(&file, &names.map(ModelPreset::usual), drop).unwrap();
+    let recording = record(&file, &names.map(ModelPreset::usual), None, drop).unwrap();
     let models: Vec<_> = recording.models.iter().map(|one| one.model.as_str()).collect();
     assert_eq!(models, ["four-bar", "cosserat"]);
     assert_eq!(recording.scene.initial.models, models);
@@ -254,7 +256,7 @@ fn motors_are_recorded_where_they_move() {
         cable("side", 90),
     );
     let file = Arc::new(whipcord_io::parse(&text, "motor.toml").unwrap());
-    let recording = record(&file, &[], drop).unwrap();
+    let recording = record(&file, &[], None, drop).unwrap();
     assert!(matches!(
         recording.scene.initial.commands[..],
         [Command::Motor(_), Command::Tension(_)]

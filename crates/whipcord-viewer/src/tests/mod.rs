@@ -8,6 +8,7 @@
 mod answers;
 mod guarded;
 mod interpolation;
+mod inverse;
 mod live;
 mod samples;
 mod scenes;

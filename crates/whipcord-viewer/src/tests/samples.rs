@@ -5,9 +5,9 @@ use std::path::Path;
 use std::{env, fs};
 
 use crate::protocol::{
-    Answer, Cable, CableState, Command, Compliance, Contact, Disk, Form, Frame, FromPage, Grasp,
-    ModelChoice, Motor, Obstacle, PlacedObject, Pose, Ranges, Request, Scene, Section, Slider,
-    Solved, ToPage, Warning, read,
+    Answer, Cable, CableState, Cloud, Command, Compliance, Contact, Disk, Form, Frame, FromPage,
+    Grasp, MetLimit, ModelChoice, Motor, Obstacle, PlacedObject, Pose, Ranges, Reach, Request,
+    Scene, Section, Slider, Solved, ToPage, Warning, read,
 };
 
 fn request() -> Request {
@@ -19,6 +19,7 @@ fn request() -> Request {
         gravity: [0.0, 0.0, -9.81],
         models: vec!["cosserat".to_owned(), "four-bar".to_owned()],
         compliance: true,
+        target: Some([0.05, 0.0, 0.1]),
     }
 }
 
@@ -177,16 +178,39 @@ fn frame() -> Frame {
             Answer::Solved(Box::new(geometric)),
             failed,
         ],
+        reach: Some(Reach::Found {
+            reached: false,
+            commands: request().commands,
+            distance: 0.002,
+            limits: vec![MetLimit { slider: Some(1), words: "which".to_owned() }],
+        }),
+    }
+}
+
+fn cloud() -> Cloud {
+    Cloud {
+        id: 8,
+        voxel: 0.01,
+        points: vec![[0.0, 0.0, 0.2]],
+        dexterity: vec![0.1],
+        dimension: 3,
+        measure: 0.5,
+        complete: true,
     }
 }
 
 #[test]
 fn the_page_has_the_types_of_the_server() {
-    let from_page = vec![FromPage::Solve(request())];
+    let from_page =
+        vec![FromPage::Solve(request()), FromPage::Survey(request()), FromPage::EndSurvey];
     let mut to_page: Vec<ToPage> =
         scenes().into_iter().map(|scene| ToPage::Scene(Box::new(scene))).collect();
     to_page.push(ToPage::Broken { message: "why".to_owned() });
     to_page.push(ToPage::Frame(frame()));
+    let failed = Reach::Failed { message: "why".to_owned() };
+    to_page.push(ToPage::Frame(Frame { reach: Some(failed), ..frame() }));
+    to_page.push(ToPage::Cloud(cloud()));
+    to_page.push(ToPage::NoCloud { id: 8, message: "why".to_owned() });
     to_page.push(ToPage::Error { message: "why".to_owned() });
     let [from, to] = [
         serde_json::to_string_pretty(&from_page).unwrap(),
@@ -209,8 +233,9 @@ fn the_page_has_the_types_of_the_server() {
         "run with UPDATE_SAMPLES=1, then `npm run check`"
     );
     // And what is written is read.
-    let message = serde_json::to_string(&from_page[0]).unwrap();
-    assert_eq!(read(&message), Ok(from_page[0].clone()));
+    for message in from_page {
+        assert_eq!(read(&serde_json::to_string(&message).unwrap()), Ok(message));
+    }
     let back: Vec<ToPage> = serde_json::from_str(&to).unwrap();
     assert_eq!(back, to_page);
 }
