@@ -1,10 +1,36 @@
 //! Inverse problems of the robot of a file, for the verbs that ask them.
 
-use clap::ValueEnum;
-use whipcord::Model;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use whipcord::{Model, ModelKind};
 use whipcord_inverse::{Actuator, CommandedBy, InverseError, InverseSolver};
 use whipcord_io::CaseFile;
 use whipcord_study::failure::Failure;
+
+use crate::inputs::Settings;
+use crate::model_arguments::{FourBarArguments, model_parser};
+use crate::warnings::Warnings;
+
+/// The robot of an inverse problem, its model, and what is commanded.
+#[derive(Debug, Args)]
+pub struct RobotArguments {
+    /// Robot file, or - for standard input
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Model
+    #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
+    pub kind: ModelKind,
+    #[command(flatten)]
+    pub four_bar: FourBarArguments,
+    /// Which commands vary; by default those that the file gives: the motors where there are some, else
+    /// tensions or lengths
+    #[arg(long, value_name = "WHAT")]
+    pub by: Option<By>,
+    #[command(flatten)]
+    pub warnings: Warnings,
+}
 
 /// Which commands are sought.
 #[derive(Clone, Copy, Debug, ValueEnum)]

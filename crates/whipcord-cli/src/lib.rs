@@ -5,6 +5,7 @@
 
 mod deadline;
 pub mod examples;
+mod goal;
 mod inputs;
 mod inverse;
 mod model_arguments;

@@ -65,6 +65,15 @@ impl Colour {
         CABLES[index % CABLES.len()]
     }
 
+    /// Its components as light adds up, from 0 to 1: sRGB without its curve.
+    #[must_use]
+    pub fn linear(self) -> [f32; 3] {
+        [self.red, self.green, self.blue].map(|part| {
+            let part = f32::from(part) / 255.0;
+            if part <= 0.040_45 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        })
+    }
+
     /// The colour mixed with white: 1 is the colour itself, 0 white.
     #[must_use]
     pub fn tint(self, strength: f64) -> Self {

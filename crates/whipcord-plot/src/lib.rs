@@ -18,6 +18,7 @@ mod contact_marks;
 mod distance;
 mod ellipsoid;
 mod error;
+mod film;
 mod fit;
 mod font;
 mod hull;
@@ -43,6 +44,7 @@ mod timing;
 mod title;
 mod unit;
 mod workspace_figure;
+mod workspace_model;
 
 pub use accuracy::{AccuracySeries, accuracy_chart};
 pub use acting::Acting;
@@ -52,6 +54,7 @@ pub use colour::{CABLES, Colour, MODELS};
 pub use distance::{DistanceSeries, distance_chart};
 pub use ellipsoid::{Ellipsoid, Quantity};
 pub use error::PlotError;
+pub use film::{FilmFrame, film};
 pub use marker::Marker;
 pub use outlines::outlined;
 pub use overlay::{OverlayOptions, Photograph, overlay_figure};
@@ -64,3 +67,4 @@ pub use robot_figure::{
 pub use time::{OverTime, TimeSeries, time_chart};
 pub use timing::{TimingSeries, timing_chart};
 pub use workspace_figure::{WorkspaceFigure, workspace_figure};
+pub use workspace_model::workspace_glb;

@@ -24,6 +24,11 @@ const LARGEST: u32 = 16_384;
 /// # Errors
 /// [`PlotError`] when the SVG cannot be read or the picture would have no pixels or too many.
 pub fn png(svg: &str, scale: f64) -> Result<Vec<u8>, PlotError> {
+    pixels(svg, scale)?.encode_png().map_err(|e| PlotError::Png(e.to_string()))
+}
+
+/// An SVG as pixels.
+pub(crate) fn pixels(svg: &str, scale: f64) -> Result<tiny_skia::Pixmap, PlotError> {
     let tree = Tree::from_str(&outlined(svg)?, &Options::default())
         .map_err(|e| PlotError::Svg(e.to_string()))?;
     let [width, height] =
@@ -36,5 +41,5 @@ pub fn png(svg: &str, scale: f64) -> Result<Vec<u8>, PlotError> {
     let mut pixels = tiny_skia::Pixmap::new(width as u32, height as u32).ok_or(size)?;
     let transform = usvg::Transform::from_scale(scale as f32, scale as f32);
     resvg::render(&tree, transform, &mut pixels.as_mut());
-    pixels.encode_png().map_err(|e| PlotError::Png(e.to_string()))
+    Ok(pixels)
 }

@@ -68,6 +68,8 @@ pub struct FigureOptions {
     pub outliers: Vec<Vec3>,
     /// Where places of the robot are to be, in m in the world.
     pub targets: Vec<Vec3>,
+    /// Points in m in the world that there is room for, as those of other pictures of a film.
+    pub room: Vec<Vec3>,
     /// What acts on one of the shapes, by [`Acting::on`]; drawn over all of them.
     pub loads: Acting,
     /// How places of it yield and move; drawn over the robot.
@@ -111,6 +113,7 @@ impl Default for FigureOptions {
             measured: Vec::new(),
             outliers: Vec::new(),
             targets: Vec::new(),
+            room: Vec::new(),
             loads: Acting::default(),
             ellipsoids: Vec::new(),
             obstacles: Vec::new(),
@@ -208,7 +211,7 @@ impl<'a> Drawn<'a> {
             .iter()
             .flat_map(|(body, _)| body.outline())
             .chain(options.measured.iter().chain(&options.outliers).copied())
-            .chain(options.targets.iter().copied())
+            .chain(options.targets.iter().chain(&options.room).copied())
             .collect();
         let extent = |i: usize| {
             let [low, high] = range(&points, i);

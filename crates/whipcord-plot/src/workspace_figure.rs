@@ -144,7 +144,7 @@ fn squares(figure: &WorkspaceFigure, axes: [usize; 2]) -> BTreeMap<[i32; 2], f64
 }
 
 /// The ranges of the colours: each has about as many voxels.
-struct Levels {
+pub(crate) struct Levels {
     /// Upper ends of all but the last.
     ends: Vec<f64>,
     range: [f64; 2],
@@ -152,7 +152,8 @@ struct Levels {
 }
 
 impl Levels {
-    fn of(figure: &WorkspaceFigure) -> Self {
+    /// At a sixth of the voxels each.
+    pub fn of(figure: &WorkspaceFigure) -> Self {
         let mut values: Vec<f64> = figure.cells.iter().map(|(_, value)| *value).collect();
         values.sort_by(f64::total_cmp);
         let last = values.len() - 1;
@@ -162,7 +163,8 @@ impl Levels {
         Self { ends, range: [values[0], values[last]], is_plain: figure.quantity.is_none() }
     }
 
-    fn colour(&self, value: f64) -> Colour {
+    /// The colour of a value.
+    pub fn colour(&self, value: f64) -> Colour {
         if self.is_plain {
             return PLAIN;
         }

@@ -10,6 +10,7 @@ use whipcord::{
 use whipcord_io::{CaseFile, FileWarning, problems_json, warnings_json};
 
 use crate::deadline;
+use crate::goal;
 use crate::inputs::{self, Settings};
 use crate::warnings::{Warnings, text as warnings_text};
 use whipcord_study::describe::{describe, driven_by, instability, markers};
@@ -140,6 +141,7 @@ impl Checked {
         let Self { file, answers, .. } = self;
         let mut lines = vec![(String::from("title"), file.title.clone())];
         lines.extend(describe(&file.robot, &file.case));
+        lines.extend(goal::describe(file));
         if let Some(solution) = answers.iter().find_map(|(_, answer)| answer.as_ref().ok()) {
             let lengths: Vec<String> = solution
                 .cables

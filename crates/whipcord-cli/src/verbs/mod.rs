@@ -15,6 +15,7 @@ pub mod new;
 pub mod overlay;
 pub mod reach;
 mod reach_path;
+mod reach_picture;
 mod reach_words;
 pub mod schema;
 pub mod score;

@@ -4,22 +4,20 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
-use whipcord::{Model, ModelKind, Pose, Solution, StabilityAnalysis, Stations, Vec3};
+use whipcord::{Model, StabilityAnalysis, Stations, Vec3};
 use whipcord_inverse::{
-    InverseSolver, PathPoint, Preference, ReachOptions, ReachStatus, Reached, Target, Tolerance,
+    PathPoint, Preference, ReachOptions, ReachStatus, Reached, Target, Tolerance,
 };
-use whipcord_io::{CaseFile, Clearance, load_path, load_shape, reach_json, warnings_json};
-use whipcord_plot::{Acting, FigureOptions, RobotView, label, robot_figure};
+use whipcord_io::{CaseFile, load_path, load_shape, reach_json, warnings_json};
 
 use crate::deadline;
-use crate::inputs::{Settings, read_one};
-use crate::inverse::{By, failure, solver};
-use crate::model_arguments::{FourBarArguments, model_parser};
+use crate::inputs::read_one;
+use crate::inverse::{RobotArguments, failure, solver};
 use crate::path_argument::path_ending_in;
-use crate::smooth::smooth;
 use crate::target_argument::{Axis, Place, PoseArgument, angle, length};
-use crate::verbs::{reach_path, reach_words as words};
-use crate::warnings::Warnings;
+use crate::verbs::reach_path::{self, Task};
+use crate::verbs::reach_picture::{draw, points};
+use crate::verbs::reach_words::{self as words, Answer};
 use whipcord_study::failure::{Failure, message};
 use whipcord_study::files;
 use whipcord_study::style::Style;
@@ -32,10 +30,8 @@ use whipcord_study::style::Style;
 /// is in N, mm and degrees, with --json in SI units.
 #[derive(Debug, Args)]
 pub struct ReachArgs {
-    /// Robot file, or - for standard input
-    file: PathBuf,
     #[command(flatten)]
-    settings: Settings,
+    robot: RobotArguments,
     /// Point for the tip, such as "40 mm, 0 mm, 120 mm" or "40, 0, 120 mm"; numbers without a unit are in metres
     #[arg(long, value_name = "X,Y,Z", conflicts_with_all = ["pose", "shape"], allow_hyphen_values = true)]
     tip: Option<Place>,
@@ -53,15 +49,6 @@ pub struct ReachArgs {
     /// columns t, x, y, z with units, for poses also qw, qx, qy, qz
     #[arg(long, value_name = "CSV", conflicts_with_all = ["tip", "pose", "axis", "shape"])]
     path: Option<PathBuf>,
-    /// Model
-    #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
-    kind: ModelKind,
-    #[command(flatten)]
-    four_bar: FourBarArguments,
-    /// Which commands are sought; by default those that the file gives: the motors where there are some, else
-    /// tensions or lengths
-    #[arg(long, value_name = "WHAT")]
-    by: Option<By>,
     /// How far a point may be from its target, such as "0.1 mm"; by default what the file says, or 1e-5 of the
     /// length of the backbone
     #[arg(long, value_name = "LENGTH", value_parser = length)]
@@ -71,7 +58,7 @@ pub struct ReachArgs {
     tolerance_angle: Option<f64>,
     /// Print the nearest commands where the target is not reached, with exit status 0
     #[arg(long)]
-    pub nearest: bool,
+    nearest: bool,
     /// Where the target is not reached, try to prove that it cannot be: a bound of the distance over all
     /// tensions within the limits. Only for cosserat, without loads and friction, with [limits] tension
     #[arg(long)]
@@ -84,15 +71,17 @@ pub struct ReachArgs {
     least: Option<Least>,
     /// Print one JSON object
     #[arg(long)]
-    pub json: bool,
-    /// Draw the robot and the target; the name ends in .svg or .png
+    json: bool,
+    /// Draw the robot and the target, along a path the robot at some of its points; the name ends in .svg or .png
     #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["svg", "png"]))]
-    pub plot: Option<PathBuf>,
-    /// Robot file to write with the commands found
+    plot: Option<PathBuf>,
+    /// Film of the robot along a path, as an animated PNG that browsers play, with the time of the path; the name ends in .png
+    #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["png"]))]
+    film: Option<PathBuf>,
+    /// File to write: for one target the robot file with the commands found; for a path its commands, as a table for
+    /// [commands] if the name ends in .csv or .parquet, with all that --json prints if it ends in .json
     #[arg(short, long, value_name = "NEW")]
-    pub output: Option<PathBuf>,
-    #[command(flatten)]
-    pub warnings: Warnings,
+    output: Option<PathBuf>,
 }
 
 /// Boxes of tensions that a proof may look at, which take some seconds.
@@ -116,28 +105,14 @@ enum Least {
     Clearance,
 }
 
-/// What was asked, and what came of it.
-pub struct Answer<'a> {
-    /// With the commands that were found.
-    pub file: &'a CaseFile,
-    /// What was solved.
-    pub solver: &'a InverseSolver,
-    /// What was asked.
-    pub target: &'a Target,
-    /// How far the answer may be from it.
-    pub tolerance: Tolerance,
-    /// What came of it.
-    pub reached: &'a Reached,
-}
-
 /// Solves, and returns what standard output shows.
 pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file, &args.settings)?;
+    let file = read_one(&args.robot.file, &args.robot.settings)?;
     if let Some(path) = &args.output {
         files::keep(path, file.files())?;
     }
     let mut warnings = file.warnings();
-    args.warnings.tell(&file, &warnings)?;
+    args.robot.warnings.tell(&file, &warnings)?;
     let path = path(args, &file)?;
     let target = if path.is_empty() { Some(target(args, &file)?) } else { None };
     let length = file.robot.backbone().length;
@@ -153,23 +128,32 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
             Some(Least::Clearance) => Preference::MostClearance,
             None => goal.preference.unwrap_or_default(),
         },
-        clearance: match goal.clearance {
-            Some(Clearance::Touch) => None,
-            Some(Clearance::Least(least)) => Some(least),
-            None => ReachOptions::default().clearance,
-        },
+        clearance: goal.least_clearance(),
         starts: args.starts,
         proof: args.prove.then_some(BOXES),
         ..ReachOptions::default()
     };
-    let model = Model::new(args.kind, Stations::Disks, whipcord::Actuation::Natural)
+    let model = Model::new(args.robot.kind, Stations::Disks, whipcord::Actuation::Natural)
         .with_stability(StabilityAnalysis::Eigenvalue)
         .with_tolerance((0.1 * tolerance.position / length).clamp(1e-12, 1e-6));
-    let model = args.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
-    let mut solver = solver(args.by, &file, &model)?;
+    let model = args.robot.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
+    let mut solver = solver(args.robot.by, &file, &model)?;
+    if target.is_some() && args.film.is_some() {
+        return Err(Failure::Input("error: --film is for a path".into()));
+    }
     let Some(target) = target else {
-        let task = reach_path::Task { file: &file, path: &path, tolerance, options: &options };
-        return reach_path::run(args, &task, &mut solver, &model, style);
+        let task = Task {
+            file: &file,
+            path: &path,
+            tolerance,
+            options: &options,
+            nearest: args.nearest,
+            json: args.json,
+            plot: args.plot.as_deref(),
+            film: args.film.as_deref(),
+            output: args.output.as_deref(),
+        };
+        return reach_path::run(&task, &mut solver, &model, style);
     };
     let reached = solver.reach(&target, &options).map_err(|error| failure(&file, &error))?;
     let mut answered = file.clone();
@@ -180,12 +164,10 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
         return Err(Failure::Solve(words::not_reached(&answer)));
     }
     let of_answer = answered.answer_warnings([(None, &reached.solution)]);
-    args.warnings.tell(&answered, &of_answer)?;
+    args.robot.warnings.tell(&answered, &of_answer)?;
     warnings.extend(of_answer);
     let picture = match &args.plot {
-        Some(path) => {
-            Some((path, draw(path, (&answered, &model), &reached.solution, points(&target))?))
-        }
+        Some(path) => Some((path, draw(path, (&answered, &model), &reached, points(&target))?)),
         None => None,
     };
     let written = match &args.output {
@@ -266,38 +248,4 @@ fn new_file(
         false => " (written anew: without comments, units, [measured], [fit] and [reference])",
     };
     Ok((file.text, note))
-}
-
-/// The robot at rest and in an answer, with the points that it was to reach.
-pub fn draw(
-    path: &Path,
-    (file, model): (&CaseFile, &Model),
-    solution: &Solution,
-    targets: Vec<Vec3>,
-) -> Result<Vec<u8>, Failure> {
-    let fine = smooth(model, file, solution);
-    let options = FigureOptions {
-        title: file.title.clone(),
-        targets,
-        loads: Acting::on(&file.case, &fine.shape),
-        ..FigureOptions::default()
-    }
-    .among(&file.case.obstacles, Some(solution));
-    let views = [
-        RobotView::at_rest(&file.robot, file.case.base),
-        RobotView::model(label(solution.model, solution), &fine),
-    ];
-    let svg = robot_figure(&file.robot, &views, &options)
-        .map_err(|error| files::plot_failure(path, &error))?;
-    files::picture(&svg, path)
-}
-
-/// The points of a target.
-pub fn points(target: &Target) -> Vec<Vec3> {
-    match target {
-        Target::Tip(point) => vec![*point],
-        Target::Pose(Pose { position, .. }) => vec![*position],
-        Target::Axis { point, .. } => point.iter().copied().collect(),
-        Target::Shape(points) => points.iter().map(|(_, point)| *point).collect(),
-    }
 }

@@ -1,14 +1,15 @@
 //! `whipcord reach` along a path.
 
 use std::io::{self, Write as _};
+use std::path::Path;
 
 use whipcord::Model;
 use whipcord_inverse::{
     Followed, InverseSolver, JumpKind, PathPoint, ReachOptions, ReachStatus, Tolerance,
 };
-use whipcord_io::{CaseFile, follow_json, warnings_json};
+use whipcord_io::{CaseFile, follow_json, path_table, warnings_json};
 
-use super::reach::{ReachArgs, draw, points};
+use super::reach_picture::{draw_path, film_path};
 use super::reach_words::command;
 use crate::inverse::failure;
 use whipcord_study::failure::Failure;
@@ -23,55 +24,92 @@ pub struct Task<'a> {
     pub path: &'a [PathPoint],
     pub tolerance: Tolerance,
     pub options: &'a ReachOptions,
+    /// Whether points that are not reached have the nearest commands.
+    pub nearest: bool,
+    pub json: bool,
+    pub plot: Option<&'a Path>,
+    pub film: Option<&'a Path>,
+    /// File for the commands.
+    pub output: Option<&'a Path>,
 }
 
 /// Follows the path, and returns what standard output shows.
 pub fn run(
-    args: &ReachArgs,
     task: &Task<'_>,
     solver: &mut InverseSolver,
     model: &Model,
     style: Style,
 ) -> Result<String, Failure> {
-    let Task { file, path, tolerance, options } = *task;
-    if args.output.is_some() {
-        return Err(Failure::Input(String::from(
-            "error: --output is for one target: leave it out with a path, whose commands --json prints",
-        )));
-    }
+    let &Task { file, path, tolerance, options, .. } = task;
+    let format = task.output.map(Format::of).transpose()?;
     let followed = solver.follow(path, options).map_err(|error| failure(file, &error))?;
-    if followed.reached() < path.len() && !args.nearest {
+    if followed.reached() < path.len() && !task.nearest {
         return Err(Failure::Solve(not_followed(task, &followed)));
     }
     for words in jumps(&followed) {
         // A closed standard error is no reason to fail.
         let _ = writeln!(io::stderr().lock(), "warning: {}: {words}", file.path.display());
     }
-    let picture = match (&args.plot, followed.answers.last()) {
-        (Some(out), Some(last)) => {
-            let mut answered = file.clone();
-            answered.case = last.case.clone();
-            let targets = path.iter().flat_map(|point| points(&point.target)).collect();
-            Some((out, draw(out, (&answered, model), &last.solution, targets)?))
-        }
-        _ => None,
-    };
-    let text = if args.json {
+    let (at, along) = ((file, model), (path, &followed));
+    let mut written: Vec<(&str, &Path, Vec<u8>)> = Vec::new();
+    if let Some(out) = task.plot {
+        written.push(("picture", out, draw_path(out, at, along)?));
+    }
+    if let Some(out) = task.film {
+        written.push(("film", out, film_path(out, at, along)?));
+    }
+    let json = || -> Result<String, Failure> {
         let json = follow_json(&file.title, &file.robot, solver, tolerance, path, &followed);
         let mut json = json.map_err(|error| files::no_result(&error))?;
         json["warnings"] = warnings_json(file, &file.warnings());
-        format!("{json:#}\n")
+        Ok(format!("{json:#}\n"))
+    };
+    if let (Some(out), Some(format)) = (task.output, format) {
+        let table = || path_table(&file.robot, solver, path, &followed);
+        let bytes = match format {
+            Format::Json => json()?.into_bytes(),
+            Format::Csv => table().to_csv().map_err(|error| files::no_result(&error))?.into_bytes(),
+            Format::Parquet => table().to_parquet().map_err(|error| files::no_result(&error))?,
+        };
+        written.push(("commands", out, bytes));
+    }
+    let text = if task.json {
+        json()?
     } else {
         let mut text = summary(task, solver, &followed, style);
-        if let Some((out, _)) = &picture {
-            text += &format!("picture: {}\n", out.display());
+        for (what, out, _) in &written {
+            text += &format!("{what}: {}\n", out.display());
         }
         text
     };
-    if let Some((out, bytes)) = picture {
+    // What can fail has been done: now the files are written, or there are none.
+    for (_, out, bytes) in written {
         files::write(out, &bytes)?;
     }
     Ok(text)
+}
+
+/// How the commands of a path are written.
+#[derive(Clone, Copy)]
+enum Format {
+    Csv,
+    Parquet,
+    Json,
+}
+
+impl Format {
+    fn of(out: &Path) -> Result<Self, Failure> {
+        let extension = out.extension().map(|extension| extension.to_ascii_lowercase());
+        match extension.as_deref().and_then(|extension| extension.to_str()) {
+            Some("csv") => Ok(Self::Csv),
+            Some("parquet") => Ok(Self::Parquet),
+            Some("json") => Ok(Self::Json),
+            _ => Err(Failure::Input(format!(
+                "error: {}: the commands of a path are written as .csv, .parquet or .json",
+                out.display()
+            ))),
+        }
+    }
 }
 
 /// The commands at each time, for people.

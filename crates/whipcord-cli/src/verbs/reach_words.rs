@@ -1,14 +1,31 @@
 //! Answers of `whipcord reach` in words.
 
-use whipcord::{Drive, Robot, UnitQuaternion, Vec3};
-use whipcord_inverse::{Actuator, ReachStatus, SearchRange, Target};
+use whipcord::{Drive, Robot};
+use whipcord_inverse::{
+    Actuator, InverseSolver, ReachStatus, Reached, SearchRange, Target, Tolerance,
+};
+use whipcord_io::CaseFile;
 
-use super::reach::Answer;
 use super::solve;
+use crate::goal::{point, target};
 use whipcord_study::describe::{compromise, instability};
 use whipcord_study::motors;
-use whipcord_study::quantity::{degrees, fixed_millimetres, millimetres, newtons, number};
+use whipcord_study::quantity::{degrees, millimetres, newtons, number};
 use whipcord_study::style::Style;
+
+/// What was asked, and what came of it.
+pub struct Answer<'a> {
+    /// With the commands that were found.
+    pub file: &'a CaseFile,
+    /// What was solved.
+    pub solver: &'a InverseSolver,
+    /// What was asked.
+    pub target: &'a Target,
+    /// How far the answer may be from it.
+    pub tolerance: Tolerance,
+    /// What came of it.
+    pub reached: &'a Reached,
+}
 
 /// The answer for people.
 pub fn summary(answer: &Answer<'_>, style: Style) -> String {
@@ -98,34 +115,6 @@ fn status(answer: &Answer<'_>) -> &'static str {
         }
         ReachStatus::UnreachableProven => "the target cannot be reached, as is proven",
         ReachStatus::Undecided => "the target is not reached, and whether it can be is undecided",
-    }
-}
-
-fn point(at: Vec3) -> String {
-    let [x, y, z] = at.to_array().map(|c| fixed_millimetres(c, 3));
-    format!("({x}, {y}, {z}) mm")
-}
-
-fn target(target: &Target) -> String {
-    let along = |direction: Vec3| {
-        let [x, y, z] = (direction * (1.0 / direction.norm())).to_array().map(|c| number(c, 4));
-        format!("along ({x}, {y}, {z})")
-    };
-    match target {
-        Target::Tip(at) => format!("tip at {}", point(*at)),
-        Target::Pose(pose) => {
-            let wxyz = pose.rotation.wxyz().map(|c| number(c, 4)).join(", ");
-            let turned = match pose.rotation == UnitQuaternion::IDENTITY {
-                true => "not turned".to_owned(),
-                false => format!("orientation ({wxyz})"),
-            };
-            format!("tip at {}, {turned}", point(pose.position))
-        }
-        Target::Axis { point: None, direction } => format!("axis {}", along(*direction)),
-        Target::Axis { point: Some(at), direction } => {
-            format!("tip at {}, axis {}", point(*at), along(*direction))
-        }
-        Target::Shape(points) => counted(points.len(), "disk"),
     }
 }
 

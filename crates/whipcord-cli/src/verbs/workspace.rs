@@ -3,36 +3,33 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use whipcord::{Actuation, Model, ModelKind, Stations, Vec3};
+use whipcord::{Actuation, Model, ModelKind, ModelPreset, Stations, Vec3};
 use whipcord_inverse::{Cell, Workspace, WorkspaceOptions};
-use whipcord_io::{
-    CaseFile, Clearance, boundary_table, warnings_json, workspace_json, workspace_table,
-};
-use whipcord_plot::{WorkspaceFigure, workspace_figure};
+use whipcord_io::{CaseFile, boundary_table, warnings_json, workspace_json, workspace_table};
+use whipcord_plot::{WorkspaceFigure, workspace_figure, workspace_glb};
+use whipcord_viewer::export_workspace;
 
 use crate::deadline;
-use crate::inputs::{Settings, read_one};
-use crate::inverse::{By, failure, solver};
-use crate::model_arguments::{FourBarArguments, model_parser};
+use crate::inputs::read_one;
+use crate::inverse::{RobotArguments, failure, solver};
+use crate::progress;
 use crate::target_argument::length;
-use crate::warnings::Warnings;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
 use whipcord_study::quantity::{fixed_millimetres, millimetres, number};
 use whipcord_study::style::Style;
 
-/// Where the tip can go: volume or area, boundary, and maps of dexterity and stiffness
+/// Where the tip can go: volume or area, boundary, and maps of dexterity, accuracy and stiffness
 ///
 /// Shapes all over the commands mark the voxels that the tip gets into, and the survey grows from them until
 /// no neighbour is in reach. Limits are those of [limits], [[cables]] and [[motors]]. The folder gets
 /// workspace.json, voxels.csv and voxels.parquet (for each voxel a place of the tip, its commands and the dexterity, with --map stiffness the stiffness too),
-/// boundary.csv (points of the boundary with what holds the tip back), and pictures of all voxels and of sections.
+/// boundary.csv (points of the boundary with what holds the tip back), pictures of all voxels and of sections, and workspace.glb, the
+/// voxels as a body in glTF.
 #[derive(Debug, Args)]
 pub struct WorkspaceArgs {
-    /// Robot file, or - for standard input
-    file: PathBuf,
     #[command(flatten)]
-    settings: Settings,
+    robot: RobotArguments,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
@@ -42,20 +39,12 @@ pub struct WorkspaceArgs {
     /// What the pictures show
     #[arg(long, value_name = "WHAT", default_value = "reach")]
     map: Map,
-    /// Model
-    #[arg(long = "model", value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
-    kind: ModelKind,
-    #[command(flatten)]
-    four_bar: FourBarArguments,
-    /// Which commands vary; by default those that the file gives: the motors where there are some, else
-    /// tensions or lengths
-    #[arg(long, value_name = "WHAT")]
-    by: Option<By>,
+    /// Also write workspace.html, a page with the robot, its sliders and the workspace, which opens without a server
+    #[arg(long)]
+    page: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    #[command(flatten)]
-    warnings: Warnings,
 }
 
 /// What is drawn.
@@ -65,6 +54,8 @@ enum Map {
     Reach,
     /// The least motion of the tip for commands that would bend the robot by half a turn
     Dexterity,
+    /// By how much the tip is off at most if the commands are off by 1 % of those that bend the robot by half a turn
+    Accuracy,
     /// The least stiffness of the tip against a force, with the commands held
     Stiffness,
 }
@@ -74,34 +65,38 @@ const WIDTH: f64 = 900.0;
 
 /// Surveys, writes the folder and returns what standard output shows.
 pub fn run(args: &WorkspaceArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file, &args.settings)?;
+    let file = read_one(&args.robot.file, &args.robot.settings)?;
     let warnings = file.warnings();
-    args.warnings.tell(&file, &warnings)?;
-    let model = Model::new(args.kind, Stations::Disks, Actuation::Natural);
-    let model = args.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
-    let mut solver = solver(args.by, &file, &model)?;
+    args.robot.warnings.tell(&file, &warnings)?;
+    let model = Model::new(args.robot.kind, Stations::Disks, Actuation::Natural);
+    let model = args.robot.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
+    let mut solver = solver(args.robot.by, &file, &model)?;
     let options = WorkspaceOptions {
         voxel: args.voxel,
-        clearance: match file.goal.clearance {
-            Some(Clearance::Touch) => None,
-            Some(Clearance::Least(least)) => Some(least),
-            None => WorkspaceOptions::default().clearance,
-        },
+        clearance: file.goal.least_clearance(),
         has_stiffness: args.map == Map::Stiffness,
         ..WorkspaceOptions::default()
     };
     let workspace = solver.workspace(&options).map_err(|error| failure(&file, &error))?;
     let no_result = |error| files::no_result(&error);
-    let name = args.kind.name();
+    let name = args.robot.kind.name();
     let json = workspace_json(&file.title, &file.robot, name, &solver, &workspace);
     let mut json = json.map_err(no_result)?;
     json["warnings"] = warnings_json(&file, &warnings);
     let voxels = workspace_table(&file.robot, &solver, &workspace);
     let boundary = boundary_table(&file.robot, &solver, &workspace);
     let parquet = voxels.to_parquet().map_err(no_result)?;
-    let pictures = [(None, "workspace"), (Some(section(&workspace)), "sections")]
-        .map(|(section, name)| Ok((name, picture(args.map, &file, &workspace, section)?)));
-    let pictures: Vec<(&str, String)> = pictures.into_iter().collect::<Result<_, Failure>>()?;
+    let drawn = |error| Failure::Solve(format!("error: the workspace cannot be drawn: {error}"));
+    let figures = [("workspace", None), ("sections", Some(section(&workspace)))]
+        .map(|(name, section)| Ok((name, figure(args.map, &file, &workspace, section)?)));
+    let figures: Vec<(&str, WorkspaceFigure)> =
+        figures.into_iter().collect::<Result<_, Failure>>()?;
+    let mut pictures = Vec::with_capacity(figures.len());
+    for (name, figure) in &figures {
+        pictures.push((*name, workspace_figure(figure).map_err(drawn)?));
+    }
+    let model = workspace_glb(&figures[0].1).map_err(drawn)?;
+    let page = args.page.then(|| page(args.robot.kind, &file, &workspace)).transpose()?;
 
     let folder = Folder::create(&args.out)?;
     folder.write("workspace.json", &format!("{json:#}\n"))?;
@@ -110,6 +105,10 @@ pub fn run(args: &WorkspaceArgs, style: Style) -> Result<String, Failure> {
     folder.write_table("boundary.csv", &boundary)?;
     for (name, svg) in &pictures {
         folder.write_figure(name, svg)?;
+    }
+    files::write(&folder.path().join("workspace.glb"), &model)?;
+    if let Some(page) = page {
+        folder.write("workspace.html", &page)?;
     }
     Ok(match args.json {
         true => format!("{json:#}\n"),
@@ -123,15 +122,28 @@ fn section(workspace: &Workspace) -> Vec3 {
     (least + greatest) * 0.5
 }
 
-fn picture(
+/// A page with the robot and its workspace.
+fn page(kind: ModelKind, file: &CaseFile, workspace: &Workspace) -> Result<String, Failure> {
+    let bar = progress::bar(0);
+    let page = export_workspace(file, ModelPreset::usual(kind), workspace, |progress| {
+        bar.set_length(progress.all as u64);
+        bar.set_position(progress.done as u64);
+        bar.set_message("frames of the page");
+    });
+    bar.finish_and_clear();
+    page.map_err(|error| Failure::Input(format!("error: {error}")))
+}
+
+fn figure(
     map: Map,
     file: &CaseFile,
     workspace: &Workspace,
     section: Option<Vec3>,
-) -> Result<String, Failure> {
+) -> Result<WorkspaceFigure, Failure> {
     let value = |cell: &Cell| match map {
         Map::Reach => Some(0.0),
         Map::Dexterity => Some(1e3 * cell.dexterity.motions().last().map_or(0.0, |(size, _)| size)),
+        Map::Accuracy => Some(10.0 * cell.dexterity.singular[0].0),
         Map::Stiffness => cell.stiffness.map(|[least, _]| least),
     };
     let centre = |cell: &Cell| {
@@ -153,11 +165,12 @@ fn picture(
         None => "from the front, the side and above",
         Some(_) => "sections through the middle",
     };
-    let figure = WorkspaceFigure {
+    Ok(WorkspaceFigure {
         title: format!("{}: where the tip can go, {what}", file.title),
         quantity: match map {
             Map::Reach => None,
             Map::Dexterity => Some("least motion of the tip (mm)".to_owned()),
+            Map::Accuracy => Some("error of the tip for 1 % of the commands (mm)".to_owned()),
             Map::Stiffness => Some("least stiffness (N/m)".to_owned()),
         },
         voxel: workspace.voxel,
@@ -172,13 +185,11 @@ fn picture(
         backbone,
         section,
         width: WIDTH,
-    };
-    workspace_figure(&figure)
-        .map_err(|error| Failure::Solve(format!("error: the workspace cannot be drawn: {error}")))
+    })
 }
 
 fn summary(args: &WorkspaceArgs, file: &CaseFile, workspace: &Workspace, style: Style) -> String {
-    let mut text = format!("{}\n{}\n\n", style.heading(&file.title), args.kind);
+    let mut text = format!("{}\n{}\n\n", style.heading(&file.title), args.robot.kind);
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<10}")));
     };

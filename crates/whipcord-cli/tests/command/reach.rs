@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Scratch, fail, robot, run, settings, succeed, warned};
+use crate::support::{Scratch, fail, robot, root, run, settings, succeed, warned};
 
 const ARM: &str = "examples/reaching-arm.toml";
 const THREE: &str = "examples/three-cable-segment.toml";
@@ -147,7 +147,7 @@ fn a_path_is_followed_and_jumps_are_told_of() {
     let nearest = run(&["reach", ARM, "--path", &hurried, "--nearest"]);
     assert!(nearest.status == 0 && nearest.stdout.contains("not reached"), "{}", nearest.stderr);
     let message = fail(2, &["reach", ARM, "--path", &path, "-o", "new.toml"]);
-    assert!(message.contains("--output is for one target"), "{message}");
+    assert!(message.contains(".csv, .parquet or .json"), "{message}");
     let message = fail(
         2,
         &["reach", ARM, "--path", &scratch.write("back.csv", "t,x,y,z\n1,0,0,0.3\n1,0,0,0.3\n")],
@@ -213,4 +213,56 @@ fn what_cannot_be_asked_is_said() {
             && message.contains("check its unit"),
         "{message}"
     );
+}
+
+/// The commands of a path are a table that a robot file takes its steps from: they lead along the path without it.
+#[test]
+fn the_commands_of_a_path_are_played_back() {
+    let scratch = Scratch::new();
+    let [csv, parquet, object, plot] =
+        ["c.csv", "c.parquet", "c.json", "p.svg"].map(|name| scratch.file(name));
+    let letter = "examples/letter/arm.toml";
+    let text = succeed(&["reach", letter, "-o", &csv, "--plot", &plot]);
+    assert!(text.contains("49 of 49 points reached"), "{text}");
+    assert!(text.contains("commands: ") && text.contains("picture: "));
+    for format in [&parquet, &object] {
+        succeed(&["reach", letter, "-o", format]);
+    }
+    let table = std::fs::read_to_string(&csv).unwrap();
+    let head = "time,upper-pan.angle,upper-tilt.angle,lower-pan.angle,lower-tilt.angle";
+    assert_eq!((table.lines().next(), table.lines().count()), (Some(head), 50));
+    let json: Value = serde_json::from_str(&std::fs::read_to_string(&object).unwrap()).unwrap();
+    assert_eq!(json["points"].as_array().unwrap().len(), 49);
+    assert!(std::fs::read_to_string(&plot).unwrap().contains("cosserat, 9.6 s"));
+    // A film of three points.
+    let short = "t,x,y,z\n0,0.02,0,0.29\n0.1,0.021,0,0.29\n0.2,0.022,0,0.29\n";
+    let (short, film) = (scratch.write("short.csv", short), scratch.file("f.png"));
+    succeed(&["reach", letter, "--path", &short, "--film", &film]);
+    let pictures = std::fs::read(&film).unwrap().windows(4).filter(|w| *w == b"fcTL").count();
+    assert_eq!(pictures, 3);
+    for name in ["c.csv", "c.parquet"] {
+        // The table gives the angles in place of the file.
+        let robot = std::fs::read_to_string(root().join(letter)).unwrap();
+        let robot = robot.replace("angle = \"0 deg\"\n", "");
+        let robot = robot.split("[target]").next().unwrap();
+        let play = format!("{robot}[commands]\ntable = \"{name}\"\neach = \"in order\"\n");
+        let file = scratch.file("play.toml");
+        std::fs::write(&file, play).unwrap();
+        let solved: Value = serde_json::from_str(&succeed(&["solve", &file, "--json"])).unwrap();
+        let tip = &solved["disks"].as_array().unwrap().last().unwrap()["position"];
+        for (k, end) in [0.036, 0.024, 0.285].into_iter().enumerate() {
+            assert!((tip[k].as_f64().unwrap() - end).abs() < 6e-5, "{tip}");
+        }
+    }
+}
+
+#[test]
+fn files_that_do_not_fit_are_refused() {
+    let scratch = Scratch::new();
+    let out = scratch.file("c.toml");
+    let letter = "examples/letter/arm.toml";
+    assert!(fail(2, &["reach", letter, "-o", &out]).contains(".csv, .parquet or .json"));
+    let film = scratch.file("f.png");
+    assert!(fail(2, &["reach", ARM, "--film", &film]).contains("--film is for a path"));
+    assert!(!std::path::Path::new(&film).exists());
 }

@@ -39,7 +39,9 @@ fn the_folder_has_tables_and_pictures() {
     for name in ["workspace.png", "sections.png", "workspace.svg", "sections.svg"] {
         assert!(scratch.path().join("out").join(name).exists(), "{name}");
     }
-    let parquet = std::fs::read(scratch.path().join("out").join("voxels.parquet")).unwrap();
+    let bytes = |name: &str| std::fs::read(scratch.path().join("out").join(name)).unwrap();
+    assert!(bytes("workspace.glb").starts_with(b"glTF"));
+    let parquet = bytes("voxels.parquet");
     assert!(parquet.starts_with(b"PAR1") && parquet.ends_with(b"PAR1"));
 }
 

@@ -24,7 +24,7 @@ pub use json::{number as json_number, optional as json_optional, solution_json};
 pub use motion::{motion_json, motion_table, poses_table};
 pub use notices::{problems_json, warnings_json};
 pub use path::{Beside, answer_json};
-pub use reach::{follow_json, reach_json};
+pub use reach::{follow_json, path_table, reach_json};
 pub use stiffness::stiffness_json;
 pub use workspace::{boundary_table, workspace_json, workspace_table};
 

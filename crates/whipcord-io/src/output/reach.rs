@@ -7,6 +7,7 @@ use whipcord_inverse::{
 };
 
 use super::NonFinite;
+use super::csv::{Cell, CsvTable};
 use super::json::{number, numbers, optional, quaternion, vector};
 use super::path::{Beside, answer_json};
 
@@ -68,6 +69,26 @@ pub fn follow_json(
     });
     object.insert("jumps".to_owned(), jumps.collect::<Result<_, NonFinite>>()?);
     Ok(Value::Object(object))
+}
+
+/// The commands along a path, in the columns of a table for `[commands]` of a robot file: the time in s, and one column for each actuator.
+#[must_use]
+pub fn path_table(
+    robot: &Robot,
+    solver: &InverseSolver,
+    path: &[PathPoint],
+    followed: &Followed,
+) -> CsvTable {
+    let commands = solver.actuators().iter().map(|actuator| {
+        let (command, name) = named(robot, *actuator);
+        format!("{name}.{command}")
+    });
+    let mut table = CsvTable::new(core::iter::once("time".to_owned()).chain(commands));
+    for (point, answer) in path.iter().zip(&followed.answers) {
+        let all = core::iter::once(point.time).chain(answer.commands.iter().copied());
+        table.push(all.map(Cell::Number));
+    }
+    table
 }
 
 fn heading(title: &str, solution: &Solution) -> Map<String, Value> {
