@@ -38,9 +38,9 @@ pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
     Beside, Cell, CsvTable, NonFinite, SpacePoint, answer_json, boundary_table, contacts_csv,
     fit_json, follow_json, json_number, json_optional, loss_name, marks_csv, motion_json,
-    motion_table, path_table, points_csv, poses_table, problems_json, reach_json, remove_unfinished, shape_csv,
-    solution_json, status_words, steps_csv, stiffness_json, warnings_json, workspace_json,
-    workspace_table, write_atomically,
+    motion_table, path_table, points_csv, poses_table, problems_json, reach_json,
+    remove_unfinished, shape_csv, solution_json, status_words, steps_csv, stiffness_json,
+    warnings_json, workspace_json, workspace_table, write_atomically,
 };
 pub use read::{
     CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit,

@@ -25,7 +25,8 @@ fn a_released_arm_swings_and_its_energy_is_balanced() {
     // At 0, 10, … 300 ms.
     assert_eq!(states.len(), 31);
     assert!((number(&states[30]["time"]) - 0.3).abs() < 1e-12);
-    let tip = |state: &Value| number(&state["poses"].as_array().unwrap().last().unwrap()["position"][0]);
+    let tip =
+        |state: &Value| number(&state["poses"].as_array().unwrap().last().unwrap()["position"][0]);
     let first = tip(&states[0]);
     // Bent towards the pulled cable, then past the middle to the other side.
     assert!(first > 0.005, "{first}");
