@@ -57,7 +57,17 @@ from .overlaying import Overlaid, Overlay, overlay
 from .photographs import Marks, measure
 from .published import Measured, Observation, Reference
 from .reaching import Followed, Jump, Limits, ReachBatch, Reached
-from .robot import Along, Backbone, Cable, Disks, Robot, Routing, Section, SectionStiffness
+from .robot import (
+    Along,
+    Backbone,
+    BackboneSegment,
+    Cable,
+    Disks,
+    Robot,
+    Routing,
+    Section,
+    SectionStiffness,
+)
 from .scoring import CaseScore, Measures, ModelScore, RowScore, Score, score
 from .solution import (
     Branches,
@@ -89,6 +99,7 @@ from .warning import WhipcordWarning
 __all__ = [
     "Along",
     "Backbone",
+    "BackboneSegment",
     "Base",
     "Batch",
     "Benchmark",

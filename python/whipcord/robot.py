@@ -16,7 +16,17 @@ from ._tables import Quantity, Table, part, parts, plain
 from .motor import Motor
 from .viewing import HEIGHT, Viewer, view
 
-__all__ = ["Along", "Backbone", "Cable", "Disks", "Robot", "Routing", "Section", "SectionStiffness"]
+__all__ = [
+    "Along",
+    "Backbone",
+    "BackboneSegment",
+    "Cable",
+    "Disks",
+    "Robot",
+    "Routing",
+    "Section",
+    "SectionStiffness",
+]
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -122,6 +132,65 @@ class SectionStiffness(Table):
 
 
 @dataclass(frozen=True, init=False, repr=False)
+class BackboneSegment(Table):
+    """A named segment of the backbone, with factors on its stiffness.
+
+    Parameters
+    ----------
+    name
+        Name, unique among the segments; ``segment-1``, ``segment-2``, ... by default. A fit names the segment by it:
+        ``backbone.segments[near].bending_factor``.
+    group
+        Group of segments that it belongs to; a fit can give the segments of a group one number together.
+    starts_at
+        Arc length in m at which it begins; by default the end of the segment before it, or the base.
+    ends_at
+        Arc length in m at which it ends; by default the tip.
+    bending_factor, torsion_factor, extension_factor, shear_factor
+        Factors on EI, GJ, EA and GA; 1 by default.
+
+    Examples
+    --------
+    >>> near = BackboneSegment(name="near", ends_at="90 mm", bending_factor=1.1)
+    >>> near.ends_at, near.bending_factor
+    (0.09, 1.1)
+    """
+
+    name: str | None = None
+    group: str | None = None
+    starts_at: float | None = None
+    ends_at: float | None = None
+    bending_factor: float = 1.0
+    torsion_factor: float = 1.0
+    extension_factor: float = 1.0
+    shear_factor: float = 1.0
+
+    _name: ClassVar[str] = "backbone.segments"
+
+    def __init__(
+        self,
+        *,
+        name: str | None = None,
+        group: str | None = None,
+        starts_at: Quantity | None = None,
+        ends_at: Quantity | None = None,
+        bending_factor: Quantity | None = None,
+        torsion_factor: Quantity | None = None,
+        extension_factor: Quantity | None = None,
+        shear_factor: Quantity | None = None,
+    ) -> None:
+        self._set(
+            name=name,
+            group=group,
+            starts_at=starts_at,
+            ends_at=ends_at,
+            bending_factor=bending_factor,
+            torsion_factor=torsion_factor,
+            extension_factor=extension_factor,
+            shear_factor=shear_factor,
+        )
+
+@dataclass(frozen=True, init=False, repr=False)
 class Backbone(Table):
     """The elastic rod that runs through the disks.
 
@@ -148,6 +217,8 @@ class Backbone(Table):
         Timoshenko's factor on the shear stiffness; 1 by default.
     stiffness
         The stiffness itself, instead of a material.
+    segments
+        Named segments with factors on the stiffness, from the base on; a fit can estimate the factors.
     density
         In kg/m³; needed only with gravity.
     linear_density
@@ -191,6 +262,7 @@ class Backbone(Table):
     shear_modulus: float | None = None
     shear_correction: float = 1.0
     stiffness: SectionStiffness | None = None
+    segments: tuple[BackboneSegment, ...] = ()
     density: float | None = None
     linear_density: float | tuple[float, ...] | Along | None = None
     yield_strain: float | None = None
@@ -206,6 +278,7 @@ class Backbone(Table):
         "diameters": Along,
         "section": Section,
         "stiffness": SectionStiffness,
+        "segments": BackboneSegment,
         "linear_density": Along,
         "rest_curvature": Along,
     }
@@ -224,6 +297,7 @@ class Backbone(Table):
         shear_modulus: Quantity | None = None,
         shear_correction: Quantity | None = None,
         stiffness: SectionStiffness | Mapping[str, Any] | None = None,
+        segments: Sequence[BackboneSegment | Mapping[str, Any]] | None = None,
         density: Quantity | None = None,
         linear_density: Quantity | Sequence[Quantity] | Along | None = None,
         yield_strain: Quantity | None = None,
@@ -245,6 +319,7 @@ class Backbone(Table):
             shear_modulus=shear_modulus,
             shear_correction=shear_correction,
             stiffness=part(stiffness, SectionStiffness, "stiffness"),
+            segments=parts(segments, BackboneSegment, "segments"),
             density=density,
             linear_density=linear_density,
             yield_strain=yield_strain,

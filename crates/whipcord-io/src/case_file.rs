@@ -216,7 +216,11 @@ fn read(
     let reference = fields.table("reference").and_then(read::reference);
     // Without the cables that a path names by a group nothing is known of it.
     let fit = fields.table("fit").zip(parts.as_ref()).map(|(table, parts)| {
-        let robot = (parts.cables.as_slice(), parts.motors.motors.as_slice());
+        let robot = whipcord_estimation::identification::Parts {
+            cables: &parts.cables,
+            motors: &parts.motors.motors,
+            segments: &parts.backbone.segments,
+        };
         read::fit(table, robot, &document, problems)
     });
     let disks = robot.disks;

@@ -235,7 +235,7 @@ fn unknown(
         let message = format!("`{path}` is nothing that can be estimated{near}");
         errors::input(py, "parameters", message)
     })?;
-    let unknown = named.unknown(robot.cables(), robot.motors());
+    let unknown = named.unknown(robot);
     let unknown = unknown.map_err(|error| errors::input(py, "parameters", error.to_string()))?;
     if alone {
         return Ok(Fit::known(files, unknown));

@@ -321,7 +321,7 @@ fn unknowns(args: &FitArgs, cases: &[CaseFile]) -> Result<Vec<Unknown>, Failure>
     let robot = &cases[0].robot;
     let known = |paths: &[ParameterPath]| -> Result<Vec<Unknown>, Failure> {
         let unknown = |path: &ParameterPath| {
-            let unknown = path.unknown(robot.cables(), robot.motors());
+            let unknown = path.unknown(robot);
             unknown.map(|unknown| Unknowns::known(&files, unknown)).map_err(|error| {
                 Failure::Input(format!("error: {}: {error}", cases[0].path.display()))
             })

@@ -49,7 +49,7 @@ pub use self::error::{IdentifyError, Misfit, NoAnswer, NoAnswerReason};
 pub use self::experiment::{Experiment, Prior, RowLabel, Unknown};
 pub use self::identify::identify;
 pub use self::outcome::{Estimate, Identified, Noise, Residual, Starts, Unstable};
-pub use self::parameter_path::{List, ParameterPath, UnknownGroup};
+pub use self::parameter_path::{List, ParameterPath, Parts, UnknownGroup};
 pub use self::profile::{Profile, profile};
 pub use self::quantity::{Quantity, UnknownQuantity};
 pub use self::registered::registered;

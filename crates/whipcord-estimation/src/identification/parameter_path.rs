@@ -1,4 +1,4 @@
-//! Paths of unknowns, also of those that several cables or motors share.
+//! Paths of unknowns, also of those that several cables, motors or segments of the backbone share.
 
 use core::fmt;
 use core::str::FromStr;
@@ -6,23 +6,25 @@ use core::str::FromStr;
 use super::experiment::Unknown;
 use super::quantity::{Quantity, UnknownQuantity};
 use super::shared::Shared;
-use whipcord::robot::{Cable, Motor};
+use whipcord::robot::{BackboneSegment, Cable, Motor, Robot};
 
-/// A path of what can be estimated. It becomes an [`Unknown`] when it is known which cables and motors a robot has.
+/// A path of what can be estimated. It becomes an [`Unknown`] when it is known which cables, motors and segments of the
+/// backbone a robot has.
 ///
 /// `cables[*].axial_stiffness` is one number for all cables, `cables[segment 1].axial_stiffness` one for the cables of a group,
-/// and `motors[left].stiffness` that of the motor with this name. Of `routing`, the number is a change that all of them share.
+/// `motors[left].stiffness` that of the motor with this name, and `backbone.segments[near].bending_factor` that of the segment with this
+/// name. Of `routing`, the number is a change that all of them share.
 ///
 /// ```
 /// use whipcord::{Cable, Routing};
-/// use whipcord_estimation::identification::ParameterPath;
+/// use whipcord_estimation::identification::{Parts, ParameterPath};
 /// let cable = |name: &str, group: &str| Cable {
 ///     group: Some(group.into()),
 ///     ..Cable::new(name, Routing::Straight { angle: 0.0, radius: 0.01 })
 /// };
 /// let cables = [cable("a", "near"), cable("b", "far"), cable("c", "far")];
 /// let path: ParameterPath = "cables[far].axial_stiffness".parse()?;
-/// let unknown = path.unknown(&cables, &[])?;
+/// let unknown = path.unknown(Parts { cables: &cables, ..Parts::default() })?;
 /// let paths: Vec<String> = unknown.quantities().map(|quantity| quantity.to_string()).collect();
 /// assert_eq!(paths, ["cables[1].axial_stiffness", "cables[2].axial_stiffness"]);
 /// assert_eq!(unknown.path(), "cables[far].axial_stiffness");
@@ -32,7 +34,7 @@ use whipcord::robot::{Cable, Motor};
 pub enum ParameterPath {
     /// Of a single quantity.
     One(Quantity),
-    /// Of cables or motors that are named.
+    /// Of cables, motors or segments of the backbone that are named.
     Named {
         /// Which list of the robot.
         list: List,
@@ -50,6 +52,8 @@ pub enum List {
     Cables,
     /// The motors.
     Motors,
+    /// The segments of the backbone.
+    Segments,
 }
 
 impl List {
@@ -57,6 +61,17 @@ impl List {
         match self {
             Self::Cables => "cables",
             Self::Motors => "motors",
+            Self::Segments => "backbone.segments",
+        }
+    }
+}
+
+impl List {
+    const fn plural(self) -> &'static str {
+        match self {
+            Self::Cables => "cables",
+            Self::Motors => "motors",
+            Self::Segments => "segments of the backbone",
         }
     }
 }
@@ -67,11 +82,29 @@ impl fmt::Display for List {
     }
 }
 
-/// A robot has no such cables or motors.
+/// The parts of a robot that paths can name.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Parts<'a> {
+    /// The cables.
+    pub cables: &'a [Cable],
+    /// The motors.
+    pub motors: &'a [Motor],
+    /// The segments of the backbone.
+    pub segments: &'a [BackboneSegment],
+}
+
+impl<'a> From<&'a Robot> for Parts<'a> {
+    fn from(robot: &'a Robot) -> Self {
+        let segments = &robot.backbone().segments;
+        Self { cables: robot.cables(), motors: robot.motors(), segments }
+    }
+}
+
+/// A robot has no such cables, motors or segments.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no {list} are called `{name}`, and none belong to a group of this name: {known}; give * for all of them, a number from 0, a \
-     name, or a `group` of [[{list}]]"
+    "no {} are called `{name}`, and none belong to a group of this name: {known}; give * for all of them, a number from 0, a \
+     name, or a `group` of [[{list}]]", list.plural()
 )]
 pub struct UnknownGroup {
     /// Which list.
@@ -90,7 +123,7 @@ impl FromStr for ParameterPath {
             return Ok(Self::One(quantity));
         }
         let unknown = || UnknownQuantity(path.to_owned());
-        for list in [List::Cables, List::Motors] {
+        for list in [List::Cables, List::Motors, List::Segments] {
             let inner = path.strip_prefix(list.name()).and_then(|rest| rest.strip_prefix('['));
             let Some((name, rest)) = inner.and_then(|inner| inner.split_once(']')) else {
                 continue;
@@ -115,11 +148,12 @@ impl fmt::Display for ParameterPath {
 }
 
 impl ParameterPath {
-    /// The unknown of a robot with these cables and motors.
+    /// The unknown of a robot with these parts.
     ///
     /// # Errors
     /// [`UnknownGroup`] where none of them has the name.
-    pub fn unknown(&self, cables: &[Cable], motors: &[Motor]) -> Result<Unknown, UnknownGroup> {
+    pub fn unknown<'a>(&self, parts: impl Into<Parts<'a>>) -> Result<Unknown, UnknownGroup> {
+        let Parts { cables, motors, segments } = parts.into();
         let (list, name, rest) = match self {
             Self::One(quantity) => return Ok(Unknown::new(*quantity)),
             Self::Named { list, name, rest } => (*list, name, rest),
@@ -130,6 +164,9 @@ impl ParameterPath {
             }
             List::Motors => {
                 motors.iter().map(|of| (of.name.as_str(), of.group.as_deref())).collect()
+            }
+            List::Segments => {
+                segments.iter().map(|of| (of.name.as_str(), of.group.as_deref())).collect()
             }
         };
         let numbers = 0..entries.len();
@@ -152,8 +189,10 @@ impl ParameterPath {
 /// The names and groups that there are.
 fn known(list: List, entries: &[(&str, Option<&str>)]) -> String {
     if entries.is_empty() {
-        return format!("the robot has no {list}");
+        let what = list.plural();
+        return format!("the robot has no {what}");
     }
+    let what = list.plural();
     let quoted = |names: Vec<&str>| {
         let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
         names.join(", ")
@@ -162,8 +201,8 @@ fn known(list: List, entries: &[(&str, Option<&str>)]) -> String {
     groups.dedup();
     let names = quoted(entries.iter().map(|(name, _)| *name).collect());
     match groups.is_empty() {
-        true => format!("the {list} are {names}, without groups"),
-        false => format!("the {list} are {names}, the groups {}", quoted(groups)),
+        true => format!("the {what} are {names}, without groups"),
+        false => format!("the {what} are {names}, the groups {}", quoted(groups)),
     }
 }
 
@@ -180,9 +219,17 @@ mod tests {
         };
         let cables = [cable("a", Some("b")), cable("b", None), cable("c", Some("b"))];
         let motors = [Motor::linear("b", [(0, 1.0)])];
+        let segments = [
+            BackboneSegment {
+                group: Some("soft".into()),
+                ..BackboneSegment::new("near", [0.0, 0.1])
+            },
+            BackboneSegment::new("far", [0.1, 0.2]),
+        ];
+        let parts = Parts { cables: &cables, motors: &motors, segments: &segments };
         let numbers = |path: &str| -> Vec<String> {
             let path: ParameterPath = path.parse().unwrap();
-            let unknown = path.unknown(&cables, &motors).unwrap();
+            let unknown = path.unknown(parts).unwrap();
             unknown.quantities().map(|quantity| quantity.to_string()).collect()
         };
         assert_eq!(numbers("cables[*].friction").len(), 3);
@@ -190,7 +237,13 @@ mod tests {
         assert_eq!(numbers("cables[b].friction"), ["cables[0].friction", "cables[2].friction"]);
         assert_eq!(numbers("cables[c].friction"), ["cables[2].friction"]);
         assert_eq!(numbers("motors[b].stiffness"), ["motors[0].stiffness"]);
-        let unknown = |path: &str| path.parse::<ParameterPath>().unwrap().unknown(&cables, &motors);
+        let unknown = |path: &str| path.parse::<ParameterPath>().unwrap().unknown(parts);
+        let factor = "backbone.segments[1].bending_factor";
+        assert_eq!(numbers("backbone.segments[far].bending_factor"), [factor]);
+        assert_eq!(numbers("backbone.segments[*].bending_factor").len(), 2);
+        assert_eq!(numbers("backbone.segments[soft].torsion_factor").len(), 1);
+        let message = unknown("backbone.segments[x].bending_factor").unwrap_err().to_string();
+        assert!(message.contains("no segments of the backbone are called `x`"), "{message}");
         let message = unknown("cables[d].friction").unwrap_err().to_string();
         assert!(message.contains("the groups `b`"), "{message}");
         assert!(unknown("motors[d].stiffness").unwrap_err().to_string().contains("without groups"));

@@ -140,7 +140,7 @@ impl FromStr for Quantity {
 
 impl Quantity {
     /// The paths of what can be estimated, with 0 for every number: those of the first cable, load, axis.
-    pub const PATHS: [&str; 56] = [
+    pub const PATHS: [&str; 60] = [
         "backbone.young_modulus",
         "backbone.shear_modulus",
         "backbone.poisson_ratio",
@@ -149,6 +149,10 @@ impl Quantity {
         "backbone.extension_factor",
         "backbone.bending_factor",
         "backbone.torsion_factor",
+        "backbone.segments[0].bending_factor",
+        "backbone.segments[0].torsion_factor",
+        "backbone.segments[0].extension_factor",
+        "backbone.segments[0].shear_factor",
         "backbone.diameter",
         "backbone.diameters[0]",
         "backbone.inner_diameter",
@@ -243,6 +247,7 @@ impl Quantity {
                 P::PoissonRatio
                 | P::Friction { .. }
                 | P::StiffnessScale(_)
+                | P::SegmentFactor { .. }
                 | P::ShearCorrection
                 | P::Turns { .. }
                 | P::GearRatio { .. }
@@ -326,6 +331,7 @@ impl Quantity {
                     | P::ShearModulus
                     | P::Density
                     | P::StiffnessScale(_)
+                    | P::SegmentFactor { .. }
                     | P::Diameter
                     | P::DiameterAt { .. }
                     | P::InnerDiameter
@@ -388,6 +394,7 @@ impl Quantity {
             Self::Parameter(parameter) => match parameter {
                 P::YoungModulus | P::ShearModulus => limits::MODULUS,
                 P::Density => limits::DENSITY,
+                P::SegmentFactor { .. } => limits::STIFFNESS_FACTOR,
                 P::YieldMoment { .. } => limits::YIELD_MOMENT,
                 P::YieldStiffness { .. } => limits::BENDING_STIFFNESS,
                 P::LinearDensity => limits::LINEAR_DENSITY,

@@ -1,7 +1,7 @@
 //! A robot and a case as the tables of a file.
 
 use thiserror::Error;
-use whipcord::robot::StiffnessMatrix;
+use whipcord::robot::{BackboneSegment, StiffnessMatrix};
 use whipcord::{
     Along, Backbone, Cable, CableCommand, Case, Disks, DistributedLoad, Interpolation, LoadFrame,
     Loads, Material, PointLoad, Pose, Profile, RestCurvature, Robot, Routing, Section, Shortening,
@@ -173,6 +173,11 @@ fn backbone(backbone: &Backbone) -> Result<Table, Inexpressible> {
     if let Some(given) = &backbone.stiffness {
         table.insert("stiffness", stiffness(given)?);
     }
+    if !backbone.segments.is_empty() {
+        let segments: Vec<Item> =
+            backbone.segments.iter().map(|of| Item::Table(segment(of))).collect();
+        table.insert("segments", Item::List(segments));
+    }
     table.insert_some("density", material.density);
     table.insert_some("yield_strain", material.yield_strain);
     table.insert_some("linear_density", backbone.linear_density.as_ref().map(along));
@@ -189,6 +194,26 @@ fn backbone(backbone: &Backbone) -> Result<Table, Inexpressible> {
         }
     }
     Ok(table)
+}
+
+fn segment(segment: &BackboneSegment) -> Table {
+    let mut table = Table::default();
+    table.insert("name", segment.name.as_str());
+    table.insert_some("group", segment.group.as_deref());
+    table.insert("starts_at", segment.range[0]);
+    table.insert("ends_at", segment.range[1]);
+    let [shear, extension, bending, torsion] = segment.stiffness_factors();
+    for (key, factor) in [
+        ("bending_factor", bending),
+        ("torsion_factor", torsion),
+        ("extension_factor", extension),
+        ("shear_factor", shear),
+    ] {
+        if factor != 1.0 {
+            table.insert(key, factor);
+        }
+    }
+    table
 }
 
 /// The name of the material, where its constants are read again as they are beside that name.

@@ -1,8 +1,9 @@
-use whipcord::robot::{BendingFriction, StiffnessMatrix};
+use whipcord::robot::{BackboneSegment, BendingFriction, StiffnessMatrix};
 use whipcord::{Along, Backbone, Material, RestCurvature, Section, Stiffness, Vec3};
 
 use crate::check::{Data, Fields};
 use crate::materials::preset;
+use crate::overlay::default_name;
 
 /// `[backbone]`; `None` when the length is missing.
 pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
@@ -12,6 +13,7 @@ pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
         material: material(fields),
         shear_correction: fields.number("shear_correction").unwrap_or(1.0),
         stiffness: fields.table("stiffness").and_then(stiffness),
+        segments: segments(fields.tables("segments"), length),
         linear_density: along(fields, "linear_density", None, &Data::as_number),
         rest_curvature: along(fields, "rest_curvature", None, &vec3)
             .unwrap_or_else(RestCurvature::default),
@@ -23,6 +25,30 @@ pub(crate) fn backbone(fields: &Fields) -> Option<Backbone> {
         }),
         ..Backbone::new(length)
     })
+}
+
+/// `[[backbone.segments]]` of a backbone of this length.
+fn segments(tables: &[Fields], length: f64) -> Vec<BackboneSegment> {
+    let mut segments: Vec<BackboneSegment> = Vec::with_capacity(tables.len());
+    for (index, fields) in tables.iter().enumerate() {
+        let before = segments.last().map_or(0.0, |segment| segment.range[1]);
+        let name =
+            fields.text("name").map_or_else(|| default_name("segment", index), str::to_owned);
+        let range = [
+            fields.number("starts_at").unwrap_or(before),
+            fields.number("ends_at").unwrap_or(length),
+        ];
+        let factor = |key| fields.number(key).unwrap_or(1.0);
+        segments.push(BackboneSegment {
+            group: fields.text("group").map(str::to_owned),
+            bending_factor: factor("bending_factor"),
+            torsion_factor: factor("torsion_factor"),
+            extension_factor: factor("extension_factor"),
+            shear_factor: factor("shear_factor"),
+            ..BackboneSegment::new(name, range)
+        });
+    }
+    segments
 }
 
 /// One value for both bending axes, or one for each.

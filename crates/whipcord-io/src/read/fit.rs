@@ -1,5 +1,4 @@
-use whipcord::{Cable, Motor};
-use whipcord_estimation::identification::{ParameterPath, Prior, Quantity, Unknown};
+use whipcord_estimation::identification::{ParameterPath, Parts, Prior, Quantity, Unknown};
 
 use crate::check::Fields;
 use crate::error::{FileProblem, Problems};
@@ -61,14 +60,13 @@ pub fn parameter_path(path: &str) -> Result<ParameterPath, Option<&'static str>>
     path.parse().map_err(|_| suggest::nearest(path, Quantity::PATHS))
 }
 
-/// Reads the table, of a robot with these cables and motors; what it names that cannot be estimated goes to `problems`.
+/// Reads the table, of a robot with these parts; what it names that cannot be estimated goes to `problems`.
 pub(crate) fn fit(
     fields: &Fields,
-    (cables, motors): (&[Cable], &[Motor]),
+    robot: Parts<'_>,
     document: &Node,
     problems: &mut Problems,
 ) -> Fit {
-    let robot = (cables, motors);
     let mut unknowns = |key: &str| -> Vec<Unknown> {
         let Some(list) = fields.list(key) else { return Vec::new() };
         let found = list.iter().enumerate().filter_map(|(i, item)| {
@@ -106,13 +104,13 @@ pub(crate) fn fit(
 fn named(
     path: &str,
     place: &str,
-    (cables, motors): (&[Cable], &[Motor]),
+    robot: Parts<'_>,
     document: &Node,
     problems: &mut Problems,
 ) -> Option<Unknown> {
     let span = || document.locate(place).span;
     match parameter_path(path) {
-        Ok(named) => match named.unknown(cables, motors) {
+        Ok(named) => match named.unknown(robot) {
             Ok(unknown) => Some(unknown),
             Err(error) => {
                 problems.push(span(), || FileProblem::UnknownGroup(error));

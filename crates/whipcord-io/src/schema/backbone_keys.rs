@@ -23,6 +23,59 @@ const YIELD_MOMENT: Kind = Kind::Quantity(&[Dimension::Moment], limits::YIELD_MO
 pub(super) const SYMMETRIC_MATRIX: Kind = Kind::Vector(&Kind::Vector(&Kind::Number, 6), 6);
 const LINEAR_DENSITY: Kind = Kind::Quantity(&[Dimension::LinearDensity], limits::LINEAR_DENSITY);
 
+const STIFFNESS_FACTOR: Kind = ratio(limits::STIFFNESS_FACTOR);
+
+static SEGMENT: Table = Table {
+    title: "[[backbone.segments]]",
+    doc: "A named segment of the backbone, with factors on the stiffness that section and material, or `[backbone.stiffness]`, give there. Segments are listed from the base on and do not overlap.",
+    keys: &[
+        key(
+            "name",
+            Kind::Text,
+            r#""near""#,
+            "Name, unique among the segments; by default `segment-1`, `segment-2`, ... A fit names the segment by it: backbone.segments[near].bending_factor.",
+        ),
+        key(
+            "group",
+            Kind::Text,
+            r#""soft""#,
+            "Group of segments that it belongs to. A fit can give the segments of a group one number together: backbone.segments[soft].bending_factor.",
+        ),
+        key(
+            "starts_at",
+            DISTANCE,
+            r#""0 mm""#,
+            "Arc length at which it begins; by default the end of the segment before it, or the base.",
+        ),
+        key("ends_at", LENGTH, r#""90 mm""#, "Arc length at which it ends; by default the tip."),
+        key(
+            "bending_factor",
+            STIFFNESS_FACTOR,
+            "1.1",
+            "Factor on the bending stiffness EI about x and y; 1 by default.",
+        ),
+        key(
+            "torsion_factor",
+            STIFFNESS_FACTOR,
+            "0.9",
+            "Factor on the torsional stiffness GJ; 1 by default.",
+        ),
+        key(
+            "extension_factor",
+            STIFFNESS_FACTOR,
+            "1.0",
+            "Factor on the extensional stiffness EA; 1 by default.",
+        ),
+        key(
+            "shear_factor",
+            STIFFNESS_FACTOR,
+            "1.0",
+            "Factor on the shear stiffness GA; 1 by default.",
+        ),
+    ],
+    rules: &[],
+};
+
 pub(super) static BACKBONE: Table = Table {
     title: "[backbone]",
     doc: "The elastic rod that runs through the disks.",
@@ -74,6 +127,7 @@ pub(super) static BACKBONE: Table = Table {
         ),
         key("stiffness", Kind::Table(&STIFFNESS), STIFFNESS.title, STIFFNESS.doc),
         key("damping", Kind::Table(&DAMPING), DAMPING.title, DAMPING.doc),
+        key("segments", Kind::Tables(&SEGMENT), SEGMENT.title, SEGMENT.doc),
         key(
             "density",
             Kind::Quantity(&[Dimension::Density], limits::DENSITY),

@@ -113,6 +113,7 @@ pub(super) fn elasticity(robot: &Robot) -> Result<Elasticity, SolveError> {
             let here = at(s, middle)?;
             if here.compliance != first.compliance || here.coupling() != first.coupling() {
                 let path = match (&backbone.stiffness, &backbone.section) {
+                    _ if !backbone.segments.is_empty() => "backbone.segments",
                     (None, Some(crate::robot::Section::Round { .. })) => "backbone.diameters",
                     (None, _) => "backbone.section",
                     (Some(_), _) => "backbone.stiffness",

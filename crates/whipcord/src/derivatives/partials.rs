@@ -319,6 +319,7 @@ impl Partial {
                     | Parameter::ShearModulus
                     | Parameter::PoissonRatio
                     | Parameter::StiffnessScale(_)
+                    | Parameter::SegmentFactor { .. }
                     | Parameter::ShearCorrection
                     | Parameter::Stiffness { .. }
                     | Parameter::YieldMoment { .. }
@@ -527,18 +528,21 @@ fn stiffness_change(
     present: &Stiffness,
     parameter: &Parameter,
 ) -> Option<Stiffness> {
-    if let Parameter::StiffnessScale(part) = parameter {
-        let Stiffness { shear, bending } = present;
-        let (mut s, mut b) = (Vec3::ZERO, Vec3::ZERO);
-        match part {
-            StiffnessPart::Shear => (s.x, s.y) = (shear.x, shear.y),
-            StiffnessPart::Extension => s.z = shear.z,
-            StiffnessPart::Bending => (b.x, b.y) = (bending.x, bending.y),
-            StiffnessPart::Torsion => b.z = bending.z,
-        }
-        return Some(Stiffness { shear: s, bending: b });
-    }
     let backbone = robot.backbone();
+    // The section has its stiffness times the factor of its segment.
+    let here = backbone.segment_at(inside);
+    let factors = here.map_or([1.0; 4], |(_, segment)| segment.stiffness_factors());
+    match parameter {
+        Parameter::StiffnessScale(part) => return Some(part_of(present, *part)),
+        Parameter::SegmentFactor { segment, part } => {
+            let factor = factors[*part as usize];
+            return here.filter(|(number, _)| number == segment).map(|_| {
+                let Stiffness { shear, bending } = part_of(present, *part);
+                Stiffness { shear: shear / factor, bending: bending / factor }
+            });
+        }
+        _ => {}
+    }
     // A stiffness that is given does not follow from section and material.
     if backbone.stiffness.is_some() {
         return None;
@@ -549,14 +553,12 @@ fn stiffness_change(
     let correction = backbone.shear_correction;
     let of = |young: f64, shear: f64, p: &SectionProperties| {
         let across = correction * shear * p.area;
-        Stiffness {
-            shear: Vec3::new(across, across, young * p.area),
-            bending: Vec3::new(
-                young * p.second_moment_x,
-                young * p.second_moment_y,
-                shear * p.torsion_constant,
-            ),
-        }
+        let bending = Vec3::new(
+            young * p.second_moment_x,
+            young * p.second_moment_y,
+            shear * p.torsion_constant,
+        );
+        times(Vec3::new(across, across, young * p.area), bending, factors)
     };
     Some(match *parameter {
         Parameter::YoungModulus => {
@@ -569,10 +571,32 @@ fn stiffness_change(
         }
         Parameter::ShearCorrection => {
             let across = shear * section.area;
-            Stiffness { shear: Vec3::new(across, across, 0.0), bending: Vec3::ZERO }
+            times(Vec3::new(across, across, 0.0), Vec3::ZERO, factors)
         }
         _ => of(young, shear, &backbone.section_change(disks, s, inside, parameter)?),
     })
+}
+
+/// One part of a section's stiffness; zero for an axis that is held, whose strain does not change.
+fn part_of(stiffness: &Stiffness, part: StiffnessPart) -> Stiffness {
+    let Stiffness { shear, bending } = stiffness;
+    let free = |k: f64| if k.is_finite() { k } else { 0.0 };
+    let (mut s, mut b) = (Vec3::ZERO, Vec3::ZERO);
+    match part {
+        StiffnessPart::Shear => (s.x, s.y) = (free(shear.x), free(shear.y)),
+        StiffnessPart::Extension => s.z = free(shear.z),
+        StiffnessPart::Bending => (b.x, b.y) = (bending.x, bending.y),
+        StiffnessPart::Torsion => b.z = bending.z,
+    }
+    Stiffness { shear: s, bending: b }
+}
+
+/// A section's stiffness, or its change, in a segment of the backbone.
+fn times(shear: Vec3, bending: Vec3, [ga, ea, ei, gj]: [f64; 4]) -> Stiffness {
+    Stiffness {
+        shear: Vec3::new(ga * shear.x, ga * shear.y, ea * shear.z),
+        bending: Vec3::new(ei * bending.x, ei * bending.y, gj * bending.z),
+    }
 }
 
 /// What a unit of one entry of a symmetric stiffness exerts on a strain.

@@ -188,14 +188,18 @@ pub(super) fn modulus(robot: &Robot) -> Option<f64> {
 /// `GJ = E J/(2(1+ν))`.
 fn stiffness_at(robot: &Robot, at: f64, inside: f64) -> Result<Option<[f64; 3]>, SolveError> {
     let backbone = robot.backbone();
+    let [bending_factor, torsion_factor] = (backbone.segment_at(inside))
+        .map_or([1.0; 2], |(_, segment)| [segment.bending_factor, segment.torsion_factor]);
+    let multiplied =
+        |[x, y, twist]: [f64; 3]| [bending_factor * x, bending_factor * y, torsion_factor * twist];
     if let Some(given) = &backbone.stiffness {
         let k = given.at_end(robot.disks(), at, inside);
-        return Ok(Some([k[3][3], k[4][4], k[5][5]]));
+        return Ok(Some(multiplied([k[3][3], k[4][4], k[5][5]])));
     }
     let Some(section) = &backbone.section else { return Ok(None) };
     let area = section.at_end(robot.disks(), at, inside);
     let torsion = area.torsion_constant / (2.0 * (1.0 + poisson_ratio(robot)?));
-    Ok(Some([area.second_moment_x, area.second_moment_y, torsion]))
+    Ok(Some(multiplied([area.second_moment_x, area.second_moment_y, torsion])))
 }
 
 /// The same of the part from `a` to `b`, by its mean compliance: what a constant moment would find.

@@ -20,6 +20,15 @@ impl fmt::Display for Parameter {
                 StiffnessPart::Bending => "factor on EI",
                 StiffnessPart::Torsion => "factor on GJ",
             }),
+            Self::SegmentFactor { segment, part } => {
+                let part = match part {
+                    StiffnessPart::Shear => "shear",
+                    StiffnessPart::Extension => "extension",
+                    StiffnessPart::Bending => "bending",
+                    StiffnessPart::Torsion => "torsion",
+                };
+                write!(f, "backbone.segments[{segment}].{part}_factor")
+            }
             Self::Diameter => f.write_str("backbone.diameter"),
             Self::DiameterAt { entry } => write!(f, "backbone.diameters[{entry}]"),
             Self::ShearCorrection => f.write_str("backbone.shear_correction"),
@@ -116,6 +125,18 @@ impl FromStr for Parameter {
             ("factor on EA", []) => Self::StiffnessScale(StiffnessPart::Extension),
             ("factor on EI", []) => Self::StiffnessScale(StiffnessPart::Bending),
             ("factor on GJ", []) => Self::StiffnessScale(StiffnessPart::Torsion),
+            ("backbone.segments[].shear_factor", &[segment]) => {
+                Self::SegmentFactor { segment, part: StiffnessPart::Shear }
+            }
+            ("backbone.segments[].extension_factor", &[segment]) => {
+                Self::SegmentFactor { segment, part: StiffnessPart::Extension }
+            }
+            ("backbone.segments[].bending_factor", &[segment]) => {
+                Self::SegmentFactor { segment, part: StiffnessPart::Bending }
+            }
+            ("backbone.segments[].torsion_factor", &[segment]) => {
+                Self::SegmentFactor { segment, part: StiffnessPart::Torsion }
+            }
             ("backbone.diameter", []) => Self::Diameter,
             ("backbone.diameters[]", &[entry]) => Self::DiameterAt { entry },
             ("backbone.shear_correction", []) => Self::ShearCorrection,
@@ -215,6 +236,7 @@ mod tests {
         ];
         let (cable, load, entry, axis) = (3, 2, 5, 1);
         let mut all = parts.map(Parameter::StiffnessScale).to_vec();
+        all.extend(parts.map(|part| Parameter::SegmentFactor { segment: 2, part }));
         all.extend([
             Parameter::YoungModulus,
             Parameter::ShearModulus,

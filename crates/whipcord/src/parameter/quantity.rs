@@ -24,6 +24,13 @@ pub enum Parameter {
     Density,
     /// A factor, 1 at the answer, on a part of the section's stiffness, all along the backbone.
     StiffnessScale(StiffnessPart),
+    /// A factor on a part of the stiffness of a segment of the backbone.
+    SegmentFactor {
+        /// Segment.
+        segment: usize,
+        /// The part of the stiffness.
+        part: StiffnessPart,
+    },
     /// Outer diameter in m; where it varies, by as much everywhere.
     Diameter,
     /// One entry of an outer diameter that varies, in m.

@@ -31,7 +31,10 @@ impl Parameter {
             Self::PoissonRatio | Self::Friction { .. } => 0.1,
             Self::YieldMoment { .. } => 0.1 * moment,
             Self::Stiffness { .. } | Self::YieldStiffness { .. } => 0.1 * moment * length,
-            Self::StiffnessScale(_) | Self::Angle { .. } | Self::HoleAngle { .. } => 1.0,
+            Self::StiffnessScale(_)
+            | Self::SegmentFactor { .. }
+            | Self::Angle { .. }
+            | Self::HoleAngle { .. } => 1.0,
             Self::Turns { .. } => 0.1,
             Self::RestCurvature { .. } | Self::RestCurvatureAt { .. } => 0.1 / length,
             Self::HoleRadius

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use super::quantity::Parameter;
+use super::quantity::{Parameter, StiffnessPart};
 use crate::case::{Case, Profile};
 use crate::robot::{
     Along, Backbone, Cable, Disks, Drive, Motor, Problem, Robot, RobotError, Routing, Section,
@@ -167,6 +167,22 @@ impl Parameter {
             }
             Self::Density => material.density.iter_mut().collect(),
             Self::PoissonRatio | Self::StiffnessScale(_) | Self::HoleAngle { .. } => Vec::new(),
+            // Factors on a matrix are refused, so that none of them can be changed.
+            Self::SegmentFactor { .. }
+                if matches!(backbone.stiffness, Some(Stiffness::Matrix(_))) =>
+            {
+                Vec::new()
+            }
+            Self::SegmentFactor { segment, part } => {
+                let segment = backbone.segments.get_mut(segment);
+                let factor = segment.map(|segment| match part {
+                    StiffnessPart::Shear => &mut segment.shear_factor,
+                    StiffnessPart::Extension => &mut segment.extension_factor,
+                    StiffnessPart::Bending => &mut segment.bending_factor,
+                    StiffnessPart::Torsion => &mut segment.torsion_factor,
+                });
+                factor.into_iter().collect()
+            }
             Self::Diameter => match &mut backbone.section {
                 Some(Section::Round { outer, .. }) => outer.values_mut().iter_mut().collect(),
                 _ => Vec::new(),

@@ -9,6 +9,7 @@ use super::limits::{
     YIELD_STRAIN,
 };
 use super::section::{Section, SectionProperties};
+use super::segment::{self, BackboneSegment};
 use super::stiffness::{Held, Stiffness};
 
 /// The elastic rod that runs through the disks.
@@ -48,6 +49,8 @@ pub struct Backbone {
     /// Stiffness of the sections, instead of that of a material. A section may stand beside it for
     /// weight and for pictures.
     pub stiffness: Option<Stiffness>,
+    /// Named segments, from the base on, with factors on the stiffness; between them it stays as it is.
+    pub segments: Vec<BackboneSegment>,
     /// Mass per length in kg/m, instead of a density of the material.
     pub linear_density: Option<Along<f64>>,
     /// Curvature and twist of the backbone when nothing pulls on it.
@@ -114,6 +117,7 @@ impl Backbone {
             material: Material::default(),
             shear_correction: 1.0,
             stiffness: None,
+            segments: Vec::new(),
             linear_density: None,
             rest_curvature: RestCurvature::default(),
             extensible: true,
@@ -180,6 +184,12 @@ impl Backbone {
         }
     }
 
+    /// The segment in which an arc length lies, with its number; at the end of a segment, the next one.
+    #[must_use]
+    pub fn segment_at(&self, arc_length: f64) -> Option<(usize, &BackboneSegment)> {
+        segment::at(&self.segments, self.length, arc_length)
+    }
+
     /// Arc lengths besides those of the disks at which stiffness, mass or rest curvature, or their
     /// slopes, jump.
     #[must_use]
@@ -188,6 +198,7 @@ impl Backbone {
         places.extend(self.section.iter().flat_map(Section::places));
         places.extend(self.stiffness.iter().flat_map(Stiffness::places));
         places.extend(self.linear_density.iter().flat_map(Along::places));
+        places.extend(self.segments.iter().flat_map(|segment| segment.range));
         places
     }
 
@@ -197,6 +208,7 @@ impl Backbone {
         self.section.as_ref().is_none_or(Section::is_uniform)
             && self.stiffness.as_ref().is_none_or(Stiffness::is_uniform)
             && self.rest_curvature.is_uniform()
+            && self.segments.iter().all(BackboneSegment::is_neutral)
     }
 
     /// The same backbone for a robot with other disks.
@@ -222,6 +234,7 @@ impl Backbone {
             let held = Held { shear: !self.shearable, axial: !self.extensible };
             stiffness.check(disks, length, held)?;
         }
+        segment::check(&self.segments, length, self.stiffness.as_ref())?;
         if let Some(along) = &self.linear_density {
             along.check(disks, length, MASS_PER_LENGTH, |path, &value| {
                 LINEAR_DENSITY.check(path, value)

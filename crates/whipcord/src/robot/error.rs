@@ -36,6 +36,7 @@ pub fn in_words(path: &str) -> String {
     for (list, what) in [
         ("cables[", "cable"),
         ("motors[", "motor"),
+        ("backbone.segments[", "segment"),
         ("obstacles[", "obstacle"),
         ("loads.point[", "point load"),
         ("steps[", "step"),
@@ -411,6 +412,11 @@ pub enum Problem {
         /// Number of the first of that name, from 0.
         first: usize,
     },
+    /// A factor on a stiffness that is given as a matrix.
+    #[error(
+        "cannot change a stiffness that is given as a matrix: give the matrix at both ends of the segment in `backbone.stiffness`"
+    )]
+    FactorOnMatrix,
     /// A cable of a motor that the robot does not have.
     #[error("is cable {given}, but the robot has {cables} cables")]
     NoSuchCable {

@@ -31,6 +31,8 @@ pub const SHEAR_CORRECTION: Range = Range::from(1e-3, 10.0, "");
 pub const SECTION_STIFFNESS: Range = Range::from(1e-18, 1e36, "N");
 /// A section's stiffness against bending and twist, EI and GJ.
 pub const BENDING_STIFFNESS: Range = Range::from(1e-30, 1e36, "N·m²");
+/// A factor on the stiffness of a segment of the backbone.
+pub const STIFFNESS_FACTOR: Range = Range::from(1e-9, 1e9, "");
 /// Greatest moment of the friction against bending of a section.
 pub const YIELD_MOMENT: Range = Range::from(0.0, 1e12, "N·m");
 /// An entry of the stiffness matrix beside its diagonal.

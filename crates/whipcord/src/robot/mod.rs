@@ -12,6 +12,7 @@ mod motor;
 mod range;
 pub(crate) mod route;
 pub(crate) mod section;
+mod segment;
 mod stiffness;
 
 use whipcord_numerics::{Vec3, integral};
@@ -26,6 +27,7 @@ pub use error::{Problem, RobotError, in_words};
 pub use motor::{Drive, DriveKeys, Motor, MotorCable, MotorLimits};
 pub use route::{Route, RoutePoint};
 pub use section::{Section, SectionProperties};
+pub use segment::BackboneSegment;
 pub use stiffness::{Stiffness, StiffnessMatrix};
 
 /// A cable-driven continuum robot: valid by construction, and unchanging.

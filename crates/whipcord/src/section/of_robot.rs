@@ -18,6 +18,12 @@ pub(crate) fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, 
         Some(given) => split(&given.at_end(robot.disks(), s, inside)),
         None => (of_material(robot, s, inside)?, None),
     };
+    if let Some((_, segment)) = backbone.segment_at(inside) {
+        let Stiffness { shear, bending } = &mut stiffness;
+        let [ga, ea, ei, gj] = segment.stiffness_factors();
+        *shear = shear.scale(Vec3::new(ga, ga, ea));
+        *bending = bending.scale(Vec3::new(ei, ei, gj));
+    }
     if !backbone.shearable {
         (stiffness.shear.x, stiffness.shear.y) = (f64::INFINITY, f64::INFINITY);
     }
@@ -40,7 +46,7 @@ pub(crate) fn section_at(robot: &Robot, s: f64, inside: f64) -> Result<Section, 
     Ok(section)
 }
 
-/// Stiffness of the first cross-section that follows from section and material.
+/// Stiffness of the first cross-section that follows from section and material, without the factors of segments.
 ///
 /// # Errors
 /// [`SolveError::Missing`] where section, Young's modulus or shear modulus is not given.

@@ -66,15 +66,16 @@ pub(super) fn places(robot: &Robot) -> Vec<f64> {
 /// Least of the two bending stiffnesses in N·m² at its stiffest place; `None` where it is not known.
 pub(super) fn bending_stiffness(robot: &Robot) -> Option<f64> {
     let (backbone, disks) = (robot.backbone(), robot.disks());
+    let factor = |s: f64| backbone.segment_at(s).map_or(1.0, |(_, segment)| segment.bending_factor);
     let at = |s: f64| match &backbone.stiffness {
         Some(stiffness) => {
             let k = stiffness.at_end(disks, s, s);
-            Some(k[3][3].min(k[4][4]))
+            Some(factor(s) * k[3][3].min(k[4][4]))
         }
         None => {
             let section = backbone.section_at(disks, s)?;
             let modulus = backbone.material.young_modulus?;
-            Some(modulus * section.second_moment_x.min(section.second_moment_y))
+            Some(factor(s) * modulus * section.second_moment_x.min(section.second_moment_y))
         }
     };
     places(robot).into_iter().map(at).try_fold(0.0_f64, |most, ei| Some(most.max(ei?)))

@@ -151,7 +151,7 @@ pub fn unknowns(paths: &[&str]) -> Vec<Unknown> {
 pub fn unknowns_of(file: &Robot, paths: &[&str]) -> Vec<Unknown> {
     let of = |path: &&str| {
         let path: ParameterPath = path.parse().unwrap();
-        path.unknown(file.cables(), file.motors()).unwrap()
+        path.unknown(file).unwrap()
     };
     paths.iter().map(of).collect()
 }

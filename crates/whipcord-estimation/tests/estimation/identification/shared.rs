@@ -46,7 +46,7 @@ fn driven(robot: &Robot) -> Case {
 
 fn shared(robot: &Robot, path: &str, start: Option<f64>) -> Unknown {
     let path: ParameterPath = path.parse().unwrap();
-    Unknown { start, ..path.unknown(robot.cables(), robot.motors()).unwrap() }
+    Unknown { start, ..path.unknown(robot).unwrap() }
 }
 
 /// Fits what the robot `real` shows with the robot `file`.
@@ -172,4 +172,40 @@ fn the_same_number_twice_is_refused() {
     let friction = [shared(&robot, "cables[*].tension_offset", None)];
     let error = identify(&robot, &seen, &friction, &settings).unwrap_err();
     assert!(matches!(error, IdentifyError::NotDriven { .. }), "{error}");
+}
+
+/// Stiffness of segments of the backbone: each its own, and one for a group.
+#[test]
+fn of_segments_of_the_backbone() {
+    use whipcord::Backbone;
+    use whipcord::robot::BackboneSegment;
+    let robot = |factors: [f64; 3]| {
+        let ends = [0.0, 0.05, 0.11, 0.18];
+        let segments = factors.into_iter().enumerate().map(|(i, bending_factor)| BackboneSegment {
+            bending_factor,
+            group: (i > 0).then(|| "outer".to_owned()),
+            ..BackboneSegment::new(format!("s{i}"), [ends[i], ends[i + 1]])
+        });
+        let backbone = Backbone { segments: segments.collect(), ..paper_backbone() };
+        let cables = [0.0, 120.0, 240.0].map(|a| Cable::new(format!("cable {a}"), straight(a)));
+        let disks = Disks::equally_spaced(0.18, 10, 0.008);
+        Robot::new(backbone, disks, cables.to_vec()).unwrap()
+    };
+    let case = |tensions: &[f64]| {
+        let mut case = Case::with_tensions(tensions);
+        case.loads.tip_force = Vec3::new(0.05, 0.0, 0.0);
+        case
+    };
+    let cases = [case(&[2.0, 0.5, 0.1]), case(&[0.1, 1.0, 1.5])];
+    let file = robot([1.0; 3]);
+    let seen = experiments(&model(ModelKind::Cosserat), &robot([1.3, 0.8, 0.9]), &cases);
+    let each = ["s0", "s1", "s2"]
+        .map(|name| shared(&file, &format!("backbone.segments[{name}].bending_factor"), None));
+    found(&file, &seen, &each, &[1.3, 0.8, 0.9]);
+    let seen = experiments(&model(ModelKind::Cosserat), &robot([1.3, 0.8, 0.8]), &cases);
+    let grouped = [
+        shared(&file, "backbone.segments[s0].bending_factor", None),
+        shared(&file, "backbone.segments[outer].bending_factor", None),
+    ];
+    found(&file, &seen, &grouped, &[1.3, 0.8]);
 }

@@ -46,6 +46,7 @@ mod contact;
 mod four_bar;
 mod hole_friction;
 mod kinds_of_load;
+mod segments;
 
 use crate::common;
 use crate::common::Wildness;
@@ -55,7 +56,7 @@ use whipcord::differences::{Difference, differentiate};
 use whipcord::{
     Cable, CableCommand, Case, DistributedLoad, Linearization, Model, Parameter, Prepared, Profile,
     Robot, Routing, Shortening, Solution, SolveError, StabilityAnalysis, Stations, Stiffness,
-    Twist, Vec3, piecewise_constant_curvature, pseudo_rigid_body,
+    StiffnessPart, Twist, Vec3, piecewise_constant_curvature, pseudo_rigid_body,
 };
 
 /// The model that is differentiated.
@@ -243,6 +244,12 @@ fn parameters(tested: Tested, robot: &Robot, case: &Case) -> Vec<(Parameter, f64
         Parameter::DiskMass,
         Parameter::HoleRadius,
     ];
+    for segment in 0..robot.backbone().segments.len() {
+        let parts = [StiffnessPart::Shear, StiffnessPart::Extension];
+        let parts = parts.into_iter().filter(|_| tested.is_rod());
+        let parts = parts.chain([StiffnessPart::Bending, StiffnessPart::Torsion]);
+        all.extend(parts.map(|part| Parameter::SegmentFactor { segment, part }));
+    }
     for disk in [0, 1, robot.disks().count() - 1] {
         all.push(Parameter::DiameterAt { entry: disk });
         // Monotone interpolation has kinks in the values at single disks.
@@ -408,6 +415,7 @@ fn check_parameters_to(
         // Shear, and twist where cables run straight, hardly count: little is left of differences.
         let tolerance = match parameter {
             Parameter::PoissonRatio | Parameter::ShearCorrection => 1e3 * tolerance,
+            Parameter::SegmentFactor { part: StiffnessPart::Shear, .. } => 1e3 * tolerance,
             // Under a given tension a cable stretches to no effect, but between holes that hold it.
             Parameter::AxialStiffness { cable } if case.commands[*cable].tension.is_some() => {
                 1e3 * tolerance
