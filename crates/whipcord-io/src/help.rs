@@ -276,6 +276,7 @@ fn physical_help(problem: &Problem) -> String {
         Problem::NoSuchCable { cables, .. } => {
             format!("cables count from 1: name one from 1 to {cables}")
         }
+        Problem::FactorOnMatrix => "leave the factor out".to_owned(),
         Problem::TwoMotors { .. } => "leave the cable to one of the two motors".to_owned(),
         Problem::NotAscending { .. } => "exchange the two values".to_owned(),
         Problem::RigidUnderPretension => {

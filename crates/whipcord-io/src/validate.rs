@@ -203,7 +203,11 @@ fn report(error: &RobotError, numbers: &Numbering, document: &Node, problems: &m
         if *what == "cable" {
             *first = numbers.cables.get(*first).copied().unwrap_or(*first);
         }
-        let other = document.locate(&format!("{what}s[{first}].name"));
+        let list = match *what {
+            "segment of the backbone" => "backbone.segments".to_owned(),
+            other => format!("{other}s"),
+        };
+        let other = document.locate(&format!("{list}[{first}].name"));
         related = Some((other.span, "the other one is here"));
     }
     // The library knows only positions; the file may have given their number.

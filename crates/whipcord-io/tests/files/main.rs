@@ -12,4 +12,5 @@ mod motion;
 mod motors;
 mod reading;
 mod schema;
+mod segments;
 mod tables;
