@@ -107,7 +107,6 @@ pub fn survey(
         solves: SURVEY_SOLVES,
         has_stiffness: false,
         clearance: file.goal.least_clearance(),
-        ..WorkspaceOptions::default()
     };
     let found = match solver.workspace(&options) {
         Ok(found) => found,
