@@ -27,7 +27,7 @@ pub fn workspace<'py>(
     let usual = WorkspaceOptions::default();
     let [shapes, solves] = budget.unwrap_or([usual.shapes, usual.solves]);
     let clearance = task.options.clearance;
-    let options = WorkspaceOptions { voxel, shapes, solves, has_stiffness, clearance, ..usual };
+    let options = WorkspaceOptions { voxel, shapes, solves, has_stiffness, clearance };
     let found = within(py, &limit, move || -> Result<_, Failure> {
         let mut solver = task.solver()?;
         let found = solver.workspace(&options)?;

@@ -66,7 +66,7 @@ fn wrong_ones_are_named() {
         ("[[backbone.segments]]\nto = '90 mm'\n", "no key `to`"),
         (
             "[[backbone.segments]]\nname = 'a'\n[fit]\nparameters = ['backbone.segments[b].bending_factor']\n",
-            "no segments of the backbone are called `b`",
+            "no backbone.segments are called `b`",
         ),
     ] {
         let error = read(segments).unwrap_err().to_string();

@@ -48,7 +48,9 @@ fn commands_follow_the_place_within_the_limits() {
     let start = tip(ARM, ModelKind::Cosserat, &request);
     for step in 0..40 {
         let turn = f64::from(step) / 40.0 * core::f64::consts::TAU;
-        let place = start + Vec3::new(0.02 * turn.sin(), 0.02 * (1.0 - turn.cos()), 0.0);
+        // A little lower on the far side, within the workspace.
+        let away = 1.0 - turn.cos();
+        let place = start + Vec3::new(0.02 * turn.sin(), 0.02 * away, -0.02 * away);
         request.target = Some(place.to_array());
         let frame = bench.solve(&request, Instant::now()).unwrap();
         let (reached, commands, distance, _) = found(&frame);
