@@ -55,15 +55,7 @@ pub fn solver(by: Option<By>, file: &CaseFile, model: &Model) -> Result<InverseS
     let fail = |error: InverseError| failure(file, &error);
     let actuators = Actuator::of(robot, case, model.kind(), by).map_err(fail)?;
     let limits = file.goal.limits(robot, &actuators).map_err(|mismatch| {
-        let name = &robot.cables()[mismatch.cable].name;
-        let (commanded, unit) = match mismatch.by_tension {
-            true => ("tension", "N/s"),
-            false => ("shortening", "mm/s"),
-        };
-        Failure::Input(format!(
-            "error: {}: the rate of cable {name} is limited in another unit, but its {commanded} is commanded: give it in {unit}",
-            file.path.display()
-        ))
+        Failure::Input(format!("error: {}: {}", file.path.display(), mismatch.words(robot)))
     })?;
     InverseSolver::new(model, robot, case, &limits, by).map_err(fail)
 }

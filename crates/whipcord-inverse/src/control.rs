@@ -4,7 +4,7 @@ use whipcord::derivatives::Place;
 use whipcord::{CableState, Case, Model, Robot, Solution, SolveError, Stations, Twist, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, knows_tensions};
-use crate::descent::{Control, LEAST_REDUCTION, Linear, Workspace};
+use crate::descent::{Control, Ending, Linear, Workspace};
 use crate::error::InverseError;
 use crate::estimator::{Estimator, EstimatorOptions};
 use crate::forward::{Evaluation, Forward};
@@ -231,12 +231,8 @@ impl Controller {
         }
         self.constraints.linearize(self.forward.robot(), &evaluation, places.len(), &mut linear);
         let ranges = self.ranges();
-        let control = Control {
-            bounds: &ranges,
-            scales: &scales,
-            evaluations: 1,
-            least_reduction: LEAST_REDUCTION,
-        };
+        let control =
+            Control { bounds: &ranges, scales: &scales, evaluations: 1, ending: Ending::ANSWER };
         let penalty = 1e2 * linear.cost().max(1e-12);
         let unknowns = self.unknowns.clone();
         let step = self.workspace.step(

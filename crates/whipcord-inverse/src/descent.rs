@@ -40,8 +40,8 @@ pub(crate) trait Problem {
         from: Option<(&[f64], &Self::State)>,
     ) -> Result<(Linear, Self::State), SolveError>;
 
-    /// Whether it is solved well enough.
-    fn is_done(&self, linear: &Linear) -> bool;
+    /// Whether it is solved well enough: to this part of what is tolerated.
+    fn is_done(&self, linear: &Linear, part: f64) -> bool;
 }
 
 /// Where the iteration ended.
@@ -62,8 +62,24 @@ pub(crate) struct Control<'a> {
     pub scales: &'a [f64],
     /// Evaluations that may be spent.
     pub evaluations: usize,
+    /// When it ends.
+    pub ending: Ending,
+}
+
+/// When an iteration ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ending {
+    /// It is solved at this part of what is tolerated.
+    pub part_of_tolerance: f64,
     /// A promised reduction of the cost by less than this part of it is none.
     pub least_reduction: f64,
+}
+
+impl Ending {
+    /// Of an answer: far within the tolerance, because it is solved again from rest.
+    pub const ANSWER: Self = Self { part_of_tolerance: 0.02, least_reduction: 1e-9 };
+    /// Of an answer to a tolerance far above the error of the model.
+    pub const COARSE: Self = Self { part_of_tolerance: 0.5, least_reduction: 1e-4 };
 }
 
 /// Largest step at first and at all, in scales of the unknowns.
@@ -73,11 +89,8 @@ const LARGEST_RADIUS: f64 = 4.0;
 const LEAST_STEP: f64 = 1e-11;
 /// An unknown so near to a bound, in scales, is at it.
 const AT_BOUND: f64 = 1e-12;
-/// [`Control::least_reduction`] of an answer, and of one to a coarse tolerance.
-pub(crate) const LEAST_REDUCTION: f64 = 1e-9;
-pub(crate) const COARSE_REDUCTION: f64 = 1e-4;
 
-/// Minimises `½‖r(x)‖²` within bounds and constraints.
+/// Minimises `½‖r(x)‖²` within bounds and constraints, with a first evaluation from another point and its state where there are.
 ///
 /// The step is the minimum of `½‖r + J d‖² + ½λ t‖d‖² + ρ σ` with the mean `t` of the diagonal of `JᵀJ`, over
 /// `l ≤ x + d ≤ u`, `|d| ≤ Δ` and `rows · d ≤ slack + σ`, `σ ≥ 0`, in scaled unknowns: the relaxation σ keeps it feasible, and ρ is
@@ -89,7 +102,7 @@ pub(crate) const COARSE_REDUCTION: f64 = 1e-4;
 pub(crate) fn descend<P: Problem>(
     problem: &mut P,
     start: &[f64],
-    from: Option<&P::State>,
+    from: Option<(&[f64], &P::State)>,
     control: &Control<'_>,
     workspace: &mut Workspace,
 ) -> Result<Descent<P::State>, SolveError> {
@@ -97,13 +110,15 @@ pub(crate) fn descend<P: Problem>(
     let clamp = |x: f64, [least, greatest]: [f64; 2]| x.max(least).min(greatest);
     let mut x: Vec<f64> =
         start.iter().zip(control.bounds).map(|(x, bounds)| clamp(*x, *bounds)).collect();
-    let (mut linear, mut state) = problem.at(&x, from.map(|state| (start, state)))?;
+    let (mut linear, mut state) = problem.at(&x, from)?;
     let mut damping = 1e-8;
     let mut radius = FIRST_RADIUS;
     let mut is_stationary = false;
     let mut evaluations = 1;
     let mut trial = x.clone();
-    while evaluations < control.evaluations && !problem.is_done(&linear) {
+    while evaluations < control.evaluations
+        && !problem.is_done(&linear, control.ending.part_of_tolerance)
+    {
         let cost = linear.cost();
         let penalty = 1e2 * cost.max(1e-30);
         let Ok(promised) = workspace.step(&linear, &x, control, damping, radius, penalty) else {
@@ -117,7 +132,7 @@ pub(crate) fn descend<P: Problem>(
         let size = step[..n].iter().fold(0.0, |a: f64, d| a.max(d.abs()));
         let merit = cost + penalty * linear.violation();
         // At full radius and without damping the promise is that of the linear problem.
-        if size < LEAST_STEP || promised <= control.least_reduction * merit {
+        if size < LEAST_STEP || promised <= control.ending.least_reduction * merit {
             is_stationary = linear.violation() == 0.0;
             break;
         }

@@ -371,8 +371,7 @@ impl Forward {
         self.command(unknowns);
         self.solves += 1;
         let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
-        let cables = 0..self.robot().cables().len();
-        let changes: Vec<Change> = cables.map(|cable| rates.command(cable)).collect();
+        let changes = rates.commands();
         Ok((self.with_rates(solution, &changes, places), rates))
     }
 
@@ -484,7 +483,8 @@ impl Forward {
         self.verifier.set_cancel(cancel);
     }
 
-    fn without_rates(&self, solution: Solution) -> Evaluation {
+    /// Of a solution whose rates are not known.
+    pub fn without_rates(&self, solution: Solution) -> Evaluation {
         Evaluation {
             motions: Vec::new(),
             tensions: solution.cables.iter().map(|cable| cable.tension).collect(),

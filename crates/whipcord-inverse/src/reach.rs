@@ -9,7 +9,7 @@ use crate::actuator::{
 };
 use crate::atlas::{Atlas, Survey};
 use crate::certificate::NoProof;
-use crate::descent::{COARSE_REDUCTION, Control, LEAST_REDUCTION, Workspace};
+use crate::descent::{Control, Ending, Workspace};
 use crate::error::{InverseError, TargetProblem};
 use crate::forward::{Evaluation, Forward, on_few_steps};
 use crate::limit::{Clearance, Constraints, Limit};
@@ -107,14 +107,6 @@ pub(crate) struct Ranges {
     pub values: Vec<[f64; 2]>,
 }
 
-/// A target and what is to be kept.
-struct Asked<'a> {
-    target: &'a Target,
-    lever: f64,
-    ranges: &'a Ranges,
-    constraints: &'a Constraints,
-}
-
 /// Rows of an atlas where the batch has vectors for them, and elsewhere.
 const ROWS_OF_LANES: usize = 20_000;
 const ROWS: usize = 2_000;
@@ -124,8 +116,6 @@ const STARTS_WITH_HISTORY: usize = 6;
 /// Rows of a survey of the workspace where the batch has no vectors for them: of a rod, which takes some tens of µs for each, and of other models.
 const ROWS_OF_LOADED_RODS: usize = 40_000;
 const ROWS_OF_A_SURVEY: usize = 10_000;
-/// The part of a coarse tolerance at which a descent ends.
-const WITHIN: f64 = 0.5;
 /// Stations between which obstacles are not looked for, of each part between two disks.
 const STATIONS: usize = 61;
 /// Steps along the null space to the preferred commands, and at a point of a path, where the points before have led near to them.
@@ -307,7 +297,7 @@ impl InverseSolver {
                 bounds,
                 scales: &scales,
                 evaluations: EVALUATIONS.min(options.solves - spent),
-                least_reduction: LEAST_REDUCTION,
+                ending: Ending::ANSWER,
             };
             let from = if starts == 1 { from } else { None };
             match search.attempt(&unknowns, from, &control, &mut self.workspace, options) {
@@ -369,7 +359,7 @@ impl InverseSolver {
                 bounds,
                 scales: &scales,
                 evaluations: EVALUATIONS,
-                least_reduction: LEAST_REDUCTION,
+                ending: Ending::ANSWER,
             };
             let steps = if from.is_some() { STEPS_ON_PATH } else { STEPS };
             let task = redundancy::Task { prefer: options.prefer, start, control: &control, steps };
@@ -378,17 +368,12 @@ impl InverseSolver {
             }
         }
         let unknowns = best.unknowns.clone();
-        // The null space that is reported is exact.
-        if self.forward.has_approximate_rates()
-            && Redundancy::of(&best.evaluation, target, lever, &scales).is_some()
-        {
-            let places = target.places();
-            let near = Some(&best.evaluation.solution);
-            let (exact, _) = self.forward.evaluate_with_rates(&unknowns, &places, near)?;
-            best.evaluation = best.evaluation.with_rates_of(exact);
-        }
-        let asked = Asked { target, lever, ranges, constraints: &constraints };
-        let mut answer = self.answer(best, &asked, starts, first_solve);
+        let null_space = self.exact_null_space(&best, target, lever)?;
+        let active_limits =
+            constraints.met(&self.forward, &best.evaluation, &unknowns, &ranges.unknowns);
+        let mut answer = self.answer(best, active_limits, null_space);
+        answer.starts = starts;
+        answer.solves = self.forward.solves - first_solve;
         if let Some(boxes) = options.proof
             && answer.status != ReachStatus::Reached
         {
@@ -400,23 +385,17 @@ impl InverseSolver {
     fn answer(
         &self,
         best: Candidate,
-        asked: &Asked<'_>,
-        starts: usize,
-        first_solve: usize,
+        active_limits: Vec<Limit>,
+        null_space: Vec<Vec<f64>>,
     ) -> Reached {
-        let &Asked { target, lever, ranges, constraints } = asked;
         let forward = &self.forward;
-        let Candidate { unknowns, evaluation, .. } = &best;
-        let active_limits = constraints.met(forward, evaluation, unknowns, &ranges.unknowns);
         let status = match (best.is_reached, best.is_minimum) {
             (true, _) => ReachStatus::Reached,
             (false, true) => ReachStatus::Nearest,
             (false, false) => ReachStatus::Undecided,
         };
-        let values = forward.values(unknowns, &evaluation.solution);
+        let values = forward.values(&best.unknowns, &best.evaluation.solution);
         let commands = forward.actuators.commands(forward.robot(), &values);
-        let redundancy = Redundancy::of(evaluation, target, lever, &forward.scales);
-        let null_space = redundancy.map(|of| self.null_space(&of, evaluation)).unwrap_or_default();
         Reached {
             status,
             case: self.case_with(&commands, &values),
@@ -427,8 +406,37 @@ impl InverseSolver {
             no_proof: None,
             active_limits,
             null_space,
-            starts,
-            solves: forward.solves - first_solve,
+            starts: 0,
+            solves: 0,
+        }
+    }
+
+    /// The null space of an answer, from exact rates where the model has them: of the answer's own rates where those cannot be had.
+    ///
+    /// # Errors
+    /// [`SolveError::Cancelled`].
+    fn exact_null_space(
+        &mut self,
+        best: &Candidate,
+        target: &Target,
+        lever: f64,
+    ) -> Result<Vec<Vec<f64>>, SolveError> {
+        let scales = &self.forward.scales;
+        let Some(redundancy) = Redundancy::of(&best.evaluation, target, lever, scales) else {
+            return Ok(Vec::new());
+        };
+        if !self.forward.has_approximate_rates() {
+            return Ok(self.null_space(&redundancy, &best.evaluation));
+        }
+        let near = Some(&best.evaluation.solution);
+        match self.forward.evaluate_with_rates(&best.unknowns, &target.places(), near) {
+            Ok((exact, _)) => {
+                let exact = best.evaluation.clone().with_rates_of(exact);
+                let redundancy = Redundancy::of(&exact, target, lever, &self.forward.scales);
+                Ok(redundancy.map(|of| self.null_space(&of, &exact)).unwrap_or_default())
+            }
+            Err(error @ SolveError::Cancelled { .. }) => Err(error),
+            Err(_) => Ok(self.null_space(&redundancy, &best.evaluation)),
         }
     }
 
@@ -456,14 +464,9 @@ impl InverseSolver {
     ) -> Result<Candidate, SolveError> {
         let scales = self.forward.scales.clone();
         let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
-        search.done = WITHIN;
         let bounds = &self.ranges.unknowns;
-        let control = Control {
-            bounds,
-            scales: &scales,
-            evaluations: EVALUATIONS,
-            least_reduction: COARSE_REDUCTION,
-        };
+        let control =
+            Control { bounds, scales: &scales, evaluations: EVALUATIONS, ending: Ending::COARSE };
         search.attempt(start, None, &control, &mut self.workspace, options)
     }
 

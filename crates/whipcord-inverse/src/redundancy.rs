@@ -114,8 +114,8 @@ impl Search<'_> {
                     best.unknowns[k] + scales[k] * change
                 })
                 .collect();
-            let state = best.evaluation.clone();
-            let restored = self.descend(&moved, Some(&state), task.control, workspace, options);
+            let from = Some((best.unknowns.as_slice(), &best.evaluation));
+            let restored = self.descend(&moved, from, task.control, workspace, options);
             let next = match restored {
                 Ok(next) => next,
                 Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),

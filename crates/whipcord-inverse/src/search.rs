@@ -41,12 +41,7 @@ pub(crate) struct Search<'a> {
     pub constraints: &'a Constraints,
     pub forward: &'a mut Forward,
     correction: Correction,
-    /// The part of the tolerance at which a descent ends.
-    pub done: f64,
 }
-
-/// Far within the tolerance, because the answer is solved again from rest.
-const DONE: f64 = 0.02;
 
 impl Problem for Search<'_> {
     type State = Evaluation;
@@ -69,9 +64,9 @@ impl Problem for Search<'_> {
         Ok((linear, evaluation))
     }
 
-    fn is_done(&self, linear: &Linear) -> bool {
+    fn is_done(&self, linear: &Linear, part: f64) -> bool {
         let distance = (2.0 * linear.cost()).sqrt();
-        linear.violation() == 0.0 && distance <= self.done * self.tolerance.position
+        linear.violation() == 0.0 && distance <= part * self.tolerance.position
     }
 }
 
@@ -90,7 +85,6 @@ impl<'a> Search<'a> {
             constraints,
             forward,
             correction: Correction::default(),
-            done: DONE,
         }
     }
 }
@@ -110,18 +104,16 @@ impl Search<'_> {
         workspace: &mut Workspace,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
-        let from = match from {
-            Some(solution) => Some(self.forward.evaluate(start, &self.places, Some(solution))?),
-            None => None,
-        };
-        self.descend(start, from.as_ref(), control, workspace, options)
+        let from = from.map(|solution| self.forward.without_rates(solution.clone()));
+        let from = from.as_ref().map(|evaluation| (start, evaluation));
+        self.descend(start, from, control, workspace, options)
     }
 
-    /// Goes down on few steps, and again with what the answer of the model itself differs by, until that is known.
+    /// Goes down on few steps, at first from other unknowns and their evaluation where there are, and again with what the answer of the model itself differs by, until that is known.
     pub fn descend(
         &mut self,
         start: &[f64],
-        from: Option<&Evaluation>,
+        from: Option<(&[f64], &Evaluation)>,
         control: &Control<'_>,
         workspace: &mut Workspace,
         options: &ReachOptions,
@@ -140,7 +132,8 @@ impl Search<'_> {
             {
                 return Ok(candidate);
             }
-            found = descend(self, &found.unknowns, Some(&found.state), control, workspace)?;
+            let from = (found.unknowns.as_slice(), &found.state);
+            found = descend(self, &found.unknowns, Some(from), control, workspace)?;
         }
     }
 

@@ -98,11 +98,8 @@ impl Task {
     pub fn limits(&self) -> Result<Limits, Failure> {
         let (robot, case) = (&self.robot, &*self.case);
         let actuators = Actuator::of(robot, case, self.model.kind(), self.by)?;
-        self.goal.limits(robot, &actuators).map_err(|mismatch| {
-            let what = if mismatch.by_tension { "tension, in N/s" } else { "shortening, in m/s" };
-            let name = &robot.cables()[mismatch.cable].name;
-            Failure::Rate(format!("the rate of cable {name} must be that of its {what}"))
-        })
+        let limits = self.goal.limits(robot, &actuators);
+        limits.map_err(|mismatch| Failure::Rate(mismatch.words(robot)))
     }
 
     pub fn solver(&self) -> Result<InverseSolver, Failure> {

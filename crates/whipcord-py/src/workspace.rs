@@ -51,8 +51,8 @@ pub fn workspace<'py>(
     values.set_item("directions", array::<i64, _>(py, directions, [count])?)?;
     let condition = cells.iter().map(|of| of.dexterity.condition.unwrap_or(none)).collect();
     values.set_item("condition", array::<f64, _>(py, condition, [count])?)?;
-    let least = |of: &whipcord_inverse::Cell| of.dexterity.motions().last().map_or(0.0, |m| m.0);
-    let motion = cells.iter().flat_map(|of| [least(of), of.dexterity.singular[0].0]).collect();
+    let motion = cells.iter().map(|of| of.dexterity);
+    let motion = motion.flat_map(|of| [of.least_motion(), of.singular[0].0]).collect();
     values.set_item("motion", array::<f64, _>(py, motion, [count, 2])?)?;
     let stiffness = cells.iter().flat_map(|of| of.stiffness.unwrap_or([none; 2])).collect();
     values.set_item("stiffness", array::<f64, _>(py, stiffness, [count, 2])?)?;

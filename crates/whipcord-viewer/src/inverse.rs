@@ -118,15 +118,13 @@ pub fn survey(
 
 /// What the page is told of a workspace.
 pub fn cloud(id: u64, found: &Workspace) -> Cloud {
-    let least =
-        |cell: &whipcord_inverse::Cell| cell.dexterity.motions().last().map_or(0.0, |m| m.0);
     // In micrometres: more digits are not seen, and take room.
     let short = |x: f64| (1e6 * x).round() / 1e6;
     Cloud {
         id,
         voxel: found.voxel,
         points: found.cells.iter().map(|cell| cell.tip.to_array().map(short)).collect(),
-        dexterity: found.cells.iter().map(|cell| short(least(cell))).collect(),
+        dexterity: found.cells.iter().map(|cell| short(cell.dexterity.least_motion())).collect(),
         dimension: found.dimension,
         measure: found.measure,
         complete: found.is_complete,
@@ -146,10 +144,7 @@ fn solver(
     let model = model.cancelled_by(cancel);
     let by = CommandedBy::Case;
     let actuators = Actuator::of(robot, case, preset.kind, by).map_err(words)?;
-    let limits = file.goal.limits(robot, &actuators).map_err(|mismatch| {
-        let name = &robot.cables()[mismatch.cable].name;
-        format!("the rate of cable {name} is limited in another unit than that of its command")
-    })?;
+    let limits = file.goal.limits(robot, &actuators).map_err(|mismatch| mismatch.words(robot))?;
     InverseSolver::new(&model, robot, case, &limits, by).map_err(words)
 }
 

@@ -74,6 +74,12 @@ impl Linearization {
         ask!(self.command(cable))
     }
 
+    /// [`Self::command`] of every cable.
+    #[must_use]
+    pub fn commands(&self) -> Vec<Change> {
+        ask!(self.commands())
+    }
+
     /// How the answer changes where the command of a cable is changed by as much in all steps of the case ([`Self::command`] changes it
     /// in the last). They differ where cables rub in their holes, which remember the steps before.
     ///
@@ -278,8 +284,7 @@ impl Prepared {
             return model.solve_with_command_changes(case, warm_start, workspace);
         }
         let (solution, derivatives) = self.solve_with_derivatives(case, warm_start, &[])?;
-        let cables = 0..self.robot().cables().len();
-        Ok((solution, cables.map(|cable| derivatives.command(cable)).collect()))
+        Ok((solution, derivatives.commands()))
     }
 
     /// The answers to all steps of a case in order, each from where the one before left the robot ([`Self::solve_steps`]), and to

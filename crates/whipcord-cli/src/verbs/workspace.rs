@@ -142,7 +142,7 @@ fn figure(
 ) -> Result<WorkspaceFigure, Failure> {
     let value = |cell: &Cell| match map {
         Map::Reach => Some(0.0),
-        Map::Dexterity => Some(1e3 * cell.dexterity.motions().last().map_or(0.0, |(size, _)| size)),
+        Map::Dexterity => Some(1e3 * cell.dexterity.least_motion()),
         Map::Accuracy => Some(10.0 * cell.dexterity.singular[0].0),
         Map::Stiffness => cell.stiffness.map(|[least, _]| least),
     };

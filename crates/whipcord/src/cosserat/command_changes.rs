@@ -79,8 +79,7 @@ impl Cosserat {
     ) -> Result<(Solution, Vec<Change>), SolveError> {
         let (solution, derivatives) =
             self.solve_with_derivatives(case, warm_start, &[], workspace)?;
-        let cables = 0..self.robot.cables().len();
-        Ok((solution, cables.map(|cable| derivatives.command(cable)).collect()))
+        Ok((solution, derivatives.commands()))
     }
 
     /// The changes with the tensions of an answer of single shooting.

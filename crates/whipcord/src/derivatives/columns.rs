@@ -167,17 +167,14 @@ impl Derivatives {
 
     /// What the command of a cable, by its grid place, or where `hold` is that of tensions its tension, changes of every tension.
     pub(super) fn pulled(&self, place: usize, hold: Hold) -> [Vec<f64>; 2] {
-        let is_tension =
-            hold == Hold::Tensions || matches!(self.commands[place], Command::Tension(_));
-        if self.sliding.is_none() && is_tension {
-            let outputs = &self.by_tension[place].lengths;
-            let [mut tensions, none] = self.tensions(hold, outputs, Cause::Nothing);
-            tensions[place] += 1.0;
-            return [tensions, none];
+        let is_of_tension = hold == Hold::Tensions;
+        if let Some(sliding) = &self.sliding {
+            let cause = if is_of_tension { Cause::Tension(place) } else { Cause::Command(place) };
+            return sliding.tensions(hold, &[], cause);
         }
-        let cause =
-            if hold == Hold::Tensions { Cause::Tension(place) } else { Cause::Command(place) };
-        self.tensions(hold, &[], cause)
+        let is_tension = is_of_tension || matches!(self.commands[place], Command::Tension(_));
+        let lengths = &self.by_tension[place].lengths;
+        [self.held.commanded(hold, place, is_tension, lengths), Vec::new()]
     }
 
     /// The lengths of the cables by grid places, of those of all strands.
@@ -280,6 +277,12 @@ impl Derivatives {
     #[must_use]
     pub fn command(&self, cable: usize) -> Change {
         self.with_tensions(self.pulled(self.place_of[cable], Hold::Commands))
+    }
+
+    /// [`Self::command`] of every cable.
+    #[must_use]
+    pub fn commands(&self) -> Vec<Change> {
+        (0..self.place_of.len()).map(|cable| self.command(cable)).collect()
     }
 
     /// How the answer changes where the command of a cable is changed by as much in all steps of the case ([`Self::command`] changes it

@@ -108,20 +108,9 @@ impl TensionChanges {
         order.iter().enumerate().for_each(|(place, &cable)| place_of[cable] = place);
         let mut changes = Vec::with_capacity(n);
         for &place in &place_of {
-            let tensions = match cables[place].command {
-                Command::Tension(_) => {
-                    let outputs: Vec<f64> =
-                        self.lengths[place * n..(place + 1) * n].iter().map(|by| -by).collect();
-                    let mut tensions = held.tensions(Hold::Commands, &outputs);
-                    tensions[place] += 1.0;
-                    tensions
-                }
-                Command::Length { .. } => {
-                    let mut shortened = vec![0.0; n];
-                    shortened[place] = -1.0;
-                    held.tensions(Hold::Commands, &shortened)
-                }
-            };
+            let is_tension = matches!(cables[place].command, Command::Tension(_));
+            let lengths = &self.lengths[place * n..(place + 1) * n];
+            let tensions = held.commanded(Hold::Commands, place, is_tension, lengths);
             changes.push(self.change(&nodes, &places, &tensions, &place_of));
         }
         if changes.iter().all(Change::is_finite) { Ok(changes) } else { Err(Critical) }

@@ -278,6 +278,12 @@ impl CoordinateDerivatives {
         }
     }
 
+    /// [`Self::command`] of every cable.
+    #[must_use]
+    pub fn commands(&self) -> Vec<Change> {
+        (0..self.cables.len()).map(|cable| self.command(cable)).collect()
+    }
+
     /// As [`super::Derivatives::offset`].
     ///
     /// # Panics

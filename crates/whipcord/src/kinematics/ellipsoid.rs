@@ -32,6 +32,12 @@ impl Dexterity {
     pub fn motions(&self) -> impl Iterator<Item = (f64, Vec3)> {
         self.singular.into_iter().take(self.directions)
     }
+
+    /// How far a command of unit size moves the place at least; 0 where nothing moves it.
+    #[must_use]
+    pub fn least_motion(&self) -> f64 {
+        self.motions().last().map_or(0.0, |(size, _)| size)
+    }
 }
 
 /// Below this part of the greatest singular value a direction does not count as one of motion. The

@@ -97,6 +97,28 @@ impl HeldCables {
         self.solve(hold, right, LeastSystem::solve)
     }
 
+    /// What a command changes of every tension: that of a cable, which is its tension or what it is shortened by, from the changes of
+    /// all lengths with its tension.
+    pub fn commanded(
+        &self,
+        hold: Hold,
+        cable: usize,
+        is_tension: bool,
+        length_by_tension: &[f64],
+    ) -> Vec<f64> {
+        let mut right = vec![0.0; self.cables];
+        if is_tension {
+            right.iter_mut().zip(length_by_tension).for_each(|(right, by)| *right = -by);
+        } else {
+            right[cable] = -1.0;
+        }
+        let mut tensions = self.tensions(hold, &right);
+        if is_tension {
+            tensions[cable] += 1.0;
+        }
+        tensions
+    }
+
     /// The transpose of [`Self::tensions`].
     pub fn pull_back(&self, hold: Hold, worth: &[f64]) -> Vec<f64> {
         self.solve(hold, worth, LeastSystem::solve_transposed)

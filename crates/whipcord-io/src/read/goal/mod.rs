@@ -72,6 +72,21 @@ pub struct RateMismatch {
     pub by_tension: bool,
 }
 
+impl RateMismatch {
+    /// What is wrong with the file of this robot, and how to mend it.
+    #[must_use]
+    pub fn words(&self, robot: &Robot) -> String {
+        let name = &robot.cables()[self.cable].name;
+        let (commanded, unit) = match self.by_tension {
+            true => ("tension", "N/s"),
+            false => ("shortening", "mm/s"),
+        };
+        format!(
+            "the rate of cable {name} is limited in another unit, but its {commanded} is commanded: give it in {unit}"
+        )
+    }
+}
+
 impl Goal {
     /// Least distance of the robot from obstacles in m; `None` where it may touch them.
     #[must_use]
