@@ -93,6 +93,7 @@ from .stereo import (
     triangulate,
 )
 from .surveying import Boundary, Workspace
+from .sweeping import Sweep
 from .viewing import Viewer
 from .warning import WhipcordWarning
 
@@ -183,6 +184,7 @@ __all__ = [
     "StereoCalibration",
     "StereoPair",
     "Suspect",
+    "Sweep",
     "Triangulated",
     "Unknown",
     "Unresolved",

@@ -51,6 +51,7 @@ __all__ = [
     "solve_cases",
     "suite",
     "svg",
+    "sweep",
     "table_in_si",
     "toml",
     "triangulate",
@@ -92,6 +93,14 @@ def workspace(
     voxel: float | None,
     has_stiffness: bool,
     budget: tuple[int, int] | None,
+) -> dict[str, Any]: ...
+def sweep(
+    setup: Setup,
+    model: Model,
+    asked: dict[str, Any],
+    out: str,
+    shard: tuple[int, int],
+    resume: bool,
 ) -> dict[str, Any]: ...
 def parse_quantity(text: str, dimension: str) -> float: ...
 def table_in_si(name: str, table: dict[str, Any]) -> dict[str, Any]: ...

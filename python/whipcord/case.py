@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from . import _core, controlling, models, reaching, surveying
+from . import _core, controlling, models, reaching, surveying, sweeping
 from ._commands import Commands, commanded, metres, paths, shortening_for, whole
 from ._description import Description
 from ._suggest import suggests
@@ -21,6 +21,7 @@ from .models import ModelLike, StationsLike
 from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
 from .solution import Branches, Solution, begun
 from .surveying import Workspace
+from .sweeping import Sweep
 from .viewing import HEIGHT, Viewer, view
 from .warning import distinct, tell
 
@@ -574,6 +575,72 @@ class Case(Description):
         if min(counts) < 1:
             raise InputError("shapes and solves must be greater than zero", path="solves")
         return surveying.workspace(setup, chosen, asked, voxel, stiffness, (counts[0], counts[1]))
+
+    @suggests
+    def sweep(
+        self,
+        vary: Mapping[str, str | Sequence[float | str]] | None = None,
+        out: str | os.PathLike[str] = "sweep",
+        *,
+        table: Mapping[str, npt.ArrayLike] | None = None,
+        samples: int | None = None,
+        sampling: str = "latin-hypercube",
+        seed: int = 0,
+        outputs: str | Sequence[str] = "tip",
+        shard: tuple[int, int] = (0, 1),
+        resume: bool = False,
+        rows_per_part: int | None = None,
+        model: ModelLike = "cosserat",
+        timeout: float | None = None,
+    ) -> Sweep:
+        """Write a data set of many shapes, in which commands, loads or any other keys of the robot file vary.
+
+        Parameters
+        ----------
+        vary
+            For each path of a key, as ``--set`` of the command line has it, its values: ``"0 N:20 N:41"`` for 41 values from the first
+            to the last, ``"0 N:20 N"`` where rows are sampled, or a list such as ``["1 mm", "1.2 mm"]``. Without `samples` the
+            rows are all combinations.
+        out
+            Folder of the data set.
+        table
+            Rows in place of `vary`: for each column, named by path and unit such as ``"cables.a.tension [N]"``, its values.
+        samples
+            Number of rows that are sampled.
+        sampling
+            ``"latin-hypercube"``, ``"sobol"`` or ``"random"``.
+        seed
+            What the samples follow from.
+        outputs
+            Of ``"tip"``, ``"disks"``, ``"tensions"``, ``"lengths"``, ``"stability"`` and ``"jacobian"``.
+        shard
+            ``(i, n)``: make only the parts of shard i of n, counted from 0. The union of all shards is the data set, bit for bit.
+        resume
+            Go on with a data set that was begun.
+        rows_per_part
+            Rows of each Parquet file; by default up to 65,536, fewer where rows are long.
+        model
+            A model by its name, or one with options.
+        timeout
+            Seconds after which the sweep is ended; the parts that are written stay.
+
+        Returns
+        -------
+        Sweep
+            Where the data set is, and what became of its rows.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> case = load("examples/three-cable-segment.toml")
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     made = case.sweep({"cables.a.tension": "0 N:3 N", "cables.b.tension": "0 N:3 N"}, folder, samples=100)
+        ...     made.rows, made.failed
+        (100, 0)
+        """
+        question = sweeping.asked(vary, table, samples, sampling, seed, outputs, rows_per_part)
+        chosen = models.core(model, timeout=timeout)
+        return sweeping.sweep(self._setup, chosen, question, out, shard, resume)
 
     @suggests
     def controller(

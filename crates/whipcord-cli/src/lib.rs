@@ -32,7 +32,7 @@ use clap::{Parser, Subcommand};
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
     bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure,
-    measure_stereo, new, overlay, reach, schema, score, simulate, solve, stiffness, view,
+    measure_stereo, new, overlay, reach, schema, score, simulate, solve, stiffness, sweep, view,
     workspace,
 };
 use whipcord_study::failure::Failure;
@@ -57,6 +57,7 @@ enum Verb {
     Workspace(workspace::WorkspaceArgs),
     Stiffness(stiffness::StiffnessArgs),
     Simulate(simulate::SimulateArgs),
+    Sweep(sweep::SweepArgs),
     Compare(compare::CompareArgs),
     Score(score::ScoreArgs),
     Fit(fit::FitArgs),
@@ -86,6 +87,7 @@ impl Verb {
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
             Self::Simulate(_) => ("simulate", Limit::None),
+            Self::Sweep(_) => ("sweep", Limit::None),
             Self::Compare(_) => ("compare", Limit::None),
             Self::Score(_) => ("score", Limit::None),
             Self::Fit(_) => ("fit", Limit::None),
@@ -141,6 +143,7 @@ where
         Verb::Workspace(args) => workspace::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Simulate(args) => simulate::run(&args, style),
+        Verb::Sweep(args) => sweep::run(&args),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Score(args) => score::run(&args, style),
         Verb::Fit(args) => fit::run(&args, style),

@@ -4,6 +4,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
 use whipcord::{Case, Model, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
+use whipcord_numerics::random::SplitMix64;
 
 use crate::actuator::{Actuator, knows_tensions};
 use crate::error::InverseError;
@@ -49,7 +50,8 @@ impl Atlas {
             motors: Vec::new(),
             ..survey.case.clone()
         };
-        let mut next = sequence(0x9E37_79B9_7F4A_7C15);
+        let mut random = SplitMix64::new(0x9E37_79B9_7F4A_7C15);
+        let mut next = || random.next_part();
         let values: Vec<f64> = if by_tension {
             {
                 let mut rows = Vec::with_capacity(survey.rows * cables);
@@ -212,20 +214,4 @@ fn spread<'a>(
         let part = next();
         if at_limit { *least } else { least + part * (greatest - least) }
     })
-}
-
-/// Pseudo-random numbers in 0 … 1, the same each time.
-///
-/// Source: Steele, Lea and Flood, Fast splittable pseudorandom number generators, OOPSLA 2014 (SplitMix64).
-fn sequence(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        #[allow(clippy::cast_precision_loss, reason = "53 bits")]
-        let part = ((z ^ (z >> 31)) >> 11) as f64;
-        part / 9_007_199_254_740_992.0
-    }
 }

@@ -68,6 +68,20 @@ impl CaseFile {
         self.sources.get(0)?.text.as_deref()
     }
 
+    /// The same file with keys that are set beside it, as [`load_with`] has them.
+    ///
+    /// # Errors
+    /// [`FileError`] with all that is wrong, where, and what to do about it.
+    pub fn with_settings(&self, settings: &[String]) -> Result<Self, FileError> {
+        let (mut sources, mut problems) = (self.sources.clone(), Problems::default());
+        let mut document = self.document.clone();
+        settings::apply(&mut document, settings, &mut sources, &mut problems);
+        match read(document, &self.path, &mut sources, &mut problems) {
+            Some(file) if problems.is_empty() => Ok(Self { sources, ..file }),
+            _ => Err(problems.into_error(sources)),
+        }
+    }
+
     /// What a model that refuses the robot or the case says, with its place in the file. `None`
     /// where nothing in the file is at fault: when a solve failed, or an option is refused.
     #[must_use]

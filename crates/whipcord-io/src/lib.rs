@@ -36,20 +36,21 @@ pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
-    Beside, Cell, CsvTable, NonFinite, SpacePoint, answer_json, boundary_table, contacts_csv,
-    fit_json, follow_json, json_number, json_optional, loss_name, marks_csv, motion_json,
-    motion_table, path_table, points_csv, poses_table, problems_json, reach_json,
-    remove_unfinished, shape_csv, solution_json, status_words, steps_csv, stiffness_json,
-    warnings_json, workspace_json, workspace_table, write_atomically,
+    Beside, Cell, Column, CsvTable, NonFinite, SpacePoint, Values, answer_json, boundary_table,
+    columns_to_parquet, contacts_csv, fit_json, follow_json, json_number, json_optional, loss_name,
+    marks_csv, motion_json, motion_table, path_table, points_csv, poses_table, problems_json,
+    reach_json, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,
+    stiffness_json, warnings_json, workspace_json, workspace_table, write_atomically,
 };
 pub use read::{
     CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit,
     Goal, LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, Motion,
-    RateMismatch, Reference, load_markers, load_path, load_shape, parameter_path,
+    NumberTable, RateMismatch, Reference, load_markers, load_numbers, load_path, load_shape,
+    parameter_path,
 };
 pub use render::{render, render_warnings};
 pub use schema::schema;
 pub use source::{Position, Source, Sources, Span};
 pub use suggest::nearest_parameter;
-pub use units::{Dimension, QuantityError, Unit, parse_quantity};
+pub use units::{Dimension, QuantityError, Unit, parse_quantity, split_quantity};
 pub use warnings::{AnswerOf, FileWarning};

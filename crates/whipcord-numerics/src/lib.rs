@@ -22,6 +22,7 @@ mod pose;
 mod quadratic_programme;
 mod quadrature;
 mod quaternion;
+pub mod random;
 mod replaced_rows;
 mod runge_kutta;
 mod spacing;

@@ -27,6 +27,7 @@ mod score;
 mod setup;
 mod solution;
 mod stereo;
+mod sweep;
 mod wait;
 mod workspace;
 
@@ -90,6 +91,7 @@ mod _core {
     #[pymodule_export]
     use super::stereo::{calibrate_two, in_space, points_csv, triangulate};
     #[pymodule_export]
+    use super::sweep::sweep;
     use super::workspace::workspace;
 
     /// Version of the library.

@@ -150,6 +150,12 @@ impl Model {
         of_any_model!(self, options => &options.cancel)
     }
 
+    /// Which command of each cable counts.
+    #[must_use]
+    pub const fn actuation(&self) -> Actuation {
+        of_any_model!(self, options => options.actuation)
+    }
+
     /// Which model it is.
     #[must_use]
     pub const fn kind(&self) -> ModelKind {

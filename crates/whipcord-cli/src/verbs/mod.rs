@@ -22,5 +22,6 @@ pub mod score;
 pub mod simulate;
 pub mod solve;
 pub mod stiffness;
+pub mod sweep;
 pub mod view;
 pub mod workspace;

@@ -26,6 +26,7 @@ mod start;
 mod stereo;
 mod stiffness;
 mod support;
+mod sweep;
 mod tables;
 mod timeout;
 mod warnings;

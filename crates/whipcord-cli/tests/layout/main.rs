@@ -11,7 +11,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 13] = [
+const ALLOWED: [(&str, &[&str]); 14] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-estimation", &["whipcord", "whipcord-numerics"]),
@@ -29,6 +29,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
         "whipcord-study",
         &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-io", "whipcord-plot"],
     ),
+    ("whipcord-sweep", &["whipcord", "whipcord-io", "whipcord-numerics"]),
     (
         "whipcord-cli",
         &[
@@ -39,6 +40,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",
+            "whipcord-sweep",
             "whipcord-vision",
             "whipcord-viewer",
         ],
@@ -54,6 +56,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",
+            "whipcord-sweep",
             "whipcord-vision",
             "whipcord-cli",
         ],

@@ -12,6 +12,7 @@ use super::rows::{Row, Skipped, only, rows, without};
 use super::settings::Settings;
 use crate::observation::Observation;
 use whipcord::robot::Robot;
+use whipcord_numerics::random::SplitMix64;
 
 /// What is held out in turn, and how far off it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -169,30 +170,17 @@ pub fn split(
         |groups| groups.into_values().collect::<Vec<_>>(),
     );
     let wanted = (fraction * all.len() as f64).ceil() as usize;
-    let mut random = SplitMix(seed);
+    let mut random = SplitMix64::new(seed);
     let mut held = BTreeSet::new();
     // The last unit is never held out.
     while held.len() < wanted && units.len() > 1 {
-        let chosen = (random.next() % units.len() as u64) as usize;
+        let chosen = (random.next_u64() % units.len() as u64) as usize;
         held.extend(units.swap_remove(chosen));
     }
     if held.is_empty() {
         return Err(IdentifyError::NothingToHoldOut);
     }
     Ok([only(experiments, &held, false), only(experiments, &held, true)])
-}
-
-/// Steele, Lea and Flood, Fast splittable pseudorandom number generators, OOPSLA (2014).
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
 }
 
 /// What is held out at once.

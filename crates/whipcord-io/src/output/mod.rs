@@ -23,6 +23,7 @@ pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
 pub use motion::{motion_json, motion_table, poses_table};
 pub use notices::{problems_json, warnings_json};
+pub use parquet::{Column, Values, columns_to_parquet};
 pub use path::{Beside, answer_json};
 pub use reach::{follow_json, path_table, reach_json};
 pub use stiffness::stiffness_json;

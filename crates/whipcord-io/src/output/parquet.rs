@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
@@ -11,6 +11,39 @@ use parquet::schema::types::Type;
 
 use super::NonFinite;
 use super::csv::{Cell, CsvTable};
+
+/// A column of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// Its values, one for each row.
+    pub values: Values,
+}
+
+/// The values of a [`Column`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Numbers; what is not finite is null.
+    Numbers(Vec<f64>),
+    /// Whole numbers.
+    Integers(Vec<Option<i64>>),
+    /// Truth values.
+    Flags(Vec<Option<bool>>),
+    /// Texts.
+    Texts(Vec<Option<String>>),
+}
+
+impl Values {
+    const fn kind(&self) -> Physical {
+        match self {
+            Self::Numbers(_) => Physical::DOUBLE,
+            Self::Integers(_) => Physical::INT64,
+            Self::Flags(_) => Physical::BOOLEAN,
+            Self::Texts(_) => Physical::BYTE_ARRAY,
+        }
+    }
+}
 
 impl CsvTable {
     /// The table as the bytes of a Parquet file, compressed by Snappy: columns of numbers are DOUBLE, of whole numbers INT64, all others
@@ -29,8 +62,11 @@ impl CsvTable {
                 }
             }
         }
-        // Written to memory from columns of one length each, nothing can fail.
-        Ok(write(self).unwrap_or_default())
+        let columns = self.columns().iter().enumerate();
+        let columns: Vec<Column> = columns
+            .map(|(k, name)| Column { name: name.clone(), values: self.values(k) })
+            .collect();
+        Ok(columns_to_parquet(&columns))
     }
 
     /// What a column holds.
@@ -48,66 +84,105 @@ impl CsvTable {
             _ => Physical::DOUBLE,
         })
     }
+
+    fn values(&self, column: usize) -> Values {
+        let cells = self.rows().iter().map(|row| &row[column]);
+        match self.kind(column) {
+            Physical::INT64 => {
+                let value = |cell: &Cell| match cell {
+                    Cell::Integer(value) => Some(*value),
+                    _ => None,
+                };
+                Values::Integers(cells.map(value).collect())
+            }
+            Physical::DOUBLE => {
+                let value = |cell: &Cell| match cell {
+                    Cell::Number(value) => *value,
+                    Cell::Integer(value) => *value as f64,
+                    Cell::Text(_) | Cell::Empty => f64::NAN,
+                };
+                Values::Numbers(cells.map(value).collect())
+            }
+            _ => {
+                let value = |cell: &Cell| match cell {
+                    Cell::Text(text) => Some(text.clone()),
+                    Cell::Number(value) => Some(format!("{value:?}")),
+                    Cell::Integer(value) => Some(value.to_string()),
+                    Cell::Empty => None,
+                };
+                Values::Texts(cells.map(value).collect())
+            }
+        }
+    }
 }
 
-fn write(table: &CsvTable) -> Result<Vec<u8>, ParquetError> {
-    let kinds: Vec<Physical> = (0..table.columns().len()).map(|k| table.kind(k)).collect();
-    let column = |(name, kind): (&String, &Physical)| {
-        let text = (*kind == Physical::BYTE_ARRAY).then_some(LogicalType::String);
-        let of = Type::primitive_type_builder(name, *kind)
+/// A table as the bytes of a Parquet file, compressed by Snappy. All columns have as many values.
+#[must_use]
+pub fn columns_to_parquet(columns: &[Column]) -> Vec<u8> {
+    // Written to memory from columns of one length each, nothing can fail.
+    write(columns).unwrap_or_default()
+}
+
+fn write(columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
+    let column = |Column { name, values }: &Column| {
+        let kind = values.kind();
+        let text = (kind == Physical::BYTE_ARRAY).then_some(LogicalType::String);
+        let of = Type::primitive_type_builder(name, kind)
             .with_repetition(Repetition::OPTIONAL)
             .with_logical_type(text);
         of.build().map(Arc::new)
     };
-    let fields = table.columns().iter().zip(&kinds).map(column).collect::<Result<Vec<_>, _>>()?;
+    let fields = columns.iter().map(column).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
     let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
     let mut bytes = Vec::new();
     let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
-    for (k, kind) in kinds.iter().enumerate() {
-        write_column(table, k, *kind, &mut group)?;
+    for column in columns {
+        write_column(&column.values, &mut group)?;
     }
     group.close()?;
     writer.close()?;
     Ok(bytes)
 }
 
+/// The values that are there, and of each row whether it has one.
+fn present<T: Copy>(values: &[Option<T>]) -> (Vec<T>, Vec<i16>) {
+    let levels = values.iter().map(|value| i16::from(value.is_some())).collect();
+    (values.iter().filter_map(|value| *value).collect(), levels)
+}
+
 fn write_column<W: std::io::Write + Send>(
-    table: &CsvTable,
-    column: usize,
-    kind: Physical,
+    values: &Values,
     group: &mut SerializedRowGroupWriter<'_, W>,
 ) -> Result<(), ParquetError> {
-    let cells = || table.rows().iter().map(|row| &row[column]);
-    let levels: Vec<i16> = cells().map(|cell| i16::from(*cell != Cell::Empty)).collect();
     let Some(mut writer) = group.next_column()? else { return Ok(()) };
-    match kind {
-        Physical::INT64 => {
-            let value = |cell: &Cell| match cell {
-                Cell::Integer(value) => Some(*value),
-                _ => None,
-            };
-            let values: Vec<i64> = cells().filter_map(value).collect();
+    match values {
+        Values::Integers(values) => {
+            let (values, levels) = present(values);
             writer.typed::<Int64Type>().write_batch(&values, Some(&levels), None)?;
         }
-        Physical::DOUBLE => {
-            let value = |cell: &Cell| match cell {
-                Cell::Number(value) => Some(*value),
-                Cell::Integer(value) => Some(*value as f64),
-                Cell::Text(_) | Cell::Empty => None,
+        Values::Numbers(values) => {
+            let levels: Vec<i16> =
+                values.iter().map(|value| i16::from(value.is_finite())).collect();
+            let finite: Vec<f64>;
+            let values = match levels.contains(&0) {
+                true => {
+                    finite = values.iter().copied().filter(|value| value.is_finite()).collect();
+                    &finite
+                }
+                false => values,
             };
-            let values: Vec<f64> = cells().filter_map(value).collect();
-            writer.typed::<DoubleType>().write_batch(&values, Some(&levels), None)?;
+            writer.typed::<DoubleType>().write_batch(values, Some(&levels), None)?;
         }
-        _ => {
-            let value = |cell: &Cell| match cell {
-                Cell::Text(text) => Some(ByteArray::from(text.as_str())),
-                Cell::Number(value) => Some(ByteArray::from(format!("{value:?}").as_str())),
-                Cell::Integer(value) => Some(ByteArray::from(value.to_string().as_str())),
-                Cell::Empty => None,
-            };
-            let values: Vec<ByteArray> = cells().filter_map(value).collect();
+        Values::Flags(values) => {
+            let (values, levels) = present(values);
+            writer.typed::<BoolType>().write_batch(&values, Some(&levels), None)?;
+        }
+        Values::Texts(values) => {
+            let levels: Vec<i16> = values.iter().map(|value| i16::from(value.is_some())).collect();
+            let texts = values.iter().flatten();
+            let values: Vec<ByteArray> = texts.map(|text| ByteArray::from(text.as_str())).collect();
             writer.typed::<ByteArrayType>().write_batch(&values, Some(&levels), None)?;
         }
     }

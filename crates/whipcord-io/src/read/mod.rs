@@ -11,6 +11,7 @@ mod measured;
 mod mesh;
 mod motion;
 mod motors;
+mod numbers;
 mod obstacles;
 mod pose;
 mod reference;
@@ -33,6 +34,7 @@ pub use measured::{
 pub use motion::{CableCourse, Motion};
 pub(crate) use motion::{Driven, check_motion, motion};
 pub(crate) use motors::{Motors, motor_step, motors};
+pub use numbers::{NumberTable, load_numbers};
 pub(crate) use obstacles::obstacles;
 pub(crate) use pose::pose;
 pub use reference::Reference;

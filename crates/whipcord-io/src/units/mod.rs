@@ -9,7 +9,7 @@ use known::{
     ACCELERATION, ANGLE, ANGULAR_RATE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, FORCE_RATE,
     LENGTH, LINE_FORCE, LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, SPEED, TIME,
 };
-pub use quantity::{QuantityError, parse_quantity};
+pub use quantity::{QuantityError, parse_quantity, split_quantity};
 pub(crate) use quantity::{percent, scaled, with_number};
 
 /// What a quantity measures.

@@ -100,6 +100,18 @@ pub fn parse_quantity(
     Err(QuantityError::UnknownUnit { unit: crate::source::quoted(unit), near })
 }
 
+/// The number of a text such as `"180 mm"` and the unit behind it as it is written, which may be empty; `None` where there is no number.
+///
+/// ```
+/// assert_eq!(whipcord_io::split_quantity("180 mm"), Some((180.0, "mm")));
+/// assert_eq!(whipcord_io::split_quantity("x"), None);
+/// ```
+#[must_use]
+pub fn split_quantity(text: &str) -> Option<(f64, &str)> {
+    let (digits, exponent, rest) = split_number(text.trim())?;
+    Some((decimal(digits, exponent, 0), rest.trim()))
+}
+
 /// The text of a number or a quantity times a factor, in TOML: `"3 mm"` for twice `1.5 mm`.
 pub(crate) fn scaled(text: &str, factor: f64) -> Option<String> {
     let (digits, exponent, rest) = split_number(text.trim())?;

@@ -1,5 +1,7 @@
 //! Light, blur and noise: from what is there to what the camera records.
 
+use whipcord_numerics::random::SplitMix64;
+
 use crate::photo::Photo;
 use crate::plane::Plane;
 
@@ -49,12 +51,12 @@ pub(super) fn expose(photo: &mut Photo, light: Light, blur: Blur, noise: Noise) 
             moved(if sharp { plane } else { plane.blurred(blur.deviation) }, blur.motion)
         });
     }
-    let mut random = Random(noise.seed);
+    let mut random = SplitMix64::new(noise.seed);
     let (dark, bright) = (noise.dark * noise.dark, noise.bright * noise.bright);
     if dark + bright > 0.0 {
         for value in photo.pixels_mut().iter_mut().flatten() {
             let deviation = (dark + bright * f64::from(value.max(0.0))).sqrt();
-            *value = (*value + (deviation * random.normal()) as f32).clamp(0.0, 1.0);
+            *value = (*value + (deviation * normal(&mut random)) as f32).clamp(0.0, 1.0);
         }
     }
 }
@@ -90,26 +92,14 @@ fn moved(plane: Plane, way: [f64; 2]) -> Plane {
     out
 }
 
-/// Random numbers that are the same everywhere (SplitMix64; Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Of mean 0 and deviation 1: the sum of twelve uniform numbers, less its mean. It needs no function that
-    /// machines compute differently.
-    fn normal(&mut self) -> f64 {
-        let quarters = |z: u64| (0..4).map(|k| (z >> (16 * k)) & 0xffff).sum::<u64>();
-        let sum = quarters(self.next()) + quarters(self.next()) + quarters(self.next());
-        // Each of the twelve has the mean 65535/2.
-        (sum as f64 - 6.0 * 65_535.0) / 65_536.0
-    }
+/// Of mean 0 and deviation 1: the sum of twelve uniform numbers, less its mean. It needs no function that
+/// machines compute differently.
+fn normal(random: &mut SplitMix64) -> f64 {
+    let quarters = |z: u64| (0..4).map(|k| (z >> (16 * k)) & 0xffff).sum::<u64>();
+    let mut next = || quarters(random.next_u64());
+    let sum = next() + next() + next();
+    // Each of the twelve has the mean 65535/2.
+    (sum as f64 - 6.0 * 65_535.0) / 65_536.0
 }
 
 #[cfg(test)]
