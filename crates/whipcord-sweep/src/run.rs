@@ -1,5 +1,6 @@
 //! Solves the parts of a sweep and writes them.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::sync_channel;
@@ -68,24 +69,20 @@ pub fn run(plan: &Plan, folder: &Path, options: &RunOptions<'_>) -> Result<Summa
     let create = |source| SweepError::Write { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(create)?;
     let is_known = claim(folder, &plan.manifest())?;
-    let mine = (number..plan.parts()).step_by(usize::try_from(count).unwrap_or(usize::MAX));
-    let rows = mine.clone().map(|part| plan.rows_of(part).1).sum();
-    let mut summary = Summary { rows, ..Summary::default() };
-    let mut missing = Vec::new();
-    let mut done = 0;
-    for part in mine {
-        summary.parts += 1;
-        let path = folder.join(part_name(part));
-        if is_known && is_whole(&path, plan.rows_of(part).1) {
-            if !options.resume {
-                return Err(SweepError::Begun { folder: folder.to_owned() });
-            }
-            summary.kept += 1;
-            done += plan.rows_of(part).1;
-        } else {
-            missing.push(part);
-        }
+    let is_mine = |part: &u64| *part < plan.parts() && part % count == number;
+    let kept: BTreeSet<u64> = match is_known {
+        true => whole_parts(plan, folder)?.into_iter().filter(is_mine).collect(),
+        false => BTreeSet::new(),
+    };
+    if !kept.is_empty() && !options.resume {
+        return Err(SweepError::Begun { folder: folder.to_owned() });
     }
+    let parts = plan.parts().saturating_sub(number).div_ceil(count);
+    let last = plan.parts() - 1;
+    let short = if is_mine(&last) { plan.rows_per_part() - plan.rows_of(last).1 } else { 0 };
+    let rows = parts * plan.rows_per_part() - short;
+    let mut done = kept.iter().map(|part| plan.rows_of(*part).1).sum();
+    let mut summary = Summary { rows, parts, kept: kept.len() as u64, ..Summary::default() };
     let tell = |done| options.progress.iter().for_each(|progress| progress(done, rows));
     tell(done);
     // One part is written while the next is solved.
@@ -100,7 +97,9 @@ pub fn run(plan: &Plan, folder: &Path, options: &RunOptions<'_>) -> Result<Summa
             Ok(())
         });
         let mut solved = Ok(());
-        for part in missing {
+        let step = usize::try_from(count).unwrap_or(usize::MAX);
+        let mine = (number..plan.parts()).step_by(step);
+        for part in mine.filter(|part| !kept.contains(part)) {
             let of_part = match plan.solve(plan.rows_of(part)) {
                 Ok(of_part) => of_part,
                 Err(error) => {
@@ -142,6 +141,20 @@ impl Summary {
             }
         }
     }
+}
+
+/// The parts in a folder that have all their rows.
+fn whole_parts(plan: &Plan, folder: &Path) -> Result<Vec<u64>, SweepError> {
+    let entries = fs::read_dir(folder);
+    let entries =
+        entries.map_err(|source| SweepError::Write { path: folder.to_owned(), source })?;
+    let number = |name: &str| name.strip_prefix("part-")?.strip_suffix(".parquet")?.parse().ok();
+    let named = entries.flatten().filter_map(|entry| number(entry.file_name().to_str()?));
+    let is_whole = |part: &u64| {
+        let path = folder.join(part_name(*part));
+        *part < plan.parts() && is_whole(&path, plan.rows_of(*part).1)
+    };
+    Ok(named.filter(is_whole).collect())
 }
 
 /// Whether a part is there with all its rows.

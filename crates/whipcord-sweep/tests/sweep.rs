@@ -85,11 +85,8 @@ fn bytes(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn rows_are_those_of_single_solves() {
     let folder = tempdir().unwrap();
     let file = file("");
-    let axes = [
-        "cables.a.tension=0 N:4 N:3",
-        "loads.tip_force[1]=0,20 mN",
-        "cables[1].tension=1 N,1.5 N",
-    ];
+    let axes =
+        ["cables.a.tension=0 N:4 N:3", "loads.tip_force[1]=0,20 mN", "cables[1].tension=1 N,1.5 N"];
     let outputs =
         [Output::Tip, Output::Disks, Output::Tensions, Output::Lengths, Output::Stability];
     let plan =
