@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
-use whipcord::{Case, Prepared, SolveError};
+use whipcord::{Actuation, Case, Prepared, SolveError};
 use whipcord_io::CaseFile;
 
 use crate::error::SweepError;
@@ -75,12 +75,16 @@ impl Plan {
     fn tensions(&self, inputs: &[f64]) -> Option<Vec<f64>> {
         let case = &self.file.case;
         let cables = self.file.robot.cables().len();
-        if !case.motors.is_empty() {
+        let by_tension = match self.model.actuation() {
+            Actuation::Natural => self.model.kind().natural_actuation(),
+            given => given,
+        };
+        if !case.motors.is_empty() || by_tension != Actuation::Tension {
             return None;
         }
         let mut blank = vec![None; cables];
         for (of, command) in blank.iter_mut().zip(&case.commands) {
-            *of = command.tension.filter(|_| command.shortening.is_none());
+            *of = command.tension;
         }
         for setter in &self.setters {
             let (cable, _) = setter.tension(0.0)?;

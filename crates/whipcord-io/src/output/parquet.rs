@@ -7,7 +7,7 @@ use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Ty
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
-use parquet::schema::types::Type;
+use parquet::schema::types::{ColumnPath, Type};
 
 use super::NonFinite;
 use super::csv::{Cell, CsvTable};
@@ -41,6 +41,25 @@ impl Values {
             Self::Integers(_) => Physical::INT64,
             Self::Flags(_) => Physical::BOOLEAN,
             Self::Texts(_) => Physical::BYTE_ARRAY,
+        }
+    }
+}
+
+impl Values {
+    /// Whether a dictionary of the values makes the column smaller, as far as the first of them tell.
+    fn recur(&self) -> bool {
+        const FIRST: usize = 256;
+        match self {
+            Self::Numbers(values) => {
+                let mut first: Vec<u64> =
+                    values.iter().take(FIRST).map(|value| value.to_bits()).collect();
+                let count = first.len();
+                first.sort_unstable();
+                first.dedup();
+                2 * first.len() <= count
+            }
+            Self::Integers(_) | Self::Flags(_) => false,
+            Self::Texts(_) => true,
         }
     }
 }
@@ -134,7 +153,12 @@ fn write(columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
     };
     let fields = columns.iter().map(column).collect::<Result<Vec<_>, _>>()?;
     let schema = Arc::new(Type::group_type_builder("table").with_fields(fields).build()?);
-    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let mut properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
+    for Column { name, values } in columns {
+        let path = ColumnPath::from(name.as_str());
+        properties = properties.set_column_dictionary_enabled(path, values.recur());
+    }
+    let properties = properties.build();
     let mut bytes = Vec::new();
     let mut writer = SerializedFileWriter::new(&mut bytes, schema, Arc::new(properties))?;
     let mut group = writer.next_row_group()?;
