@@ -92,6 +92,7 @@ mod _core {
     use super::stereo::{calibrate_two, in_space, points_csv, triangulate};
     #[pymodule_export]
     use super::sweep::sweep;
+    #[pymodule_export]
     use super::workspace::workspace;
 
     /// Version of the library.

@@ -137,17 +137,20 @@ impl Plan {
     fn row_by_row(&self, inputs: &[f64]) -> (Vec<f64>, Vec<Outcome>) {
         let rows: Vec<&[f64]> = inputs.chunks_exact(self.samples.axes().len()).collect();
         let width = self.columns.names().len();
-        let answers: Vec<(Vec<f64>, Result<Option<bool>, String>)> = rows
+        let answers: Vec<(Vec<f64>, Outcome)> = rows
             .par_iter()
             .map_init(
                 || None,
                 |prepared, values| {
                     let mut numbers = Vec::with_capacity(width);
-                    let outcome = self.row(values, prepared, &mut numbers);
-                    if outcome.is_err() {
-                        numbers.clear();
-                        numbers.resize(width, f64::NAN);
-                    }
+                    let outcome = match self.row(values, prepared, &mut numbers) {
+                        Ok(stable) => Outcome { stable, error: None },
+                        Err(reason) => {
+                            numbers.clear();
+                            numbers.resize(width, f64::NAN);
+                            Outcome { stable: None, error: Some(reason) }
+                        }
+                    };
                     (numbers, outcome)
                 },
             )
@@ -155,10 +158,7 @@ impl Plan {
         let (mut numbers, mut outcomes) = (Vec::with_capacity(rows.len() * width), Vec::new());
         for (of_row, outcome) in answers {
             numbers.extend(of_row);
-            outcomes.push(match outcome {
-                Ok(stable) => Outcome { stable, error: None },
-                Err(reason) => Outcome { stable: None, error: Some(reason) },
-            });
+            outcomes.push(outcome);
         }
         (numbers, outcomes)
     }
@@ -171,10 +171,9 @@ impl Plan {
         numbers: &mut Vec<f64>,
     ) -> Result<Option<bool>, String> {
         let axes = self.samples.axes().iter();
-        let keys = axes.zip(&self.setters).zip(values).filter_map(|((axis, setter), value)| {
-            (setter.what == What::Key).then(|| axis.setting(*value))
-        });
-        let settings: Vec<String> = keys.collect();
+        let keys = axes.zip(&self.setters).zip(values);
+        let keys = keys.filter(|((_, setter), _)| setter.what == What::Key);
+        let settings: Vec<String> = keys.map(|((axis, _), value)| axis.setting(*value)).collect();
         if settings.is_empty() {
             return self.row_of(&self.file, values, prepared, numbers);
         }
