@@ -285,6 +285,7 @@ def fit(
     skip: bool,
     one_frame: bool,
     starts: int,
+    threads: int | None,
 ) -> Fitted: ...
 
 @final

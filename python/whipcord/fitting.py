@@ -401,6 +401,7 @@ def fit(
     skip_rows: bool = True,
     one_frame: bool = False,
     starts: int = 1,
+    threads: int | None = None,
     timeout: float | None = None,
 ) -> Fit:
     """Estimates parameters of a robot from what was measured, with their uncertainty.
@@ -503,6 +504,7 @@ def fit(
         bool(skip_rows),
         bool(one_frame),
         max(whole(starts, "starts"), 1),
+        None if threads is None else max(whole(threads, "threads"), 1),
     )
     return _told(fitted, json.loads(fitted.json()))
 

@@ -1,5 +1,6 @@
 //! What a robot is, from what was measured.
 
+use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -33,7 +34,7 @@ type AskedUnknown = (String, bool, Option<f64>, Option<f64>, Option<f64>, Option
 #[pyfunction]
 #[pyo3(signature = (
     setups, model, parameters, each, loss, confidence, iterations, validate, models, test, part, ladder, profile, skip,
-    one_frame, starts
+    one_frame, starts, threads
 ))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn fit(
@@ -54,6 +55,7 @@ pub fn fit(
     skip: bool,
     one_frame: bool,
     starts: usize,
+    threads: Option<usize>,
 ) -> PyResult<Fitted> {
     let Some((first, others)) = setups.split_first() else {
         return Err(errors::input(py, "cases", "there is no case to fit".to_owned()));
@@ -106,6 +108,7 @@ pub fn fit(
         iterations,
         skips: skip,
         starts,
+        threads: threads.and_then(NonZero::new),
         ..Settings::new(method)
     };
     let cases: Vec<CaseFile> =

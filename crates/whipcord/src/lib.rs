@@ -8,7 +8,7 @@
 //! world frame, in which [`Case::base`] says where the base is; without it the two are the same.
 //!
 //! This crate opens no files and reads no clocks. It starts threads only with the feature `parallel`, and
-//! only for a [`batch`].
+//! only for [`jobs`] such as those of a [`batch`].
 
 pub mod batch;
 mod budget;
@@ -25,6 +25,7 @@ pub mod error;
 pub mod format;
 pub mod four_bar;
 mod grasp;
+pub mod jobs;
 pub mod kind;
 pub mod kinematics;
 mod linearization;

@@ -131,6 +131,16 @@ impl Model {
         self
     }
 
+    /// The same model on at least so many steps from base to tip, whatever their error ([`crate::cosserat::Accuracy::Steps`]); models
+    /// whose sections are their discretisation have none to choose.
+    #[must_use]
+    pub const fn with_steps(mut self, steps: usize) -> Self {
+        if let Self::Cosserat(options) | Self::CosseratDisks(options) = &mut self {
+            options.accuracy = cosserat::Accuracy::Steps(steps);
+        }
+        self
+    }
+
     /// Whether the cables of its robots may have friction.
     #[must_use]
     pub const fn has_hole_friction(&self) -> bool {

@@ -1,5 +1,6 @@
 //! `whipcord fit`: what the robot is, from what was measured.
 
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -61,6 +62,9 @@ pub struct FitArgs {
     /// counts. For fits that end in different minima, as where cables get slack or taut
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     starts: u16,
+    /// Threads that share the rows; as many as there are processors by default. The results are the same for any number
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZero<usize>>,
     /// Robot files with measurements that are not fitted, on which the fit is scored
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "split")]
     test: Vec<PathBuf>,
@@ -168,6 +172,7 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         },
         skips: true,
         starts: args.starts.into(),
+        threads: args.threads,
         ..Settings::new(model(args.model))
     };
     let robot = &cases[0].robot;

@@ -6,30 +6,33 @@ use super::build::{AXES, turning_axis};
 use super::error::NoAnswerReason;
 use super::forward::{Forward, Marker};
 use super::method::DerivativeMethod;
+use super::pieces::Piece;
 use super::quantity::Quantity;
+use super::solver::{Predicted, Solver};
 use whipcord::Linearization;
 use whipcord::case::Shortening;
 use whipcord::derivatives::{Change, Hold, Place};
-use whipcord::error::SolveError;
 use whipcord::parameter::Parameter;
 use whipcord::shape::Solution;
 
 /// Step of the differences, as a part of what matters.
 const STEP: f64 = 1e-3;
 
-impl Forward<'_> {
-    /// What would be seen in an experiment, and how it changes with the unknowns as far as the model says so
-    /// itself: rows × unknowns, the others zero.
+impl Solver<'_, '_> {
+    /// What would be seen in a piece, and how it changes with the unknowns as far as the model says so
+    /// itself, the other columns zero.
     pub(super) fn predict_with_columns(
         &mut self,
-        experiment: usize,
+        piece: &Piece,
         x: &[f64],
-        into: &mut [f64],
-        columns: &mut [f64],
-    ) -> Result<(), NoAnswerReason> {
-        columns.fill(0.0);
-        let means: Vec<Vec<DerivativeMethod>> = (self.methods[experiment].iter().zip(x))
-            .map(|(methods, value)| DerivativeMethod::at(methods, *value))
+    ) -> Result<Predicted, NoAnswerReason> {
+        let (forward, experiment) = (self.forward, piece.experiment);
+        let means: Vec<Vec<DerivativeMethod>> = (forward.methods(experiment).iter().zip(x))
+            .enumerate()
+            .map(|(j, (methods, value))| match forward.is_by_differences(piece, j, *value) {
+                true => Vec::new(),
+                false => methods.clone(),
+            })
             .collect();
         let parameters: Vec<Parameter> = means
             .iter()
@@ -39,43 +42,27 @@ impl Forward<'_> {
                 _ => None,
             })
             .collect();
-        let asks = means.iter().flatten().any(|means| {
-            matches!(
-                means,
-                DerivativeMethod::Parameter(_)
-                    | DerivativeMethod::Offset { .. }
-                    | DerivativeMethod::Gain { .. }
-            )
-        });
-        let observed: Vec<usize> =
-            self.experiments[experiment].observations.iter().map(|seen| seen.step).collect();
-        let (prepared, case) = self.prepare(experiment, x)?;
+        let asks = means.iter().flatten().any(DerivativeMethod::is_of_model);
+        let (prepared, case) = self.prepare(piece, x)?;
         let mut answers: Vec<(Solution, Option<Linearization>)> = Vec::new();
         match prepared {
-            prepared if asks => {
-                let answered = prepared.solve_steps_with_derivatives(
+            prepared if asks => prepared
+                .solve_steps_with_derivatives(
                     &case,
                     &parameters,
-                    |step| observed.contains(&step),
+                    |step| forward.is_seen(experiment, piece.steps[step]),
                     |solution, derivatives| answers.push((solution, derivatives)),
-                );
-                match answered {
-                    Ok(()) => {}
-                    // There is an answer; only how it came about in a step is not known well enough.
-                    Err((_, SolveError::NoDerivatives | SolveError::NoDerivativesOfRest)) => {
-                        self.differ(experiment);
-                        return self.predict_with_columns(experiment, x, into, columns);
-                    }
-                    Err((_, error)) => return Err(error.into()),
-                }
-            }
+                )
+                .map_err(|(_, error)| error)?,
             prepared => prepared
                 .solve_steps(&case, |solution| answers.push((solution, None)))
                 .map_err(|(_, error)| error)?,
         }
-        let turn = self.turn(experiment, x);
-        let measured_turn = self.measured_turn(experiment, x);
-        let frame = *self.frame();
+        let mut found = Predicted { rows: Vec::new(), numbers: Vec::new(), columns: Vec::new() };
+        let view = forward.view(experiment, x);
+        let turn = forward.turn(experiment, x);
+        let measured_turn = forward.measured_turn(experiment, x);
+        let frame = view.frame;
         for (step, (solution, derivatives)) in answers.iter().enumerate() {
             let commands = case.before.get(step).unwrap_or(&case.commands);
             let mut parameter = 0;
@@ -97,8 +84,10 @@ impl Forward<'_> {
                         (DerivativeMethod::Offset { cable }, Some(derivatives)) => {
                             let by = match (commands[cable].shortening, commands[cable].tension) {
                                 // An offset in m is a part of the length that the cable had before.
-                                (Some(Shortening::Fraction(_)), _) if !self.rest().is_empty() => {
-                                    solution.cables[cable].initial_length / self.rest()[cable]
+                                (Some(Shortening::Fraction(_)), _)
+                                    if !forward.rest().is_empty() =>
+                                {
+                                    solution.cables[cable].initial_length / forward.rest()[cable]
                                 }
                                 _ => 1.0,
                             };
@@ -106,8 +95,8 @@ impl Forward<'_> {
                         }
                         (DerivativeMethod::Gain { cable, by_tension }, Some(derivatives)) => {
                             let length = solution.cables[cable].initial_length;
-                            let rest = self.rest().get(cable).copied().unwrap_or(1.0);
-                            let offset = self.offset(experiment, x, cable);
+                            let rest = forward.rest().get(cable).copied().unwrap_or(1.0);
+                            let offset = forward.offset(experiment, x, cable);
                             let command = match (by_tension, commands[cable].shortening) {
                                 (false, Some(Shortening::Length(given))) => given - offset,
                                 (false, Some(Shortening::Fraction(part))) => {
@@ -136,98 +125,72 @@ impl Forward<'_> {
                 motions.push(of_unknown);
             }
             let (unknowns, base) = (means.len(), case.base.rotation);
-            let mut station = 0;
-            let stations: Vec<usize> = self.observed_stations(experiment, step);
-            self.see(experiment, step, solution, |row, seen, marker| {
+            let number = piece.steps[step];
+            forward.see(experiment, number, solution, &view, |row, seen, marker| {
                 let count = seen.numbers();
-                into[row..row + count].copy_from_slice(&marker.numbers[..count]);
+                found.rows.extend(row..row + count);
+                found.numbers.extend(&marker.numbers[..count]);
+                let first = found.columns.len();
+                found.columns.resize(first + count * unknowns, 0.0);
+                let columns = &mut found.columns[first..];
+                let in_image = seen.seen.is_in_image();
                 for (j, motion) in motions.iter().enumerate() {
                     if motion.is_empty() {
                         continue;
                     }
-                    let in_image = seen.seen.is_in_image();
-                    let of = |motion: &Motion| {
-                        motion.of(marker, stations[station], in_image, |v| base.rotate(v))
-                    };
+                    let of = |motion: &Motion| motion.of(marker, in_image, |v| base.rotate(v));
                     let velocity = motion.iter().fold(Vec3::ZERO, |sum, motion| sum + of(motion));
                     for (i, by_point) in marker.by_point[..count].iter().enumerate() {
-                        columns[(row + i) * unknowns + j] = by_point.dot(velocity);
+                        columns[i * unknowns + j] = by_point.dot(velocity);
                     }
                 }
-                station += 1;
             })?;
         }
-        Ok(())
+        Ok(found)
     }
 
-    /// From here on, what the model would differentiate in an experiment comes by differences.
-    fn differ(&mut self, experiment: usize) {
-        for methods in &mut self.methods[experiment] {
-            let is_of_model = |method: &DerivativeMethod| {
-                matches!(
-                    method,
-                    DerivativeMethod::Parameter(_)
-                        | DerivativeMethod::Offset { .. }
-                        | DerivativeMethod::Gain { .. }
-                )
-            };
-            if methods.iter().any(is_of_model) {
-                *methods = vec![DerivativeMethod::Differences];
-            }
-        }
-    }
-
-    /// Adds the columns of an experiment that come by differences, extrapolated (Richardson); one-sided where an
+    /// How what would be seen in a piece changes with an unknown, by differences, extrapolated (Richardson); one-sided where the
     /// unknown is at the end of what it can be.
-    pub(super) fn add_differences(
+    pub(super) fn difference(
         &mut self,
-        experiment: usize,
-        x: &[f64],
-        scales: &[f64],
-        columns: &mut [f64],
-    ) -> Result<(), NoAnswerReason> {
-        let n = self.unknowns.len();
-        let rows = self.first_rows[experiment + 1] - self.first_rows[experiment];
-        for j in 0..n {
-            if DerivativeMethod::at(&self.methods[experiment][j], x[j])
-                != [DerivativeMethod::Differences]
-            {
-                continue;
+        piece: &Piece,
+        (x, scales): (&[f64], &[f64]),
+        j: usize,
+    ) -> Result<Predicted, NoAnswerReason> {
+        let h = STEP * scales[j];
+        let mut rows = Vec::new();
+        let mut at = |steps: f64| -> Result<Vec<f64>, NoAnswerReason> {
+            let mut moved = x.to_vec();
+            moved[j] += steps * h;
+            let found = self.predict(piece, &moved)?;
+            rows = found.rows;
+            Ok(found.numbers)
+        };
+        let weighed: [(f64, Vec<f64>); 4] = match (at(-1.0), at(1.0)) {
+            (Ok(before), Ok(after)) => [
+                (1.0 / 6.0, before),
+                (-4.0 / 3.0, at(-0.5)?),
+                (4.0 / 3.0, at(0.5)?),
+                (-1.0 / 6.0, after),
+            ],
+            (Err(_), Ok(after)) => {
+                [(-11.0 / 6.0, at(0.0)?), (3.0, after), (-1.5, at(2.0)?), (1.0 / 3.0, at(3.0)?)]
             }
-            let h = STEP * scales[j];
-            let mut at = |steps: f64| -> Result<Vec<f64>, NoAnswerReason> {
-                let mut moved = x.to_vec();
-                moved[j] += steps * h;
-                let mut seen = vec![0.0; rows];
-                self.predict(experiment, &moved, &mut seen).map(|()| seen)
-            };
-            let sides = (at(-1.0), at(1.0));
-            let weighed: [(f64, Vec<f64>); 4] = match sides {
-                (Ok(before), Ok(after)) => [
-                    (1.0 / 6.0, before),
-                    (-4.0 / 3.0, at(-0.5)?),
-                    (4.0 / 3.0, at(0.5)?),
-                    (-1.0 / 6.0, after),
-                ],
-                (Err(_), Ok(after)) => {
-                    [(-11.0 / 6.0, at(0.0)?), (3.0, after), (-1.5, at(2.0)?), (1.0 / 3.0, at(3.0)?)]
-                }
-                (Ok(before), Err(_)) => [
-                    (11.0 / 6.0, at(0.0)?),
-                    (-3.0, before),
-                    (1.5, at(-2.0)?),
-                    (-1.0 / 3.0, at(-3.0)?),
-                ],
-                (Err(error), Err(_)) => return Err(error),
-            };
-            for row in 0..rows {
-                let sum: f64 = weighed.iter().map(|(weight, seen)| weight * seen[row]).sum();
-                columns[row * n + j] = sum / h;
+            (Ok(before), Err(_)) => {
+                [(11.0 / 6.0, at(0.0)?), (-3.0, before), (1.5, at(-2.0)?), (-1.0 / 3.0, at(-3.0)?)]
             }
-        }
-        Ok(())
+            (Err(error), Err(_)) => return Err(error),
+        };
+        let slope = |i: usize| {
+            let sum: f64 = weighed.iter().map(|(weight, numbers)| weight * numbers[i]).sum();
+            sum / h
+        };
+        let numbers = (0..weighed[0].1.len()).map(slope).collect();
+        Ok(Predicted { rows, numbers, columns: Vec::new() })
     }
+}
 
+impl Forward<'_> {
     /// What is added to the command of a cable in an experiment, in m or N.
     fn offset(&self, experiment: usize, x: &[f64], cable: usize) -> f64 {
         let of = self.unknowns.iter().zip(x).filter(|(unknown, _)| unknown.is_of(experiment));
@@ -291,20 +254,14 @@ enum Motion {
 
 impl Motion {
     /// Velocity of a marker in the world, eq. (i3).
-    fn of(
-        &self,
-        marker: &Marker,
-        station: usize,
-        in_image: bool,
-        to_world: impl Fn(Vec3) -> Vec3,
-    ) -> Vec3 {
+    fn of(&self, marker: &Marker, in_image: bool, to_world: impl Fn(Vec3) -> Vec3) -> Vec3 {
         match self {
             // Cameras have their places in the world.
             Self::MeasuredMove(_) | Self::MeasuredTurn(_) if in_image => Vec3::ZERO,
             Self::MeasuredMove(along) => *along,
             Self::MeasuredTurn(axis) => axis.cross(marker.point),
             Self::Change(change, by) => {
-                let Twist { linear, angular } = change.twist(Place::Station(station));
+                let Twist { linear, angular } = change.twist(Place::Station(marker.station));
                 let arm = marker.point - marker.pose.position;
                 (to_world(linear) + to_world(angular).cross(arm)) * *by
             }

@@ -3,6 +3,7 @@
 use crate::camera::ViewError;
 use crate::registration::RegistrationError;
 use whipcord::error::SolveError;
+use whipcord::jobs::NoThreads;
 use whipcord::kind::ModelKind;
 use whipcord::robot::RobotError;
 
@@ -209,6 +210,9 @@ pub enum NoAnswerReason {
         /// Why.
         error: ViewError,
     },
+    /// The threads that were asked for could not be started.
+    #[error(transparent)]
+    Threads(#[from] NoThreads),
     /// A number is not finite.
     #[error("a residual is not finite")]
     NotFinite,

@@ -2,11 +2,13 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
+use core::num::NonZero;
+
 use super::build;
 use super::error::{IdentifyError, NoAnswer, NoAnswerReason};
 use super::experiment::{Experiment, Unknown};
 use super::method::DerivativeMethod;
-use super::outcome::Unstable;
+use super::pieces::Piece;
 use super::quantity::Quantity;
 use super::settings::Settings;
 use crate::camera::Camera;
@@ -14,47 +16,58 @@ use crate::observation::{Observation, Seen};
 use whipcord::case::Case;
 use whipcord::cosserat::Accuracy;
 use whipcord::kind::ModelKind;
-use whipcord::model::{Model, Prepared};
+use whipcord::model::Model;
 use whipcord::parameter::Parameter;
 use whipcord::robot::{Robot, RobotError};
 use whipcord::shape::Solution;
 use whipcord::stations::Stations;
 
-/// The experiments, and the model for the robot of the last numbers.
+/// The experiments, and how a model says what would be seen in them.
 pub(super) struct Forward<'a> {
     pub(super) robot: &'a Robot,
     pub(super) experiments: &'a [Experiment],
     pub(super) unknowns: &'a [Unknown],
-    model: Model,
+    pub(super) model: Model,
+    /// How many threads share the rows.
+    pub(super) threads: Option<NonZero<usize>>,
     /// Row of the first number of each experiment, and after them the count of all.
     pub(super) first_rows: Vec<usize>,
-    /// Station of each observation, by experiments.
-    stations: Vec<Vec<usize>>,
+    /// What is computed by itself.
+    pub(super) pieces: Vec<Piece>,
+    /// What was seen, by experiments, in the order of the steps.
+    sights: Vec<Vec<Sight>>,
     /// Lengths of the cables at rest in m, before anything is estimated; empty where nobody asks.
     rest: Vec<f64>,
     /// Of each unknown that is a change, the values that it is counted from.
     changed: Vec<Vec<f64>>,
     /// How the derivative by each quantity of each unknown comes about, by experiments; empty where it plays no part.
-    pub(super) methods: Vec<Vec<Vec<DerivativeMethod>>>,
-    built: Option<Built>,
-    /// What is added to the offset of every marker, in m.
-    marker_offset: Vec3,
-    /// Where the world is in the frame of the positions of the experiment that was prepared last.
-    frame: Pose,
+    methods: Vec<Vec<Vec<DerivativeMethod>>>,
 }
 
-/// The robot with the last numbers, and its model.
-struct Built {
-    /// The unknowns of the robot and their bits.
-    numbers: Vec<(Quantity, u64)>,
-    robot: Robot,
-    prepared: Prepared,
+/// An observation in the order of the steps.
+struct Sight {
+    step: usize,
+    /// Its number in the experiment.
+    observation: usize,
+    /// The station of its place.
+    station: usize,
+    /// The first of its rows within the experiment.
+    row: usize,
+}
+
+/// How an experiment is looked at, with certain values of the unknowns.
+pub(super) struct View {
+    /// What is added to the offset of every marker, in m.
+    marker_offset: Vec3,
+    /// Where the world is in the frame of the positions that were measured.
+    pub(super) frame: Pose,
 }
 
 /// A marker in one answer: where it is, in the world, and what is seen of it.
 pub(super) struct Marker {
-    /// The frame that it sits in.
+    /// The frame that it sits in, and its station.
     pub(super) pose: Pose,
+    pub(super) station: usize,
     pub(super) point: Vec3,
     pub(super) numbers: [f64; 3],
     /// How each number changes with the point.
@@ -77,9 +90,17 @@ impl<'a> Forward<'a> {
         let mut places: Vec<f64> = observations().map(arc_length).collect();
         places.sort_by(f64::total_cmp);
         places.dedup();
-        let station = |seen: &Observation| {
-            let s = arc_length(seen);
-            places.partition_point(|place| *place < s)
+        let sights = |experiment: &Experiment| {
+            let mut row = 0;
+            let all = experiment.observations.iter().enumerate().map(|(observation, seen)| {
+                let (first, s) = (row, arc_length(seen));
+                row += seen.numbers();
+                let station = places.partition_point(|place| *place < s);
+                Sight { step: seen.step, observation, station, row: first }
+            });
+            let mut all: Vec<Sight> = all.collect();
+            all.sort_by_key(|sight| sight.step);
+            all
         };
         let mut first_rows = vec![0];
         for experiment in experiments {
@@ -114,17 +135,13 @@ impl<'a> Forward<'a> {
             experiments,
             unknowns,
             first_rows,
-            stations: experiments
-                .iter()
-                .map(|experiment| experiment.observations.iter().map(station).collect())
-                .collect(),
+            pieces: Piece::all(experiments),
+            sights: experiments.iter().map(sights).collect(),
+            threads: settings.threads,
             rest: Vec::new(),
             changed: changed.map_err(IdentifyError::Absent)?,
             methods: experiments.iter().enumerate().map(means).collect(),
             model,
-            built: None,
-            marker_offset: Vec3::ZERO,
-            frame: Pose::IDENTITY,
         };
         if unknowns.iter().any(|u| matches!(u.quantity, Quantity::ShorteningOffset { .. })) {
             forward.rest = forward.rest_lengths()?;
@@ -150,11 +167,29 @@ impl<'a> Forward<'a> {
         &self.rest
     }
 
-    /// Stations of what was seen in a step, in the order of [`Self::see`].
-    pub(super) fn observed_stations(&self, experiment: usize, step: usize) -> Vec<usize> {
-        let seen = self.experiments[experiment].observations.iter();
-        let all = seen.zip(&self.stations[experiment]);
-        all.filter(|(seen, _)| seen.step == step).map(|(_, station)| *station).collect()
+    /// What was seen in a step.
+    fn sights(&self, experiment: usize, step: usize) -> &[Sight] {
+        let all = &self.sights[experiment];
+        let first = all.partition_point(|sight| sight.step < step);
+        let count = all[first..].partition_point(|sight| sight.step == step);
+        &all[first..first + count]
+    }
+
+    /// Whether something was seen in a step.
+    pub(super) fn is_seen(&self, experiment: usize, step: usize) -> bool {
+        !self.sights(experiment, step).is_empty()
+    }
+
+    /// How the derivative by each quantity of each unknown comes about, in an experiment.
+    pub(super) fn methods(&self, experiment: usize) -> &[Vec<DerivativeMethod>] {
+        &self.methods[experiment]
+    }
+
+    /// Whether the derivatives by an unknown, where it has this value, are differences of answers.
+    pub(super) fn is_by_differences(&self, piece: &Piece, j: usize, value: f64) -> bool {
+        let methods = DerivativeMethod::at(&self.methods[piece.experiment][j], value);
+        methods == [DerivativeMethod::Differences]
+            || (piece.differs && methods.iter().any(DerivativeMethod::is_of_model))
     }
 
     pub(super) fn kind(&self) -> ModelKind {
@@ -229,7 +264,7 @@ impl<'a> Forward<'a> {
     }
 
     /// The unknowns that play a part in an experiment, with their values.
-    fn numbers(&self, experiment: usize, x: &[f64]) -> Vec<(Quantity, f64)> {
+    pub(super) fn numbers(&self, experiment: usize, x: &[f64]) -> Vec<(Quantity, f64)> {
         let of = self.unknowns.iter().zip(x).zip(&self.changed);
         let of = of.filter(|((unknown, _), _)| unknown.is_of(experiment));
         of.flat_map(|((unknown, value), from)| {
@@ -256,130 +291,39 @@ impl<'a> Forward<'a> {
         Ok((robot, case))
     }
 
-    /// The model of an experiment's robot, and its case up to the last step in which something was seen.
-    pub(super) fn prepare(
-        &mut self,
-        experiment: usize,
-        x: &[f64],
-    ) -> Result<(&mut Prepared, Case), NoAnswerReason> {
-        let numbers = self.numbers(experiment, x);
-        self.marker_offset = Vec3::ZERO;
-        self.frame = self.experiments[experiment].frame;
+    /// How an experiment is looked at with these values.
+    pub(super) fn view(&self, experiment: usize, x: &[f64]) -> View {
+        let mut view =
+            View { marker_offset: Vec3::ZERO, frame: self.experiments[experiment].frame };
         let mut turn = [0.0; 3];
-        for &(quantity, value) in &numbers {
+        for (quantity, value) in self.numbers(experiment, x) {
             match quantity {
-                Quantity::MarkerOffset { axis } => self.marker_offset[axis] = value,
-                Quantity::MeasuredPosition { axis } => self.frame.position[axis] = value,
+                Quantity::MarkerOffset { axis } => view.marker_offset[axis] = value,
+                Quantity::MeasuredPosition { axis } => view.frame.position[axis] = value,
                 Quantity::MeasuredTurn { axis } => turn[axis] = value,
                 _ => {}
             }
         }
-        self.frame.rotation = build::turned(self.frame.rotation, turn);
-        let Experiment { case, observations, .. } = &self.experiments[experiment];
-        let last = observations.iter().map(|seen| seen.step).max().unwrap_or(0);
-        let of_robot: Vec<(Quantity, u64)> = numbers
-            .iter()
-            .filter(|(quantity, _)| !quantity.is_of_case())
-            .map(|(quantity, value)| (*quantity, value.to_bits()))
-            .collect();
-        let kept = self.built.take().filter(|built| built.numbers == of_robot);
-        let (robot, prepared) = match kept {
-            Some(built) => (built.robot, Some(built.prepared)),
-            None => (build::robot(self.robot, case, &numbers)?, None),
-        };
-        let case =
-            build::case(&robot, case, &numbers, &self.rest).map_err(whipcord::SolveError::from)?;
-        let case = case.step(last).unwrap_or(case);
-        let prepared = match prepared.filter(|prepared| prepared.takes_places_of(&case.loads)) {
-            Some(prepared) => prepared,
-            None => self.model.prepare(&robot, &case.loads)?,
-        };
-        let built = Built { numbers: of_robot, robot, prepared };
-        Ok((&mut self.built.insert(built).prepared, case))
+        view.frame.rotation = build::turned(view.frame.rotation, turn);
+        view
     }
 
-    /// Where the world is in the frame of the positions that were measured, in an experiment with these values.
-    pub(super) fn frame_of(
-        &mut self,
-        experiment: usize,
-        x: &[f64],
-    ) -> Result<Pose, NoAnswerReason> {
-        self.prepare(experiment, x)?;
-        Ok(self.frame)
-    }
-
-    /// That of the experiment that was prepared last.
-    pub(super) const fn frame(&self) -> &Pose {
-        &self.frame
-    }
-
-    /// What would be seen in an experiment, without derivatives.
-    pub(super) fn predict(
-        &mut self,
-        experiment: usize,
-        x: &[f64],
-        into: &mut [f64],
-    ) -> Result<(), NoAnswerReason> {
-        let (prepared, case) = self.prepare(experiment, x)?;
-        let mut solutions = Vec::new();
-        prepared
-            .solve_steps(&case, |solution| solutions.push(solution))
-            .map_err(|(_, error)| error)?;
-        for (step, solution) in solutions.iter().enumerate() {
-            self.see(experiment, step, solution, |row, seen, marker| {
-                into[row..row + seen.numbers()].copy_from_slice(&marker.numbers[..seen.numbers()]);
-            })?;
-        }
-        Ok(())
-    }
-
-    /// How many answers there are, one for each step in which something was seen, and which of them are
-    /// unstable.
-    pub(super) fn stability(&mut self, x: &[f64]) -> (usize, Vec<Unstable>) {
-        let (mut answers, mut unstable) = (0, Vec::new());
-        for experiment in 0..self.experiments.len() {
-            let seen = &self.experiments[experiment].observations;
-            let mut observed: Vec<usize> = seen.iter().map(|seen| seen.step).collect();
-            observed.sort_unstable();
-            observed.dedup();
-            // These numbers had an answer when they were fitted.
-            let Ok((prepared, case)) = self.prepare(experiment, x) else { continue };
-            let mut step = 0;
-            let _ = prepared.solve_steps(&case, |solution| {
-                if observed.binary_search(&step).is_ok() {
-                    answers += 1;
-                    let diagnostics = &solution.diagnostics;
-                    if let Some(stability) =
-                        diagnostics.stability.filter(|_| diagnostics.is_unstable())
-                    {
-                        unstable.push(Unstable { experiment, step, stability });
-                    }
-                }
-                step += 1;
-            });
-        }
-        (answers, unstable)
-    }
-
-    /// Goes over what was seen in a step: the first row of each observation within the experiment.
+    /// Goes over what was seen in a step: the first row of each observation, of those of all experiments.
     pub(super) fn see(
         &self,
         experiment: usize,
         step: usize,
         solution: &Solution,
+        view: &View,
         mut each: impl FnMut(usize, &Observation, &Marker),
     ) -> Result<(), NoAnswerReason> {
         let Experiment { cameras, observations, .. } = &self.experiments[experiment];
-        let mut row = 0;
-        for (i, seen) in observations.iter().enumerate() {
-            if seen.step == step {
-                let pose = solution.shape.poses[self.stations[experiment][i]];
-                let offset = seen.offset + self.marker_offset;
-                let marker = marker(pose, offset, seen, (cameras, &self.frame))
-                    .map_err(|error| NoAnswerReason::View { observation: i, error })?;
-                each(row, seen, &marker);
-            }
-            row += seen.numbers();
+        for &Sight { observation, station, row, .. } in self.sights(experiment, step) {
+            let (pose, seen) = (solution.shape.poses[station], &observations[observation]);
+            let offset = seen.offset + view.marker_offset;
+            let marker = marker((pose, station), offset, seen, (cameras, &view.frame))
+                .map_err(|error| NoAnswerReason::View { observation, error })?;
+            each(self.first_rows[experiment] + row, seen, &marker);
         }
         Ok(())
     }
@@ -387,7 +331,7 @@ impl<'a> Forward<'a> {
 
 /// Equations (i1) and (i2).
 fn marker(
-    pose: Pose,
+    (pose, station): (Pose, usize),
     offset: Vec3,
     seen: &Observation,
     (cameras, frame): (&[Camera], &Pose),
@@ -397,14 +341,14 @@ fn marker(
         Seen::Position(_) => {
             let to_world = frame.rotation.conjugate();
             let by_point = build::AXES.map(|axis| to_world.rotate(axis));
-            Marker { pose, point, numbers: frame.transform(point).to_array(), by_point }
+            Marker { pose, station, point, numbers: frame.transform(point).to_array(), by_point }
         }
         Seen::Pixel { camera, .. } => {
             let seen = cameras[camera].project_with_gradient(point)?;
             let [column, row] = seen.pixel;
             let [by_column, by_row] = seen.by_point;
             let (numbers, by_point) = ([column, row, 0.0], [by_column, by_row, Vec3::ZERO]);
-            Marker { pose, point, numbers, by_point }
+            Marker { pose, station, point, numbers, by_point }
         }
     })
 }

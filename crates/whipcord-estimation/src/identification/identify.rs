@@ -83,7 +83,7 @@ fn search(
     check(robot, experiments, unknowns, settings)?;
     let refused = match fit(robot, experiments, unknowns, settings) {
         Err(IdentifyError::NoAnswerAtStart(_)) if settings.skips => {
-            let mut forward = Forward::new(robot, experiments, unknowns, settings)?;
+            let forward = Forward::new(robot, experiments, unknowns, settings)?;
             let start = forward.start()?;
             forward.refused(&start)
         }
@@ -142,7 +142,24 @@ fn fit(
         iterations: settings.iterations,
         ..Options::default()
     };
+    let start = x.clone();
+    let coarse = forward.coarse_model(&start);
     let mut problem = Problem::new(&mut forward, &logarithms, &scales, &settings.progress);
-    let fitted = noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace)?;
-    summary::tell(&mut forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
+    let mut found = None;
+    if let Some(coarse) = coarse {
+        let fine = problem.replace_model(coarse);
+        let fitted =
+            noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace);
+        problem.replace_model(fine);
+        match fitted.ok().filter(|fitted| fitted.outcome.status.is_converged()) {
+            Some(fitted) if problem.confirms(&x, workspace.residuals()) => found = Some(fitted),
+            Some(_) => {}
+            None => x = start,
+        }
+    }
+    let fitted = match found {
+        Some(fitted) => fitted,
+        None => noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace)?,
+    };
+    summary::tell(&forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
 }

@@ -58,17 +58,10 @@ impl Linear {
         let (n, scales) = (unknowns.len(), forward.scales(x));
         let mut predicted = vec![0.0; forward.count()];
         let mut columns = vec![0.0; forward.count() * n];
-        for experiment in 0..experiments.len() {
-            let rows = forward.first_rows[experiment]..forward.first_rows[experiment + 1];
-            if rows.is_empty() {
-                continue;
-            }
-            let of = &mut columns[rows.start * n..rows.end * n];
-            forward
-                .predict_with_columns(experiment, x, &mut predicted[rows], of)
-                .and_then(|()| forward.add_differences(experiment, x, &scales, of))
-                .map_err(|reason| IdentifyError::no_answer(experiment, reason))?;
-        }
+        forward
+            .predict_with_columns(x, &mut predicted, &mut columns)
+            .and_then(|()| forward.add_differences(x, &scales, &mut columns))
+            .map_err(IdentifyError::NoAnswerAtStart)?;
         let (mut residuals, mut jacobian) = (Vec::new(), Vec::new());
         for seen in experiments.iter().flat_map(|of| &of.observations) {
             let deviation = seen.deviation.unwrap_or(1.0);

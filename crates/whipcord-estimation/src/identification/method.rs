@@ -42,6 +42,11 @@ impl DerivativeMethod {
         }
     }
 
+    /// Whether the model differentiates its answer.
+    pub(super) const fn is_of_model(&self) -> bool {
+        matches!(self, Self::Parameter(_) | Self::Offset { .. } | Self::Gain { .. })
+    }
+
     /// The derivatives by all quantities of an unknown, which add up.
     pub(super) fn of(
         unknown: &Unknown,

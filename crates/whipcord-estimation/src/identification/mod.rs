@@ -6,17 +6,19 @@
 //! such as where its base was. [`identify`] finds the unknowns under which a model comes nearest to what was
 //! seen, and says how sure they are and which of them the measurements cannot tell apart.
 //!
-//! `quantity` is what can be estimated, `forward` computes what a model says would be seen, `columns` how that
-//! changes by each `method`; `problem` is the least-squares problem, `noise` weighs it; `identify` is the search and `summary` makes its
+//! `quantity` is what can be estimated, `forward` says what a model says would be seen; `evaluation` shares its `pieces` among threads, each
+//! with a `solver`; `columns` is how that changes by each `method`; `problem` is the least-squares problem, `noise` weighs it; `identify` is the search and `summary` makes its
 //! `outcome`; `crate::uncertainty` and `unresolved` say what the
 //! estimates are worth; `validation` and `selection` compare what was fitted with what was not.
 
 mod analyses;
 mod build;
 mod check;
+mod coarse;
 mod columns;
 mod drift;
 mod error;
+mod evaluation;
 mod experiment;
 mod forward;
 mod identify;
@@ -26,6 +28,7 @@ mod method;
 mod noise;
 mod outcome;
 mod parameter_path;
+mod pieces;
 mod problem;
 mod profile;
 mod quantity;
@@ -37,6 +40,7 @@ mod selection;
 mod sensitivity;
 mod settings;
 mod shared;
+mod solver;
 mod starts;
 mod summary;
 mod suspects;

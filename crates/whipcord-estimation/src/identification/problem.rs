@@ -6,6 +6,11 @@ use super::error::{NoAnswer, NoAnswerReason};
 use super::forward::{Forward, measured};
 use super::logarithm::Logarithms;
 use super::settings::Progress;
+use whipcord::model::Model;
+
+/// Errors of the steps that are no greater than this part of what is left move the estimates by less than a hundredth of their
+/// deviations, whatever the number of rows up to ten thousand.
+const NEGLIGIBLE: f64 = 1e-4;
 
 /// Eq. (i4). The rows are those of the observations in their order, and after them the priors.
 pub(super) struct Problem<'f, 'a> {
@@ -77,6 +82,28 @@ impl<'f, 'a> Problem<'f, 'a> {
         self.noise = noise;
     }
 
+    /// Goes on with another model; that which it was.
+    pub(super) fn replace_model(&mut self, model: Model) -> Model {
+        core::mem::replace(&mut self.forward.model, model)
+    }
+
+    /// Whether the model leaves these residuals too, but for errors that are far below them.
+    pub(super) fn confirms(&self, x: &[f64], residuals: &[f64]) -> bool {
+        let mut predicted = vec![0.0; self.seen.len()];
+        if self.forward.predict(x, &mut predicted).is_err() {
+            return false;
+        }
+        let (mut off, mut all) = (0.0, 0.0);
+        for (((value, seen), deviation), residual) in
+            predicted.iter().zip(&self.seen).zip(&self.deviations).zip(residuals)
+        {
+            let own = (value - seen) / (deviation * self.noise);
+            off += (own - residual) * (own - residual);
+            all += residual * residual;
+        }
+        off <= NEGLIGIBLE * NEGLIGIBLE * all
+    }
+
     /// Count of the numbers that were seen.
     pub(super) fn seen(&self) -> usize {
         self.seen.len()
@@ -131,18 +158,9 @@ impl Residuals for Problem<'_, '_> {
 
     fn residuals(&mut self, y: &[f64], into: &mut [f64]) -> Result<(), NoAnswer> {
         self.logarithms.unknowns(y, &mut self.x);
-        let (n, x) = (y.len(), &self.x);
-        for experiment in 0..self.forward.experiments.len() {
-            let rows = self.forward.first_rows[experiment]..self.forward.first_rows[experiment + 1];
-            // Nothing was seen of it, or nothing is left of what was.
-            if rows.is_empty() {
-                continue;
-            }
-            let columns = &mut self.columns[rows.start * n..rows.end * n];
-            self.forward
-                .predict_with_columns(experiment, x, &mut into[rows], columns)
-                .map_err(|reason| NoAnswer { experiment, reason })?;
-        }
+        let x = &self.x;
+        let seen = &mut into[..self.seen.len()];
+        self.forward.predict_with_columns(x, seen, &mut self.columns)?;
         for ((value, seen), deviation) in into.iter_mut().zip(&self.seen).zip(&self.deviations) {
             *value = (*value - seen) / (deviation * self.noise);
         }
@@ -160,16 +178,7 @@ impl Residuals for Problem<'_, '_> {
 
     fn jacobian(&mut self, y: &[f64], into: &mut [f64]) -> Result<(), NoAnswer> {
         let (n, x) = (y.len(), &self.x);
-        for experiment in 0..self.forward.experiments.len() {
-            let rows = self.forward.first_rows[experiment] * n
-                ..self.forward.first_rows[experiment + 1] * n;
-            if rows.is_empty() {
-                continue;
-            }
-            self.forward
-                .add_differences(experiment, x, self.scales, &mut self.columns[rows])
-                .map_err(|reason| NoAnswer { experiment, reason })?;
-        }
+        self.forward.add_differences(x, self.scales, &mut self.columns)?;
         into.fill(0.0);
         let rows = into.chunks_exact_mut(n).zip(self.columns.chunks_exact(n));
         for ((row, column), deviation) in rows.zip(&self.deviations) {

@@ -1,12 +1,12 @@
 //! Rows to which a model has no answer.
 
-use std::collections::BTreeSet;
-
 use super::error::NoAnswerReason;
 use super::experiment::Unknown;
 use super::forward::Forward;
+use super::pieces::Piece;
 use super::quantity::Quantity;
 use super::rows::{Row, Skipped};
+use super::solver::Solver;
 use whipcord::robot::{Cable, Robot};
 use whipcord::shape::Solution;
 
@@ -23,72 +23,100 @@ pub(super) fn remembers(robot: &Robot) -> bool {
     robot.cables().iter().any(Cable::has_friction) || robot.backbone().bending_friction.is_some()
 }
 
+/// The answers to steps, by their numbers, and the rows without.
+type Answered = (Vec<(usize, Solution)>, Vec<Skipped>);
+
 impl Forward<'_> {
     /// The rows to which the model has no answer with these values. Where answers depend on the steps before them, these are all
     /// rows from the first such step on; else steps in which nothing was seen are among them.
-    pub(super) fn refused(&mut self, x: &[f64]) -> Vec<Skipped> {
+    pub(super) fn refused(&self, x: &[f64]) -> Vec<Skipped> {
         let mut refused = Vec::new();
         for experiment in 0..self.experiments.len() {
-            self.add_refused(experiment, x, &mut refused);
+            let (solutions, without) = self.answers(experiment, x);
+            refused.extend(without);
+            let view = self.view(experiment, x);
+            for (step, solution) in &solutions {
+                let seen = self.see(experiment, *step, solution, &view, |_, _, _| {});
+                if let Err(reason) = seen {
+                    refused.push(Skipped { row: Row { experiment, step: *step }, reason });
+                }
+            }
         }
         refused
     }
 
-    fn add_refused(&mut self, experiment: usize, x: &[f64], refused: &mut Vec<Skipped>) {
-        let (solutions, without) = self.answers(experiment, x);
-        refused.extend(without);
-        for (step, solution) in solutions.iter().enumerate() {
-            let Some(solution) = solution else { continue };
-            if let Err(reason) = self.see(experiment, step, solution, |_, _, _| {}) {
-                refused.push(Skipped { row: Row { experiment, step }, reason });
+    /// The answers to the steps of an experiment up to the last in which something was seen, and the rows without.
+    pub(super) fn answers(&self, experiment: usize, x: &[f64]) -> Answered {
+        let all = self.pieces.iter().enumerate();
+        let own = all.filter(|(_, piece)| piece.experiment == experiment);
+        let own: Vec<(usize, ())> = own.map(|(number, _)| (number, ())).collect();
+        let found = self.each_piece(&own, |solver, piece| solver.answers(piece, x));
+        let (mut solutions, mut refused) = (Vec::new(), Vec::new());
+        match found {
+            Ok(pieces) => {
+                for (answered, without) in pieces {
+                    solutions.extend(answered);
+                    refused.extend(without);
+                }
+            }
+            Err(reason) => {
+                for (number, ()) in own {
+                    self.pieces[number].skip(0, &reason, self, &mut refused);
+                }
             }
         }
+        (solutions, refused)
     }
+}
 
-    /// The answers to the steps of an experiment up to the last in which something was seen, and the rows without.
-    pub(super) fn answers(
-        &mut self,
-        experiment: usize,
-        x: &[f64],
-    ) -> (Vec<Option<Solution>>, Vec<Skipped>) {
-        let mut refused = Vec::new();
-        let observed: BTreeSet<usize> =
-            self.experiments[experiment].observations.iter().map(|seen| seen.step).collect();
-        let Some(&last) = observed.last() else { return (Vec::new(), refused) };
-        let has_history = has_history(self, experiment);
-        let all = |reason: NoAnswerReason, from: usize| {
-            let steps = observed.iter().filter(move |step| **step >= from);
-            let skipped = |step: &usize| Skipped {
-                row: Row { experiment, step: *step },
-                reason: reason.clone(),
-            };
-            steps.map(skipped).collect::<Vec<_>>()
-        };
-        let (prepared, case) = match self.prepare(experiment, x) {
+impl Piece {
+    /// Leaves out the rows in which something was seen, from a step of the piece on.
+    fn skip(
+        &self,
+        from: usize,
+        reason: &NoAnswerReason,
+        forward: &Forward<'_>,
+        refused: &mut Vec<Skipped>,
+    ) {
+        let experiment = self.experiment;
+        let seen = self.steps[from..].iter().filter(|step| forward.is_seen(experiment, **step));
+        let skipped =
+            seen.map(|&step| Skipped { row: Row { experiment, step }, reason: reason.clone() });
+        refused.extend(skipped);
+    }
+}
+
+impl Solver<'_, '_> {
+    /// The answers to the steps of a piece.
+    fn answers(&mut self, piece: &Piece, x: &[f64]) -> Answered {
+        let forward = self.forward;
+        let (experiment, mut solutions, mut refused) = (piece.experiment, Vec::new(), Vec::new());
+        let has_history = has_history(forward, experiment);
+        let (prepared, case) = match self.prepare(piece, x) {
             Ok(prepared) => prepared,
-            Err(reason) => return (Vec::new(), all(reason, 0)),
+            Err(reason) => {
+                piece.skip(0, &reason, forward, &mut refused);
+                return (solutions, refused);
+            }
         };
-        let mut solutions = vec![None; last + 1];
+        let numbers = &piece.steps;
         if has_history {
-            let mut step = 0;
             let answered = prepared.solve_steps(&case, |solution| {
-                solutions[step] = Some(solution);
-                step += 1;
+                solutions.push((numbers[solutions.len()], solution));
             });
             if let Err((step, error)) = answered {
-                refused.extend(all(error.into(), step));
+                piece.skip(step, &error.into(), forward, &mut refused);
             }
-        } else {
-            let mut before = None;
-            for (step, single) in case.single_steps().enumerate() {
-                // What is independent starts from rest.
-                let near = before.as_ref().filter(|_| !case.independent);
-                match prepared.solve(&single, near) {
-                    Ok(solution) => solutions[step] = Some(before.insert(solution).clone()),
-                    Err(error) => {
-                        let row = Row { experiment, step };
-                        refused.push(Skipped { row, reason: error.into() });
-                    }
+            return (solutions, refused);
+        }
+        for (&step, single) in numbers.iter().zip(case.single_steps()) {
+            // What is independent starts from rest.
+            let near = solutions.last().map(|(_, solution)| solution);
+            match prepared.solve(&single, near.filter(|_| !case.independent)) {
+                Ok(solution) => solutions.push((step, solution)),
+                Err(error) => {
+                    let row = Row { experiment, step };
+                    refused.push(Skipped { row, reason: error.into() });
                 }
             }
         }

@@ -51,10 +51,10 @@ pub fn registered(
     if of_frames.is_empty() {
         return Ok((experiments.to_vec(), unknowns.to_vec()));
     }
-    let mut forward = Forward::new(robot, experiments, unknowns, settings)?;
+    let forward = Forward::new(robot, experiments, unknowns, settings)?;
     let x = forward.start()?;
     let mut all = experiments.to_vec();
-    place(&mut forward, &x, &of_frames, one_frame, &mut all)?;
+    place(&forward, &x, &of_frames, one_frame, &mut all)?;
     let mut found = unknowns.to_vec();
     let mut add = |experiment: Option<usize>| {
         let quantities = (0..3)
@@ -84,15 +84,15 @@ pub(super) fn placed(
         .collect();
     let mut all = experiments.to_vec();
     if !of_frames.is_empty() {
-        let mut forward = Forward::new(robot, experiments, unknowns, settings)?;
-        place(&mut forward, values, &of_frames, false, &mut all)?;
+        let forward = Forward::new(robot, experiments, unknowns, settings)?;
+        place(&forward, values, &of_frames, false, &mut all)?;
     }
     Ok(all)
 }
 
 /// Sets the frames of these experiments, one each or one for all, by the answers with these values.
 fn place(
-    forward: &mut Forward<'_>,
+    forward: &Forward<'_>,
     x: &[f64],
     of_frames: &[usize],
     one_frame: bool,
@@ -106,9 +106,9 @@ fn place(
         }
         // The places in the world.
         let (solutions, mut refused) = forward.answers(e, x);
-        for (step, solution) in solutions.iter().enumerate() {
-            let Some(solution) = solution else { continue };
-            let placed = forward.see(e, step, solution, |_, seen, marker| {
+        let view = forward.view(e, x);
+        for (step, solution) in &solutions {
+            let placed = forward.see(e, *step, solution, &view, |_, seen, marker| {
                 if let Seen::Position(measured) = seen.seen {
                     let at_base = seen.place.arc_length(forward.robot.disks()) == 0.0;
                     pairs.push(([measured, marker.point], at_base));

@@ -1,5 +1,6 @@
 //! How to estimate.
 
+use core::num::NonZero;
 use std::sync::Arc;
 
 use whipcord_numerics::least_squares::Loss;
@@ -48,6 +49,9 @@ pub struct Settings {
     pub skips: bool,
     /// From how many places the search starts: the best end counts.
     pub starts: usize,
+    /// How many threads share the rows, by default one for each processor: the same to the last bit for any number. Without the cargo
+    /// feature `parallel` there is one.
+    pub threads: Option<NonZero<usize>>,
     /// What is told of each evaluation.
     pub progress: Progress,
 }
@@ -103,6 +107,7 @@ impl Settings {
             iterations: 100,
             skips: false,
             starts: 1,
+            threads: None,
             progress: Progress(None),
         }
     }

@@ -7,7 +7,6 @@ use super::error::{IdentifyError, NoAnswer};
 use super::experiment::Unknown;
 use super::forward::Forward;
 use super::logarithm::Logarithms;
-use super::method::DerivativeMethod;
 use super::noise::Fitted;
 use super::outcome::{Estimate, Identified, Noise, Residual, Starts};
 use super::settings::Settings;
@@ -15,7 +14,7 @@ use super::unresolved::Unresolved;
 use crate::uncertainty::Spread;
 
 pub(super) fn tell(
-    forward: &mut Forward<'_>,
+    forward: &Forward<'_>,
     x: &[f64],
     (scales, logarithms): (&[f64], &Logarithms),
     fitted: &Fitted,
@@ -23,12 +22,7 @@ pub(super) fn tell(
     workspace: &Workspace,
 ) -> Result<Identified, IdentifyError> {
     let (answers, unstable) = forward.stability(x);
-    let mut frames = Vec::with_capacity(forward.experiments.len());
-    for experiment in 0..forward.experiments.len() {
-        let frame = forward.frame_of(experiment, x);
-        frames.push(frame.map_err(|reason| IdentifyError::no_answer(experiment, reason))?);
-    }
-    let forward = &*forward;
+    let frames = (0..forward.experiments.len()).map(|e| forward.view(e, x).frame).collect();
     let unknowns = forward.unknowns;
     let n = unknowns.len();
     // What is sought by its logarithm is at a bound to rounding.
@@ -38,12 +32,8 @@ pub(super) fn tell(
         meets(*value, unknown.least()) || meets(*value, unknown.greatest())
     };
     let is_at_bound: Vec<bool> = unknowns.iter().zip(x).map(at_bound).collect();
-    let by_differences = |j: usize| {
-        let is = |means: &Vec<Vec<DerivativeMethod>>| {
-            DerivativeMethod::at(&means[j], x[j]) == [DerivativeMethod::Differences]
-        };
-        forward.methods.iter().any(is)
-    };
+    let by_differences =
+        |j: usize| forward.pieces.iter().any(|piece| forward.is_by_differences(piece, j, x[j]));
     let any = (0..n).any(by_differences);
     let free: Vec<bool> = is_at_bound.iter().map(|bound| !bound).collect();
     let mut jacobian = workspace.jacobian().to_vec();

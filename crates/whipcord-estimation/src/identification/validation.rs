@@ -243,21 +243,18 @@ fn predict(
     values: &[f64],
 ) -> Result<Predicted, IdentifyError> {
     let held = &placed(robot, held, (unknowns, values), settings)?[..];
-    let mut forward = Forward::new(robot, held, unknowns, settings)?;
+    let forward = Forward::new(robot, held, unknowns, settings)?;
     let skipped = forward.refused(values);
     let left_out: BTreeSet<Row> = skipped.iter().map(|of| of.row).collect();
     let seen: BTreeSet<Row> = rows(held).into_iter().collect();
     let skipped = skipped.into_iter().filter(|of| seen.contains(&of.row)).collect();
     let held = without(held, &left_out);
-    let mut forward = Forward::new(robot, &held, unknowns, settings)?;
+    let forward = Forward::new(robot, &held, unknowns, settings)?;
     let mut predicted = vec![0.0; forward.count()];
+    forward.predict(values, &mut predicted).map_err(IdentifyError::NoAnswerAtStart)?;
     let (mut all, mut of_rows) = (Misses::default(), BTreeMap::<Row, Misses>::new());
     for (experiment, of) in held.iter().enumerate().filter(|(_, of)| !of.observations.is_empty()) {
         let first = forward.first_rows[experiment];
-        let end = forward.first_rows[experiment + 1];
-        forward
-            .predict(experiment, values, &mut predicted[first..end])
-            .map_err(|reason| IdentifyError::no_answer(experiment, reason))?;
         let mut row = first;
         for seen in &of.observations {
             let numbers = predicted[row..].iter().zip(measured(seen)).take(seen.numbers());

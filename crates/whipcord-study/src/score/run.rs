@@ -2,9 +2,8 @@
 
 use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::thread;
 
+use whipcord::jobs::share;
 use whipcord::{Cancel, ModelKind};
 use whipcord_io::CaseFile;
 
@@ -32,7 +31,7 @@ impl Solved {
     /// answers are the same for any number. `tell` is told how many pieces of work there are, then of each that is done.
     ///
     /// # Errors
-    /// [`Failure`] for files without measurements in space, and where the work was cancelled.
+    /// [`Failure`] for files without measurements in space, where the work was cancelled, and where so many threads cannot be started.
     pub fn of(
         cases: &[&CaseFile],
         models: Vec<ModelKind>,
@@ -54,7 +53,7 @@ impl Solved {
             return Err(Failure::Input(unmeasured.join("\n")));
         }
         let jobs = Job::all(&subjects, &models);
-        let answers = solve(&jobs, &subjects, threads, cancel, tell);
+        let answers = solve(&jobs, &subjects, threads, cancel, tell)?;
         if cancel.is_cancelled() {
             return Err(Failure::Solve("error: not all rows were solved".to_owned()));
         }
@@ -95,31 +94,21 @@ fn solve(
     threads: Option<NonZero<usize>>,
     cancel: &Cancel,
     tell: &(dyn Fn(usize, usize) + Sync),
-) -> Vec<Answers> {
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+) -> Result<Vec<Answers>, Failure> {
+    let done = AtomicUsize::new(0);
     tell(0, jobs.len());
-    let found: Vec<Mutex<Answers>> = jobs.iter().map(|_| Mutex::default()).collect();
-    let work = || {
-        while let Some((number, job)) = {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            jobs.get(number).map(|job| (number, job))
-        } {
-            let answers = job.solve(&subjects[job.file], cancel);
-            *found[number].lock().unwrap_or_else(PoisonError::into_inner) = answers;
+    let mut found: Vec<Answers> = jobs.iter().map(|_| Answers::new()).collect();
+    let all = jobs.iter().zip(&mut found).collect();
+    let shared = share(
+        all,
+        threads,
+        || (),
+        |(job, answers), ()| {
+            *answers = job.solve(&subjects[job.file], cancel);
             tell(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
-        }
-    };
-    let threads = threads.or_else(|| thread::available_parallelism().ok());
-    let workers = threads.map_or(1, NonZero::get).min(jobs.len());
-    thread::scope(|scope| {
-        let handles: Vec<_> = (1..workers).map(|_| scope.spawn(work)).collect();
-        work();
-        for handle in handles {
-            if let Err(panic) = handle.join() {
-                std::panic::resume_unwind(panic);
-            }
-        }
-    });
-    let answers = found.into_iter();
-    answers.map(|of| of.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
+            true
+        },
+    );
+    shared.map_err(|error| Failure::Input(format!("error: {error}")))?;
+    Ok(found)
 }

@@ -1,6 +1,7 @@
 use thiserror::Error;
 
 use crate::error::SolveError;
+use crate::jobs::NoThreads;
 
 /// Why there is no batch. A row that has no answer is no such error.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -64,13 +65,8 @@ pub enum BatchError {
     },
 
     /// The threads could not be started.
-    #[error("{threads} threads could not be started ({reason}): ask for fewer")]
-    Threads {
-        /// How many were asked for.
-        threads: usize,
-        /// What the operating system says.
-        reason: String,
-    },
+    #[error(transparent)]
+    Threads(#[from] NoThreads),
 }
 
 /// What the commands of a batch are for.

@@ -1,12 +1,12 @@
 //! Pieces of a batch, one after another or shared by threads.
 
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use super::error::BatchError;
 use super::options::{BatchOptions, Progress};
 use crate::cancel::Cancel;
 use crate::error::SolveError;
+use crate::jobs::share;
 
 /// How far a batch is, and whether it goes on.
 pub(super) struct Tally<'a> {
@@ -55,63 +55,11 @@ pub(super) fn run<J: Send, W>(
         progress: options.progress,
         cancel,
     };
-    let count = jobs.len();
-    let queue = Mutex::new(jobs.into_iter());
-    // What panics in a job ends the batch: the queue itself is whole.
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let worker = || {
-        let mut memory = scratch();
-        while tally.goes_on()
-            && let Some(job) = next()
-        {
-            work(job, &mut memory, &tally);
-        }
-    };
-    share(count, options, worker)?;
+    share(jobs, options.threads, scratch, |job, memory| {
+        work(job, memory, &tally);
+        tally.goes_on()
+    })?;
     let done = tally.done.into_inner();
     // Who stops the batch by its progress after its last row has all of it.
     if done < rows { Err(BatchError::Stopped { done, rows }) } else { Ok(()) }
-}
-
-/// Has so many threads do the work as there are, but no more than there are jobs.
-#[cfg(feature = "parallel")]
-fn share(
-    jobs: usize,
-    options: &BatchOptions<'_>,
-    worker: impl Fn() + Sync + Send,
-) -> Result<(), BatchError> {
-    let threads = options.threads.map_or_else(rayon::current_num_threads, |threads| threads.get());
-    let threads = threads.min(jobs);
-    if threads <= 1 {
-        worker();
-        return Ok(());
-    }
-    let all = || {
-        rayon::scope(|scope| {
-            for _ in 1..threads {
-                scope.spawn(|_| worker());
-            }
-            worker();
-        });
-    };
-    if options.threads.is_none() {
-        all();
-        return Ok(());
-    }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|e| BatchError::Threads { threads, reason: e.to_string() })?;
-    pool.install(all);
-    Ok(())
-}
-
-#[cfg(not(feature = "parallel"))]
-fn share(
-    _: usize,
-    _: &BatchOptions<'_>,
-    worker: impl Fn() + Sync + Send,
-) -> Result<(), BatchError> {
-    worker();
-    Ok(())
 }

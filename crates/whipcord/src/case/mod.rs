@@ -180,6 +180,23 @@ impl Case {
         })
     }
 
+    /// Some of the steps, counted from 0, of a case whose steps are independent, as such a case; `None` where there is no such
+    /// step.
+    #[must_use]
+    pub fn independent_steps(&self, numbers: &[usize]) -> Option<Self> {
+        let (last, others) = numbers.split_last()?;
+        let mut steps = Self { independent: true, ..self.independent_step(*last)? };
+        let commands_of = |number: usize| self.before.get(number);
+        steps.before = others.iter().map(|n| commands_of(*n).cloned()).collect::<Option<_>>()?;
+        if !self.loads_before.is_empty() {
+            let loads_of = |number: &usize| self.loads_before.get(*number).cloned();
+            steps.loads_before = others.iter().map(loads_of).collect::<Option<_>>()?;
+        }
+        let motors = others.iter().filter_map(|number| self.motors_until(*number).last().cloned());
+        steps.motors.splice(..0, motors.collect::<Vec<_>>());
+        Some(steps)
+    }
+
     /// The steps that lead to the answer to this case, of [`Self::single_steps`]: all of them, or the last alone where they are
     /// independent.
     pub fn leading_steps(&self) -> impl Iterator<Item = Self> + '_ {

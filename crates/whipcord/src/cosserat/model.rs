@@ -59,6 +59,7 @@ impl Cosserat {
             layout,
             grid,
             finer: Arc::default(),
+            rest_changes: Arc::default(),
             plastic: None,
         })
     }
@@ -238,7 +239,7 @@ impl Cosserat {
         act(&Solved {
             robot: &self.robot,
             case,
-            cables: Cables::of(&self.layout),
+            cables: Cables { rest_changes: Some(&*self.rest_changes), ..Cables::of(&self.layout) },
             grid,
             loads: &scratch.applied,
             commands,

@@ -324,6 +324,7 @@ impl ContactResponse {
                 order: &order,
                 rest_lengths: &frame.rest_lengths,
                 straight: Some(straight),
+                rest_changes: None,
             },
             grid: &mesh.grid,
             loads,

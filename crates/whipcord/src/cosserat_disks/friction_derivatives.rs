@@ -132,7 +132,8 @@ impl CosseratDisks {
         let problem = self.problem(mesh, (commands, meter), case)?;
         put(&problem, end, scratch).map_err(|_| SolveError::NoDerivatives)?;
         // Lengths before actuation hang on parameters alone.
-        let rest = (!parameters.is_empty()).then(|| self.frame().rest_mesh()).transpose()?;
+        let is_known = self.rest_changes.know(parameters);
+        let rest = (!is_known).then(|| self.frame().rest_mesh()).transpose()?;
         let rest = rest.as_ref().map(|mesh| (&mesh.grid, self.frame().straight_spans(mesh)));
         let mut spans = self.frame().straight_spans(mesh);
         let standing = &end.standing;
@@ -153,6 +154,7 @@ impl CosseratDisks {
                 order: &order,
                 rest_lengths: &self.frame().rest_lengths,
                 straight: Some(straight),
+                rest_changes: Some(&*self.rest_changes),
             },
             grid: &mesh.grid,
             loads: &scratch.applied,

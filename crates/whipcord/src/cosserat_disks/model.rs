@@ -8,7 +8,7 @@ use super::workspace::{Progress, Workspace};
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Case, Loads};
-use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved, StraightCables};
+use crate::derivatives::{Cables, Derivatives, NoDerivatives, RestChanges, Solved, StraightCables};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
@@ -70,6 +70,8 @@ pub struct CosseratDisks {
     pub(super) mesh: Mesh,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
     pub(super) finer: Arc<[OnceLock<Mesh>; FINER_MESHES]>,
+    /// How the lengths of the cables before actuation change with parameters, as far as they were asked for.
+    pub(super) rest_changes: Arc<RestChanges>,
     /// For the stability of spans near their own buckling load, where no mesh of the sequence serves; made as those.
     pub(super) fine: Arc<OnceLock<Mesh>>,
     /// With so many steps stability is computed.
@@ -98,7 +100,18 @@ impl CosseratDisks {
         let (robot, options) = (robot.clone(), options.clone());
         let (finer, fine) = (Arc::default(), Arc::default());
         let plastic = None;
-        Ok(Self { robot, frame, holes, options, mesh, finer, fine, stability_steps, plastic })
+        Ok(Self {
+            robot,
+            frame,
+            holes,
+            options,
+            mesh,
+            finer,
+            rest_changes: Arc::default(),
+            fine,
+            stability_steps,
+            plastic,
+        })
     }
 
     /// The robot this model was built for.
@@ -350,7 +363,8 @@ impl CosseratDisks {
         workspace: &Workspace,
     ) -> Result<Derivatives, SolveError> {
         // Lengths before actuation hang on parameters alone.
-        let rest = (!parameters.is_empty()).then(|| self.frame.rest_mesh()).transpose()?;
+        let is_known = self.rest_changes.know(parameters);
+        let rest = (!is_known).then(|| self.frame.rest_mesh()).transpose()?;
         let of = |solved: &Solved<'_>| Derivatives::of(solved, parameters);
         match self.with_answer(case, mesh, (rest.as_ref(), history), workspace, of) {
             Ok(derivatives) => Ok(derivatives),
@@ -389,6 +403,7 @@ impl CosseratDisks {
                 order: &order,
                 rest_lengths: &self.frame.rest_lengths,
                 straight: Some(straight),
+                rest_changes: Some(&*self.rest_changes),
             },
             grid: &mesh.grid,
             loads: &scratch.applied,

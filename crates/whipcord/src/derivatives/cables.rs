@@ -1,5 +1,6 @@
 //! The cables of the robot whose answer is differentiated.
 
+use super::rest_changes::RestChanges;
 use super::spans::StraightSpan;
 use crate::statics::grid::{Grid, Layout};
 
@@ -12,6 +13,8 @@ pub(crate) struct Cables<'a> {
     pub rest_lengths: &'a [f64],
     /// Where they run straight from hole to hole; their order is then that of the robot.
     pub straight: Option<StraightCables<'a>>,
+    /// What the model keeps of their lengths before actuation.
+    pub rest_changes: Option<&'a RestChanges>,
 }
 
 /// Cables that run straight from hole to hole.
@@ -26,6 +29,7 @@ pub(crate) struct StraightCables<'a> {
 impl<'a> Cables<'a> {
     /// Through every section of a grid.
     pub fn of(layout: &'a Layout) -> Self {
-        Self { order: &layout.order, rest_lengths: &layout.rest_lengths, straight: None }
+        let Layout { order, rest_lengths, .. } = layout;
+        Self { order, rest_lengths, straight: None, rest_changes: None }
     }
 }

@@ -255,9 +255,21 @@ impl Partial {
     }
 
     fn change_rest_lengths(&mut self, setting: &Setting<'_>) {
-        if !self.changes_rest() {
+        let steps = if setting.cables.straight.is_some() { 0 } else { setting.grid.steps.len() };
+        let kept = setting.cables.rest_changes;
+        if let Some(known) = kept.and_then(|kept| kept.get(self.parameter, steps)) {
+            self.rest_lengths = known;
             return;
         }
+        if self.changes_rest() {
+            self.compute_rest_lengths(setting);
+        }
+        if let Some(kept) = kept {
+            kept.insert(self.parameter, steps, &self.rest_lengths);
+        }
+    }
+
+    fn compute_rest_lengths(&mut self, setting: &Setting<'_>) {
         if let Some(AtRest { grid, linear: linear @ Linear::Spans(spans) }) = setting.at_rest {
             self.act(&Setting { grid, ..*setting }, linear, None);
             let forcing = |k: usize, i: usize, _: usize| self.forcing(linear.per_step() * k + i);

@@ -8,4 +8,5 @@ mod estimates;
 mod laboratory;
 mod refusals;
 mod shared;
+mod speed;
 mod synthetic;
