@@ -141,6 +141,12 @@ def test_what_cannot_be_told_apart_is_said(cases: list[Case]) -> None:
     assert set(unresolved.parameters) == {YOUNG, "backbone.diameter"}
 
 
+def test_any_number_of_threads_gives_the_same_bits(cases: list[Case]) -> None:
+    one, two = (whipcord.fit(cases, [YOUNG, RADIUS], threads=threads) for threads in (1, 2))
+    assert [of.value for of in one.estimates] == [of.value for of in two.estimates]
+    assert np.array_equal(one.residuals, two.residuals)
+
+
 def test_what_cannot_be_fitted_is_refused(cases: list[Case]) -> None:
     for given, words in [
         ((cases, []), "nothing is to be estimated"),

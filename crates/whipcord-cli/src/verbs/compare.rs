@@ -68,6 +68,9 @@ pub struct CompareArgs {
     /// Plot error against solve time; the name ends in .svg or .png
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
+    /// Leave out the figures; the one that --plot names is drawn nevertheless
+    #[arg(long)]
+    no_figures: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -175,7 +178,10 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     progress.finish_and_clear();
     not_ended()?;
     let folder = Folder::create(&args.out)?;
-    let figures = write_figures(&folder, &studies)?;
+    let figures = match args.no_figures {
+        true => studies.iter().map(|_| Vec::new()).collect(),
+        false => write_figures(&folder, &studies)?,
+    };
     write_numbers(&folder, &studies)?;
     let (accuracy, benchmarks) = accuracy(args, &folder, &results, style)?;
     let measured = studies.iter().map(|study| &study.file);
@@ -263,13 +269,18 @@ fn accuracy(
     results: &Results,
     style: Style,
 ) -> Result<(String, String), Failure> {
-    let pareto = model_benchmark::picture::pareto("Error against time", results)
-        .map_err(|error| plot_failure(folder.path(), &error))?;
+    let is_drawn = !args.no_figures || args.plot.is_some();
+    let pareto = is_drawn.then(|| model_benchmark::picture::pareto("Error against time", results));
+    let pareto = pareto.transpose().map_err(|error| plot_failure(folder.path(), &error))?;
+    let mut pareto = pareto.flatten();
+    if let Some((svg, path)) = pareto.as_ref().zip(args.plot.as_ref()) {
+        write(path, &picture(svg, path)?)?;
+    }
+    if args.no_figures {
+        pareto = None;
+    }
     if let Some(svg) = &pareto {
         folder.write_figure("pareto", svg)?;
-        if let Some(path) = &args.plot {
-            write(path, &picture(svg, path)?)?;
-        }
     }
     folder.write_table("accuracy.csv", &model_benchmark::output::csv(results))?;
     let figure = pareto.map(|svg| Figure {

@@ -75,6 +75,24 @@ fn the_papers_table_is_solved_drawn_and_written() {
 }
 
 #[test]
+fn figures_may_be_left_out() {
+    let scratch = Scratch::new();
+    let out = scratch.path().join("report");
+    let plot = scratch.path().join("plot.svg");
+    let mut args = vec!["compare", "examples/table1/case-3.toml", "--no-figures"];
+    args.extend(["--out", out.to_str().unwrap()]);
+    succeed(&args);
+    assert_eq!((files(&out, "svg").len(), files(&out, "png").len()), (0, 0));
+    assert!(files(&out, "csv").len() > 3);
+    let report = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(report.contains("<table") && !report.contains("<figure"), "{report}");
+    // One that is asked for by its name is drawn.
+    args.extend(["--plot", plot.to_str().unwrap()]);
+    succeed(&args);
+    assert!(plot.is_file() && files(&out, "svg").is_empty());
+}
+
+#[test]
 fn the_report_needs_no_other_file_and_no_network() {
     let scratch = Scratch::new();
     let out = scratch.path().join("report");

@@ -62,6 +62,22 @@ fn a_fit_is_printed_written_and_reported() {
     assert!(diameter.starts_with("diameter = \"2.99") || diameter.starts_with("diameter = \"3.0"));
 }
 
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let arm = crate::support::root().join("examples/motor-log/arm.toml");
+    let fit = |threads: &str| {
+        let mut args = vec!["fit", arm.to_str().unwrap(), "--json", "--threads", threads];
+        args.extend(["--parameter", "motors[*].stiffness", "--parameter", "motors[pan].angle_offset"]);
+        succeed(&args)
+    };
+    let alone = fit("1");
+    assert_eq!(alone, fit("3"));
+    let json: Value = serde_json::from_str(&alone).unwrap();
+    assert_eq!(json["status"], "converged");
+    let message = fail(2, &["fit", arm.to_str().unwrap(), "--threads", "0"]);
+    assert!(message.contains("--threads"), "{message}");
+}
+
 /// A straight rod whose spans buckle under the pull of a cable, measured in that shape: an equilibrium that no robot stays in.
 #[test]
 fn unstable_answers_are_named() {

@@ -7,7 +7,7 @@ use whipcord::cosserat::Accuracy;
 use whipcord::model::Model;
 
 /// Steps from base to tip that are tried.
-const STEPS: [usize; 3] = [18, 36, 72];
+const STEPS: [usize; 4] = [18, 36, 72, 144];
 /// Greatest error at the start, as a part of the length of the backbone, and in pixels.
 const NEAR: f64 = 1e-7;
 const NEAR_PIXELS: f64 = 1e-3;

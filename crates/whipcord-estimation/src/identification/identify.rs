@@ -153,8 +153,7 @@ fn fit(
         problem.replace_model(fine);
         match fitted.ok().filter(|fitted| fitted.outcome.status.is_converged()) {
             Some(fitted) if problem.confirms(&x, workspace.residuals()) => found = Some(fitted),
-            Some(_) => {}
-            None => x = start,
+            _ => x = start,
         }
     }
     let fitted = match found {

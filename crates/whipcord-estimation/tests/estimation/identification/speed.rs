@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::laboratory::{FILE, Truth, measure_by, random_path, random_rows, robot, unknowns_of};
 use crate::identification::synthetic::{Normal, model};
 use whipcord::ModelKind;
+use whipcord_estimation::Observation;
 use whipcord_estimation::identification::{Experiment, Identified, Settings, identify};
 
 const TWELVE: [&str; 12] = [
@@ -64,6 +65,34 @@ fn any_number_of_threads_gives_the_same_bits() {
             assert_eq!(all[0].residuals, other.residuals);
         }
     }
+}
+
+/// Rows of a table that are independent are experiments by themselves.
+#[test]
+fn independent_rows_are_separate_experiments() {
+    let together = laboratory(ModelKind::Cosserat, 9);
+    let steps = together.case.before.len() + 1;
+    let apart: Vec<Experiment> = (0..steps)
+        .map(|step| Experiment {
+            case: together.case.independent_step(step).unwrap(),
+            observations: together
+                .observations
+                .iter()
+                .filter(|seen| seen.step == step)
+                .map(|seen| Observation { step: 0, ..*seen })
+                .collect(),
+            ..Experiment::default()
+        })
+        .collect();
+    let file = robot(&Truth { backlash: 0.0, ..FILE });
+    let unknowns = unknowns_of(&file, &TWELVE[..7]);
+    let settings = Settings::new(model(ModelKind::Cosserat));
+    let fit = |seen: &[Experiment]| identify(&file, seen, &unknowns, &settings).unwrap();
+    let (one, many) = (fit(&[together]), fit(&apart));
+    for (a, b) in one.estimates.iter().zip(&many.estimates) {
+        assert_eq!(a.value.to_bits(), b.value.to_bits(), "{}", a.unknown);
+    }
+    assert_eq!(one.answers, many.answers);
 }
 
 /// `cargo test --release -p whipcord-estimation --test estimation -- --ignored --nocapture speed_of`

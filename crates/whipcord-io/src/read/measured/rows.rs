@@ -16,6 +16,8 @@ use crate::source::{Span, quoted};
 use crate::suggest;
 use crate::units::{Dimension, listed, parse_quantity};
 
+/// Unit quaternions that were rounded to two decimals have norms that differ from 1 by less.
+const ROUNDED_NORM: f64 = 0.02;
 /// No image is so large.
 const FARTHEST_PIXEL: f64 = 1e6;
 
@@ -247,6 +249,14 @@ impl Reader<'_> {
         let parts = [0, 1, 2, 3].map(|part| self.number(row, Column::Orientation(part), HELP));
         match parts {
             [Some(w), Some(x), Some(y), Some(z)] => {
+                let norm = (w * w + x * x + y * y + z * z).sqrt();
+                if norm > 0.0 && (norm - 1.0).abs() > ROUNDED_NORM {
+                    let message =
+                        format!("the quaternion has the norm {norm:.4}, but rotations have 1");
+                    let help = "give the unit quaternion (qw, qx, qy, qz) with three decimals or more; angles or rotation vectors are no quaternion";
+                    self.refuse(row.span, message, help);
+                    return None;
+                }
                 let Some(rotation) = UnitQuaternion::from_wxyz([w, x, y, z]) else {
                     self.refuse(row.span, "the quaternion is zero".to_owned(), HELP);
                     return None;

@@ -129,6 +129,7 @@ fn tables_of_measurements_beside_rows() {
         ("a part of the orientation is missing", by_key("run,x,y,z,qw,qx\na,0,0,0.2,1,0\n")),
         ("an orientation without a number", by_key("run,x,y,z,qw,qx,qy,qz\na,0,0,0.2,1,0,0,\n")),
         ("a quaternion of zero", by_key("run,x,y,z,qw,qx,qy,qz\na,0,0,0.2,0,0,0,0\n")),
+        ("no unit quaternion", by_key("run,x,y,z,qw,qx,qy,qz\na,0,0,0.2,0,30,0,90\n")),
         ("another unit", by_key("run,x,y,z\na,0,0,200\nc,100,20,190\n")),
         (
             "a marker without columns",
