@@ -142,12 +142,13 @@ fn measurements_find_their_rows() {
     assert_eq!((found[1].0, found[1].1), (0, tip));
     // Several markers in one line, and an offset of the tracked body with its orientation.
     let markers = "table = \"tip.csv\"\noffset = [\"1 mm\", 0, \"5 mm\"]\n[[measured.markers]]\nname = \"m1\"\narc_length = \"50 mm\"\noffset = [0, \"8 mm\", 0]\n[[measured.markers]]\nname = \"tool\"\n";
-    let line = b"run,m1_x,m1_y,m1_z,tool.x [cm],tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\na,1,2,50,1,20,190,1,0,0,0\nc,,,,1,20,190,0,0,0,2\n";
+    let line = b"run,m1_x,m1_y,m1_z,tool.x [cm],tool.y,tool.z,tool.qw,tool.qx,tool.qy,tool.qz\na,1,2,50,1,20,190,1,0,0,0\nc,,,,1,20,190,0,0,0,0.99\n";
     let (found, rotations) = measured(key, markers, line);
     assert_eq!(found.len(), 3);
     assert_eq!(found[0], (0, tip, Vec3::new(0.001, 0.0, 0.005), at));
     assert_eq!((found[1].1, found[1].2), (Place::ArcLength(0.05), Vec3::new(0.0, 0.008, 0.0)));
     assert_eq!((rotations.len(), rotations[1].step), (2, 2));
+    // Rounded to two decimals.
     assert_eq!(rotations[1].rotation.wxyz(), [0.0, 0.0, 0.0, 1.0]);
 }
 
