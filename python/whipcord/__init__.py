@@ -32,6 +32,7 @@ from .errors import (
     FitError,
     InputError,
     ModelError,
+    MotionError,
     SolveError,
     WhipcordError,
 )
@@ -62,6 +63,7 @@ from .robot import (
     Backbone,
     BackboneSegment,
     Cable,
+    Damping,
     Disks,
     Robot,
     Routing,
@@ -69,6 +71,7 @@ from .robot import (
     SectionStiffness,
 )
 from .scoring import CaseScore, Measures, ModelScore, RowScore, Score, score
+from .simulating import Linearized, Modes, Motion, Simulation, State
 from .solution import (
     Branches,
     CableOverlap,
@@ -120,6 +123,7 @@ __all__ = [
     "CriticalPoint",
     "CrossValidation",
     "Cycle",
+    "Damping",
     "Derivatives",
     "DetectionError",
     "Dexterity",
@@ -142,6 +146,7 @@ __all__ = [
     "InputError",
     "Jump",
     "Limits",
+    "Linearized",
     "Loads",
     "Located",
     "Marks",
@@ -151,6 +156,9 @@ __all__ = [
     "ModelError",
     "ModelFit",
     "ModelScore",
+    "Modes",
+    "Motion",
+    "MotionError",
     "Motor",
     "MotorState",
     "ObjectContact",
@@ -177,9 +185,11 @@ __all__ = [
     "Section",
     "SectionStiffness",
     "Shape",
+    "Simulation",
     "Solution",
     "SolveError",
     "Standing",
+    "State",
     "Step",
     "StereoCalibration",
     "StereoPair",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from . import _core, controlling, models, reaching, surveying, sweeping
+from . import _core, controlling, models, reaching, simulating, surveying, sweeping
 from ._commands import Commands, commanded, metres, paths, shortening_for, whole
 from ._description import Description
 from ._suggest import suggests
@@ -19,6 +19,8 @@ from .derivatives import Derivatives, Place
 from .errors import InputError
 from .models import ModelLike, StationsLike
 from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
+from .robot import Damping
+from .simulating import Courses, Linearized, LoadsOverTime, Modes, Motion
 from .solution import Branches, Solution, begun
 from .surveying import Workspace
 from .sweeping import Sweep
@@ -575,6 +577,124 @@ class Case(Description):
         if min(counts) < 1:
             raise InputError("shapes and solves must be greater than zero", path="solves")
         return surveying.workspace(setup, chosen, asked, voxel, stiffness, (counts[0], counts[1]))
+
+    @suggests
+    def simulate(
+        self,
+        duration: Quantity | None = None,
+        *,
+        step: Quantity | None = None,
+        every: Quantity | None = None,
+        method: str | None = None,
+        tolerance: Quantity | None = None,
+        initial: str | None = None,
+        damping: Damping | Mapping[str, Any] | Quantity | None = None,
+        tension: Courses | None = None,
+        shortening: Courses | None = None,
+        motors: Courses | None = None,
+        loads: LoadsOverTime | None = None,
+        timeout: float | None = None,
+    ) -> Motion:
+        """How the robot moves over time: the Cosserat rod with its masses (:doc:`/theory/motion`).
+
+        What is not given is that of ``[motion]`` of the file, else the default.
+
+        Parameters
+        ----------
+        duration
+            Time in s that is simulated.
+        step
+            Length of a step in s; by default 10 ms.
+        every
+            Time in s between two states of the result; by default a step.
+        method
+            ``"accurate"``, ``"energy"`` or ``"robust"``.
+        tolerance
+            Error in m that a step may have; steps are divided until they meet it.
+        initial
+            ``"equilibrium"`` under the first commands and loads, or ``"rest"`` without them.
+        damping
+            Damping of the backbone; a number is its time in s.
+        tension
+            Tensions in N over time: one for each cable in order, None for a cable that keeps its command, or by their names. Each is a value;
+            rows of times in s and values, with straight lines between them and a jump at a time that is there twice; or a function
+            of the time in s, which is taken at the steps.
+        shortening
+            Shortenings in m over time, likewise.
+        motors
+            Angles in rad or travels in m of the motors over time, likewise.
+        loads
+            Pairs of loads and what they are multiplied by over time, beside the loads of the case.
+        timeout
+            Seconds after which the motion is ended; by default as long as it takes.
+
+        Returns
+        -------
+        Motion
+            Arrays with a row for each state.
+
+        Raises
+        ------
+        MotionError
+            With the time at which the motion does not go on, and the motion until then.
+
+        Examples
+        --------
+        The arm is bent by a ramp and let go:
+
+        >>> case = load("examples/released-arm.toml")
+        >>> ramp = [("0 s", "0 N"), ("0.2 s", "3 N"), ("0.4 s", "3 N"), ("0.4 s", "0 N")]
+        >>> motion = case.simulate("0.6 s", tension={"left": ramp})
+        >>> motion.time.shape, bool(motion.tip[40, 0] > 0.02)
+        ((61,), True)
+        """
+        return simulating.simulate(
+            self,
+            duration,
+            timeout,
+            step=step,
+            every=every,
+            method=method,
+            tolerance=tolerance,
+            initial=initial,
+            damping=damping,
+            tension=tension,
+            shortening=shortening,
+            motors=motors,
+            loads=loads,
+        )
+
+    @suggests
+    def modes(self, count: int = 6, *, time: Quantity | None = None) -> Modes:
+        """Natural frequencies, damping ratios and shapes of the vibrations about the equilibrium of the case.
+
+        Parameters
+        ----------
+        count
+            How many, from the lowest frequency on.
+        time
+            Time in s whose commands and loads of ``[motion]`` act; by default those of the case.
+
+        Examples
+        --------
+        >>> modes = load("examples/released-arm.toml").modes()
+        >>> bool(abs(modes.frequency[1] / modes.frequency[0] - 1) < 1e-6)
+        True
+        """
+        return simulating.modes(self, count, time)
+
+    @suggests
+    def linearize(self) -> Linearized:
+        """The motion linearised about the equilibrium that the motion of the case starts from, with the tensions as inputs. About other
+        states: :meth:`whipcord.Simulation.linearize`.
+
+        Examples
+        --------
+        >>> linear = load("examples/released-arm.toml").linearize()
+        >>> linear.a.shape[0] == linear.b.shape[0], linear.b.shape[1]
+        (True, 2)
+        """
+        return simulating.Simulation(self).linearize()
 
     @suggests
     def sweep(

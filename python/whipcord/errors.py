@@ -39,6 +39,7 @@ __all__ = [
     "InputError",
     "MirroredError",
     "ModelError",
+    "MotionError",
     "NoDerivativesError",
     "NoLeverError",
     "NoRowError",
@@ -354,6 +355,15 @@ class TensionsNotFoundError(SolveError):
 class NoDerivativesError(SolveError):
     """An answer that a small change moves without bound: the robot is about to buckle; or one whose cables come to rest in
     their holes on a way that is not known well enough."""
+
+
+class MotionError(SolveError):
+    """A motion that does not go on, or that has no equilibrium to start from."""
+
+    time: float | None
+    """Time in s at which it ends; None where it has no start."""
+    motion: Any = None
+    """The :class:`whipcord.Motion` until then, where :meth:`whipcord.Case.simulate` raised it."""
 
 
 class StepsTooCoarseError(SolveError):

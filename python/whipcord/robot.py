@@ -190,6 +190,34 @@ class BackboneSegment(Table):
             shear_factor=shear_factor,
         )
 
+
+@dataclass(frozen=True, init=False, repr=False)
+class Damping(Table):
+    """Forces and moments in the sections of the backbone by the rates of their strains (Kelvin–Voigt), for motion.
+
+    Parameters
+    ----------
+    time
+        Time in s that the stiffness of each section is multiplied by.
+    matrix
+        (6, 6), symmetric and without negative eigenvalues, instead of a time, in the order of
+        :class:`SectionStiffness`; in N·s and N·m·s by rates of the strains.
+
+    Examples
+    --------
+    >>> Damping(time="1.5 ms")
+    Damping(time=0.0015)
+    """
+
+    time: float | None = None
+    matrix: tuple[tuple[float, ...], ...] | None = None
+
+    _name: ClassVar[str] = "backbone.damping"
+
+    def __init__(self, *, time: Quantity | None = None, matrix: Sequence[Sequence[float]] | None = None) -> None:
+        self._set(time=time, matrix=matrix)
+
+
 @dataclass(frozen=True, init=False, repr=False)
 class Backbone(Table):
     """The elastic rod that runs through the disks.
@@ -217,6 +245,8 @@ class Backbone(Table):
         Timoshenko's factor on the shear stiffness; 1 by default.
     stiffness
         The stiffness itself, instead of a material.
+    damping
+        Damping of the material, for motion.
     segments
         Named segments with factors on the stiffness, from the base on; a fit can estimate the factors.
     density
@@ -262,6 +292,7 @@ class Backbone(Table):
     shear_modulus: float | None = None
     shear_correction: float = 1.0
     stiffness: SectionStiffness | None = None
+    damping: Damping | None = None
     segments: tuple[BackboneSegment, ...] = ()
     density: float | None = None
     linear_density: float | tuple[float, ...] | Along | None = None
@@ -278,6 +309,7 @@ class Backbone(Table):
         "diameters": Along,
         "section": Section,
         "stiffness": SectionStiffness,
+        "damping": Damping,
         "segments": BackboneSegment,
         "linear_density": Along,
         "rest_curvature": Along,
@@ -297,6 +329,7 @@ class Backbone(Table):
         shear_modulus: Quantity | None = None,
         shear_correction: Quantity | None = None,
         stiffness: SectionStiffness | Mapping[str, Any] | None = None,
+        damping: Damping | Mapping[str, Any] | None = None,
         segments: Sequence[BackboneSegment | Mapping[str, Any]] | None = None,
         density: Quantity | None = None,
         linear_density: Quantity | Sequence[Quantity] | Along | None = None,
@@ -319,6 +352,7 @@ class Backbone(Table):
             shear_modulus=shear_modulus,
             shear_correction=shear_correction,
             stiffness=part(stiffness, SectionStiffness, "stiffness"),
+            damping=part(damping, Damping, "damping"),
             segments=parts(segments, BackboneSegment, "segments"),
             density=density,
             linear_density=linear_density,

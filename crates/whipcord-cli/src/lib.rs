@@ -9,6 +9,7 @@ mod goal;
 mod inputs;
 mod inverse;
 mod model_arguments;
+mod motion;
 mod path_argument;
 mod paths;
 mod photographs;
@@ -32,8 +33,8 @@ use clap::{Parser, Subcommand};
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
     bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure,
-    measure_stereo, new, overlay, reach, schema, score, simulate, solve, stiffness, sweep, view,
-    workspace,
+    measure_stereo, modes, new, overlay, reach, schema, score, simulate, solve, stiffness, sweep,
+    view, workspace,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -57,6 +58,7 @@ enum Verb {
     Workspace(workspace::WorkspaceArgs),
     Stiffness(stiffness::StiffnessArgs),
     Simulate(simulate::SimulateArgs),
+    Modes(modes::ModesArgs),
     Sweep(sweep::SweepArgs),
     Compare(compare::CompareArgs),
     Score(score::ScoreArgs),
@@ -87,6 +89,7 @@ impl Verb {
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
             Self::Simulate(_) => ("simulate", Limit::None),
+            Self::Modes(_) => ("modes", INTERACTIVE),
             Self::Sweep(_) => ("sweep", Limit::None),
             Self::Compare(_) => ("compare", Limit::None),
             Self::Score(_) => ("score", Limit::None),
@@ -143,6 +146,7 @@ where
         Verb::Workspace(args) => workspace::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Simulate(args) => simulate::run(&args, style),
+        Verb::Modes(args) => modes::run(&args, style),
         Verb::Sweep(args) => sweep::run(&args),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Score(args) => score::run(&args, style),

@@ -38,9 +38,10 @@ pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
     Beside, Cell, Column, CsvTable, NonFinite, SpacePoint, Values, answer_json, boundary_table,
     columns_to_parquet, contacts_csv, fit_json, follow_json, json_number, json_optional, loss_name,
-    marks_csv, motion_json, motion_table, path_table, points_csv, poses_table, problems_json,
-    reach_json, remove_unfinished, shape_csv, solution_json, status_words, steps_csv,
-    stiffness_json, warnings_json, workspace_json, workspace_table, write_atomically,
+    marks_csv, mode_shapes_table, modes_json, modes_table, motion_json, motion_table, path_table,
+    points_csv, poses_table, problems_json, reach_json, remove_unfinished, shape_csv,
+    solution_json, status_words, steps_csv, stiffness_json, warnings_json, workspace_json,
+    workspace_table, write_atomically,
 };
 pub use read::{
     CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit,

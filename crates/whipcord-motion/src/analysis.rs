@@ -33,6 +33,22 @@ impl Simulation {
         modes::find(&self.rod, &self.loads, &self.solver, &held, count).ok_or(MotionError::NoModes)
     }
 
+    /// Which parts of the kinetic energy of a vibration are those of displacements along x, y and z of the world, and of rotations.
+    #[must_use]
+    pub fn energy_shares(&self, mode: &Mode) -> [f64; 4] {
+        let mut shares = [0.0; 4];
+        for (node, (twist, world)) in
+            self.rod.nodes.iter().zip(mode.shape.iter().zip(mode.in_world(&self.state)))
+        {
+            for (share, x) in shares.iter_mut().zip(world.linear.to_array()) {
+                *share += node.mass * x * x;
+            }
+            shares[3] += node.inertia.scale(twist.angular).dot(twist.angular);
+        }
+        let sum: f64 = shares.iter().sum();
+        shares.map(|share| share / sum.max(f64::MIN_POSITIVE))
+    }
+
     /// The motion linearised about the state, with the tensions of all cables as inputs.
     #[must_use]
     pub fn linearize(&mut self) -> Linearized {

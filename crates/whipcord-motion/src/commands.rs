@@ -90,6 +90,21 @@ impl Commands {
         Self { cables: (0..robot.cables().len()).map(drive).collect(), motors }
     }
 
+    /// The values of all commands at a time in s, behind a jump there, held constant.
+    #[must_use]
+    pub fn held_at(&self, time: f64) -> Self {
+        let held = |course: &Course| Course::constant(course.after(time));
+        let of_cable = |drive: &CableDrive| match drive {
+            CableDrive::Tension(course) => CableDrive::Tension(held(course)),
+            CableDrive::Shortening(course) => CableDrive::Shortening(held(course)),
+        };
+        let of_motor = |course: &Option<Course>| course.as_ref().map(held);
+        Self {
+            cables: self.cables.iter().map(of_cable).collect(),
+            motors: self.motors.iter().map(of_motor).collect(),
+        }
+    }
+
     /// Sets a constant tension in N.
     pub fn set_tension(&mut self, cable: usize, tension: f64) {
         if let Some(drive) = self.cables.get_mut(cable) {

@@ -65,6 +65,13 @@ impl NodeLoads {
         Self { gravity, constant, varying, base: options.base.clone(), any_dead }
     }
 
+    /// Has other loads act in place of those of the case; gravity stays.
+    pub fn set_constant(&mut self, rod: &Rod, loads: &Loads, base: UnitQuaternion) {
+        self.constant = gather(rod, loads, base.conjugate() * loads.to_world(base));
+        self.any_dead |=
+            self.constant.iter().any(|of| of.force != Vec3::ZERO || of.moment != Vec3::ZERO);
+    }
+
     /// The loads at a time, before any jump at that time.
     pub fn at(&self, time: f64, loads: &mut [NodeLoad]) {
         loads.copy_from_slice(&self.constant);

@@ -1,6 +1,8 @@
 //! Natural vibrations about a state: the lowest frequencies, their shapes and damping.
 
-use whipcord_numerics::{DenseLu, Twist, Vec3, symmetric_eigen};
+use core::f64::consts::TAU;
+
+use whipcord_numerics::{DenseLu, Pose, Twist, Vec3, symmetric_eigen};
 
 use crate::block::dot;
 use crate::element::POINTS;
@@ -10,6 +12,7 @@ use crate::loads::NodeLoads;
 use crate::pose;
 use crate::rod::Rod;
 use crate::stage::{Scheme, Stage};
+use crate::state::State;
 
 /// A natural vibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +26,30 @@ pub struct Mode {
 }
 
 impl Mode {
+    /// Displacement of each node in m and rotation in rad along the axes of the world, for nodes with the poses of this state.
+    #[must_use]
+    pub fn in_world(&self, state: &State) -> Vec<Twist> {
+        let turned = |(twist, pose): (&Twist, &Pose)| Twist {
+            linear: pose.rotation.rotate(twist.linear),
+            angular: pose.rotation.rotate(twist.angular),
+        };
+        self.shape.iter().zip(&state.poses).map(turned).collect()
+    }
+
+    /// Frequency in Hz at which the damped robot vibrates; `None` where the state is unstable in this shape, or the damping is
+    /// critical or more.
+    #[must_use]
+    pub fn damped_frequency(&self) -> Option<f64> {
+        let square = self.squared_frequency * (1.0 - self.damping_ratio * self.damping_ratio);
+        (self.squared_frequency >= 0.0 && square > 0.0).then(|| square.sqrt() / TAU)
+    }
+
+    /// Frequency in Hz without damping; `None` where the state is unstable in this shape.
+    #[must_use]
+    pub fn frequency(&self) -> Option<f64> {
+        Some(self.angular_frequency()? / TAU)
+    }
+
     /// Angular frequency without damping in rad/s; `None` where the state is unstable in this shape.
     #[must_use]
     pub fn angular_frequency(&self) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! The motion of a robot, step by step.
 
-use whipcord::{CableCommand, Case, Robot, Shortening};
+use whipcord::{CableCommand, Case, Loads, Robot, Shortening};
 use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::accurate::Accurate;
@@ -164,6 +164,26 @@ impl Simulation {
         count("cables", state.cables.len(), self.rod.cables.len())?;
         count("motors", state.motor_outputs.len(), self.state.motor_outputs.len())?;
         self.state.copy_from(state);
+        Ok(())
+    }
+
+    /// Has other forces and moments act from now on, in place of those of the case; gravity and masses stay, and so do the loads over time of the
+    /// options. Point loads act on the nearest node; there are nodes at the tip, the disks and the places of the loads that the simulation was made with.
+    ///
+    /// # Errors
+    /// [`MotionError`] for loads that cannot be, and for gravity and masses.
+    pub fn set_loads(&mut self, loads: &Loads) -> Result<(), MotionError> {
+        if loads.gravity.is_some() || !loads.masses.is_empty() {
+            return Err(MotionError::Unsupported {
+                path: "loads".to_owned(),
+                what: "gravity or masses that change during the motion",
+                advice: "give gravity and masses in the loads of the case",
+            });
+        }
+        let case = Case { base: self.base, loads: loads.clone(), ..Case::default() };
+        case.check(&self.robot)?;
+        self.loads.set_constant(&self.rod, loads, self.base.rotation);
+        self.state.has_rates = false;
         Ok(())
     }
 

@@ -34,7 +34,25 @@ impl Simulation {
         steps: usize,
         count: usize,
     ) -> Result<Trajectory, MotionError> {
-        let mut trajectory = Trajectory {
+        let mut trajectory = Trajectory::default();
+        self.run_into(&mut trajectory, commands, every, (steps, count), &mut |_| true)?;
+        Ok(trajectory)
+    }
+
+    /// The same into a trajectory, which after an error holds the states before it. `steps` are those of each interval and the number of the intervals;
+    /// `goes_on` gets each state behind an interval and ends the motion where it says no.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_into(
+        &mut self,
+        trajectory: &mut Trajectory,
+        commands: &Commands,
+        every: f64,
+        (steps, count): (usize, usize),
+        goes_on: &mut dyn FnMut(&State) -> bool,
+    ) -> Result<(), MotionError> {
+        *trajectory = Trajectory {
             arc_lengths: self.arc_lengths().collect(),
             states: vec![self.state().clone()],
             ..Trajectory::default()
@@ -52,7 +70,10 @@ impl Simulation {
                 trajectory.greatest_error = trajectory.greatest_error.max(diagnostics.error);
             }
             trajectory.states.push(self.state().clone());
+            if !goes_on(self.state()) {
+                break;
+            }
         }
-        Ok(trajectory)
+        Ok(())
     }
 }

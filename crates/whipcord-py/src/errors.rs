@@ -8,6 +8,7 @@ use whipcord::batch::BatchError;
 use whipcord::{ModelKind, RobotError, SolveError};
 use whipcord_estimation::identification::{Identified, IdentifyError, NoAnswerReason};
 use whipcord_io::{FileError, FileProblem};
+use whipcord_motion::MotionError;
 use whipcord_vision::NoPoints;
 use whipcord_vision::PhotoError;
 use whipcord_vision::boards::{NoCalibration, NoStereo};
@@ -369,6 +370,40 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
                 ("steps", Count(*steps)),
             ],
         ),
+    }
+}
+
+/// Why there is no motion.
+pub fn motion(py: Python<'_>, error: &MotionError) -> PyErr {
+    let message = error.to_string();
+    let no_model = |path: &str, advice: &str| {
+        exception(py, "ModelError", message.clone(), |values| {
+            values.set_item("model", "cosserat")?;
+            values.set_item("path", path)?;
+            values.set_item("advice", advice)
+        })
+    };
+    let failed = |time: Option<f64>| {
+        exception(py, "MotionError", message.clone(), |values| values.set_item("time", time))
+    };
+    match error {
+        MotionError::Invalid(error) => robot(py, error),
+        MotionError::NoEquilibrium(cause) => {
+            let raised = failed(None);
+            raised.set_cause(py, Some(solve(py, cause)));
+            raised
+        }
+        MotionError::Missing { path, advice } | MotionError::Unsupported { path, advice, .. } => {
+            no_model(path, advice)
+        }
+        MotionError::Option { what, .. } | MotionError::Count { what, .. } => {
+            input(py, what, message)
+        }
+        MotionError::Course { .. } => input(py, "motion.commands", message),
+        MotionError::NotConverged { time, .. } | MotionError::Tolerance { time, .. } => {
+            failed(Some(*time))
+        }
+        MotionError::Unbalanced { .. } | MotionError::NoModes => failed(None),
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whipcord_io::{CaseFile, Fit, Goal, Measured, Reference};
+use whipcord_io::{CaseFile, Fit, Goal, Measured, Motion, Reference};
 
 use crate::notice::{Notice, notices};
 
@@ -16,6 +16,8 @@ pub struct FileData {
     pub fit: Option<Fit>,
     /// What is to be reached, and within which limits.
     pub goal: Goal,
+    /// How it moves over time.
+    pub motion: Motion,
     /// The file itself, of what was loaded from one and not changed.
     pub file: Option<Arc<CaseFile>>,
     /// Warnings about the file; `None` if robot and case do not come from a file.
@@ -29,6 +31,7 @@ impl FileData {
             reference: file.reference.clone().map(Arc::new),
             fit: file.fit.clone(),
             goal: file.goal.clone(),
+            motion: file.motion.clone(),
             file: None,
             notices: Some(Arc::new(notices(file, has_units))),
         }

@@ -17,6 +17,7 @@ mod fit;
 mod inverse;
 mod measurement;
 mod model;
+mod motion;
 mod notice;
 mod object_state;
 mod overlay;
@@ -76,6 +77,8 @@ mod _core {
     use super::measurement::distances;
     #[pymodule_export]
     use super::model::Model;
+    #[pymodule_export]
+    use super::motion::{Simulation, SimulationState, modes, simulate};
     #[pymodule_export]
     use super::overlay::overlay;
     #[pymodule_export]

@@ -13,7 +13,7 @@ use whipcord::{
     Actuation, BranchOptions, CableCommand, Case, CriticalKind, Differentiable, ModelKind,
     Parameter, Prepared, Robot, Shortening, SolveError, Statics, Warning,
 };
-use whipcord_io::{CaseFile, Goal};
+use whipcord_io::{CaseFile, Goal, Motion};
 
 use crate::convert::{self, array, commands};
 use crate::errors;
@@ -102,6 +102,27 @@ impl Setup {
         Ok(Arc::new(driven.map_err(|error| errors::robot(given.py(), &error))?))
     }
 
+    /// How another robot moves over time, with the damping of this one. Commands of single cables and motors are those of the same ones.
+    fn moving_as(&self, other: &Self) -> Motion {
+        let cables = |of: &Self| of.robot.cables().iter().map(|of| of.name.clone()).collect();
+        let motors = |of: &Self| of.robot.motors().iter().map(|of| of.name.clone()).collect();
+        let is_same = |names: &dyn Fn(&Self) -> Vec<String>| names(self) == names(other);
+        let mut motion = other.file_data.motion.clone();
+        motion.damping = self.file_data.motion.damping.clone();
+        if !is_same(&cables) || !is_same(&motors) {
+            motion.cables.clear();
+            motion.motors.clear();
+        }
+        motion
+    }
+
+    /// The same title and motion with another robot and case.
+    fn moving(&self, robot: Robot, case: Arc<Case>) -> Self {
+        let motion = self.file_data.motion.clone();
+        let setup = Self::new(self.title.clone(), robot, case);
+        Self { file_data: FileData { motion, ..FileData::default() }, ..setup }
+    }
+
     /// How many disks an answer has.
     pub fn station_disks(&self) -> usize {
         self.robot.disks().count()
@@ -165,6 +186,8 @@ impl Setup {
         let target = self.file_data.goal.target.clone().filter(|_| is_here);
         let goal = Goal { target, path: Vec::new(), ..self.file_data.goal.clone() };
         whipcord_io::describe_goal(&goal, &mut table);
+        let motion = whipcord_io::describe_motion(&self.file_data.motion, &self.robot, &mut table);
+        motion.map_err(|error| errors::input(py, "motion", error.to_string()))?;
         convert::from_table(py, &table)
     }
 
@@ -240,6 +263,7 @@ impl Setup {
                 },
                 ..of.goal.clone()
             },
+            motion: self.moving_as(other),
             file: None,
             notices: self.file_data.notices.clone(),
         };
@@ -369,7 +393,7 @@ impl Setup {
 
     /// The robot with what was asked of it for an answer.
     fn of_answer(&self, solution: &Solution) -> Self {
-        Self::new(self.title.clone(), self.robot.clone(), solution.answered())
+        self.moving(self.robot.clone(), solution.answered())
     }
 
     /// The same, with the command alone of each cable that the model took, lengths in m: what another model, or a viewer, is to
@@ -411,7 +435,7 @@ impl Setup {
             let changed = parameter(py, &path)?.changed_to(&robot, &case, value);
             (robot, case) = changed.map_err(|error| errors::robot(py, &error))?;
         }
-        Ok(Self::new(self.title.clone(), robot, Arc::new(case)))
+        Ok(self.moving(robot, Arc::new(case)))
     }
 
     /// How a place at this arc length in m moves and yields.

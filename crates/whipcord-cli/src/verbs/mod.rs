@@ -11,6 +11,7 @@ pub mod fit;
 pub mod man;
 pub mod measure;
 pub mod measure_stereo;
+pub mod modes;
 pub mod new;
 pub mod overlay;
 pub mod reach;

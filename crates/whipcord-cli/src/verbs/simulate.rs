@@ -4,12 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use whipcord_io::{CaseFile, CsvTable, motion_json, motion_table, poses_table, warnings_json};
-use whipcord_motion::{Method, MotionError, Simulation, State, Trajectory};
+use whipcord_motion::{Method, Simulation, State, Trajectory};
 use whipcord_plot::{OverTime, PlotError, TimeSeries, time_chart};
 
 use crate::inputs::{Settings, read_one};
+use crate::motion::failure;
 use crate::warnings::Warnings;
-use whipcord_study::failure::{Failure, message, refuses};
+use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
 use whipcord_study::quantity::{fixed_millimetres, millimetres, newtons, number, vector};
 use whipcord_study::style::Style;
@@ -57,7 +58,7 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
             file.path.display()
         )));
     };
-    let refused = |error| from_motion(&file, &error);
+    let refused = |error| failure(&file, &error);
     let commands = file.motion.commands(&file.robot, &file.case);
     let options = file.motion.options();
     let simulation = Simulation::with_commands(&file.robot, &file.case, &commands, options);
@@ -94,22 +95,6 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
         return table.to_csv().map_err(no_result);
     }
     Ok(summary(args, &file, &trajectory, style))
-}
-
-/// What a motion says: with its place in the file where it refuses robot or case.
-fn from_motion(file: &CaseFile, error: &MotionError) -> Failure {
-    if let Some(located) = file.locate_motion(error) {
-        return Failure::Input(message(&located));
-    }
-    let text = format!("error: {}: {error}", file.path.display());
-    match error {
-        MotionError::NoEquilibrium(error) if !refuses(error) => Failure::Solve(text),
-        MotionError::Unbalanced { .. }
-        | MotionError::NotConverged { .. }
-        | MotionError::Tolerance { .. }
-        | MotionError::NoModes => Failure::Solve(text),
-        _ => Failure::Input(text),
-    }
 }
 
 /// The charts by their names.

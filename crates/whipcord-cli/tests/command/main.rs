@@ -17,6 +17,7 @@ mod fit;
 #[cfg(target_os = "linux")]
 mod hostile;
 mod measure;
+mod modes;
 mod overlay;
 mod reach;
 mod reference;

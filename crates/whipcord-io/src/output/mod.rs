@@ -5,6 +5,7 @@ mod csv;
 mod fit;
 mod fit_analyses;
 mod json;
+mod modes;
 mod motion;
 mod notices;
 mod parquet;
@@ -21,6 +22,7 @@ pub use csv::{
 };
 pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
+pub use modes::{mode_shapes_table, modes_json, modes_table};
 pub use motion::{motion_json, motion_table, poses_table};
 pub use notices::{problems_json, warnings_json};
 pub use parquet::{Column, Values, columns_to_parquet};

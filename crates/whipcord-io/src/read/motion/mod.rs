@@ -76,6 +76,34 @@ impl Motion {
         }
     }
 
+    /// Commands and options for the equilibrium whose vibrations are asked for: that under the commands and loads over time at this time
+    /// in s, held constant; without a time, that under those of the case alone.
+    #[must_use]
+    pub fn held_at(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        time: Option<f64>,
+    ) -> (Commands, MotionOptions) {
+        let held = |of: &LoadCourse, time: f64| LoadCourse {
+            loads: of.loads.clone(),
+            factor: Course::constant(of.factor.after(time)),
+        };
+        let loads =
+            time.map_or_else(Vec::new, |time| self.loads.iter().map(|of| held(of, time)).collect());
+        let options = MotionOptions {
+            loads,
+            initial: Initial::Equilibrium,
+            tolerance: None,
+            ..self.options()
+        };
+        let commands = match time {
+            Some(time) => self.commands(robot, case).held_at(time),
+            None => Commands::of_case(robot, case),
+        };
+        (commands, options)
+    }
+
     /// The commands of all cables and motors: those over time, and those of the case for the others.
     #[must_use]
     pub fn commands(&self, robot: &Robot, case: &Case) -> Commands {

@@ -1,0 +1,181 @@
+"""Robots in motion."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import whipcord
+from whipcord.errors import InputError, ModelError, WhipcordTimeout
+
+ARM = "examples/released-arm.toml"
+STEP = {"left": [(0, "4 N"), (0, "0 N")]}
+
+
+@pytest.fixture(scope="module")
+def arm() -> whipcord.Case:
+    return whipcord.load(ARM)
+
+
+def command(*arguments: str) -> Any:
+    run = [sys.executable, "-m", "whipcord", *arguments, "--json"]
+    return json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout)
+
+
+def test_it_is_what_the_command_says(arm: whipcord.Case) -> None:
+    states = command("simulate", ARM, "--set", 'motion.duration="0.2 s"')["states"]
+    motion = arm.simulate("0.2 s")
+    assert len(motion) == len(states) == 21
+    assert motion.ok and motion.cables == ("left", "right")
+    assert np.array_equal(motion.time, [state["time"] for state in states])
+    for name in ("position", "orientation"):
+        expected = [[pose[name] for pose in state["poses"]] for state in states]
+        assert np.array_equal(getattr(motion, name), expected)
+    for name in ("tension", "length", "slack"):
+        assert np.array_equal(getattr(motion, name), [[of[name] for of in state["cables"]] for state in states])
+    assert np.array_equal(motion.velocity, [state["velocities"] for state in states])
+    assert np.array_equal(motion.strain, [state["strains"] for state in states])
+    for name in ("kinetic", "elastic", "gravity", "cables", "loads", "dissipated", "defect"):
+        assert np.array_equal(motion.energy[name], [state["energy"][name] for state in states])
+    # The tip starts where the statics has it.
+    assert np.allclose(motion.tip[0], arm.solve(tension=[4.0, 0.0]).tip, atol=2e-4)
+
+
+def test_commands_are_tables_values_or_functions(arm: whipcord.Case) -> None:
+    motion = arm.simulate("0.1 s")
+    for tension in (STEP, {"left": np.array([[0, 4.0], [0, 0]])}, [[(0, 4), (0, 0)], None], [[(0, 4), (0, 0)], 0.0]):
+        assert np.array_equal(arm.simulate("0.1 s", tension=tension).position, motion.position)
+    # A function is taken at the steps: of straight lines nothing is lost.
+    ramp = arm.simulate("0.1 s", tension={"left": [(0, 0), (0.05, 2), (1, 2)]})
+    of_time = arm.simulate("0.1 s", tension={"left": lambda t: min(40 * t, 2.0)})
+    assert np.allclose(ramp.position, of_time.position, rtol=0, atol=1e-9)
+    assert ramp.tension[5, 0] == pytest.approx(2.0)
+    short = arm.simulate("0.1 s", shortening={"left": [(0, 0), (0.1, "2 mm")]}, method="robust")
+    # The length inside the robot follows the command where the cable is taut.
+    assert short.length[0, 0] - short.length[-1, 0] == pytest.approx(2e-3, abs=1e-6)
+    assert short.tension[-1, 0] > 0
+
+
+def test_energy_is_balanced(arm: whipcord.Case) -> None:
+    for method, tolerance in (("energy", 1e-10), ("accurate", 2e-4)):
+        motion = arm.simulate("0.5 s", method=method, step="1 ms", damping=0.0)
+        energy = motion.energy
+        total = energy["kinetic"] + energy["elastic"] + energy["gravity"]
+        start = energy["elastic"][0]
+        # Nothing acts and nothing is damped.
+        assert abs(total - total[0]).max() < tolerance * start
+        assert abs(energy["dissipated"]).max() == 0.0
+    pushed = arm.simulate("0.3 s", tension={"left": 0.0}, loads=[(whipcord.Loads(tip_force=[0, 0.05, 0]), [(0, 0), (0, 1)])])
+    total = sum(pushed.energy[name] for name in ("kinetic", "elastic", "gravity"))
+    given = pushed.energy["loads"] - pushed.energy["dissipated"]
+    assert pushed.energy["loads"][-1] > 0 and pushed.tip[-1, 1] > 0
+    assert np.allclose(total - total[0], given, atol=0.01 * pushed.energy["loads"].max())
+
+
+def test_a_simulation_steps_as_the_motion_does(arm: whipcord.Case) -> None:
+    motion = arm.simulate("0.1 s", step="5 ms", every="5 ms")
+    simulation = whipcord.Simulation(arm)
+    assert np.array_equal(simulation.position, motion.position[0])
+    for row in range(1, len(motion)):
+        simulation.step(motion.time[row] - simulation.time)
+        assert np.array_equal(simulation.position, motion.position[row])
+    assert simulation.energy["kinetic"] == motion.energy["kinetic"][-1]
+    assert simulation.method == "accurate"
+    assert simulation.arc_length[-1] == pytest.approx(0.3)
+    # Commands stay in force, and a state can be returned to.
+    kept = simulation.state
+    simulation.step("5 ms", tension=[2.0, None])
+    simulation.step("5 ms")
+    assert simulation.tension[0] == 2.0
+    there = simulation.tip
+    simulation.restore(kept)
+    assert simulation.time == pytest.approx(0.1)
+    simulation.step("5 ms", tension=[2.0, None])
+    simulation.step("5 ms")
+    assert np.array_equal(simulation.tip, there)
+    other = whipcord.Simulation(arm.replace(robot=arm.robot.replace(cables=arm.robot.cables[:1])))
+    with pytest.raises(InputError, match="cables"):
+        other.restore(kept)
+
+
+def test_a_held_load_ends_in_the_equilibrium_of_the_statics(arm: whipcord.Case) -> None:
+    loads = whipcord.Loads(tip_force=["50 mN", 0, 0])
+    simulation = whipcord.Simulation(arm, initial="rest", damping="20 ms", method="robust")
+    for _ in range(300):
+        simulation.step(0.02, tension=[0.0, 1.0], loads=loads)
+    gravity = whipcord.Loads(tip_force=["50 mN", 0, 0], gravity=arm.loads.gravity)
+    still = arm.replace(loads=gravity).solve(tension=[0.0, 1.0])
+    assert np.allclose(simulation.tip, still.tip, atol=1e-4)
+    assert abs(simulation.velocity).max() < 1e-4
+    assert np.allclose(simulation.momentum, 0, atol=1e-5)
+    # The base holds the weight and the force.
+    assert simulation.base_wrench[0] == pytest.approx(-0.05, abs=1e-4)
+    with pytest.raises(ModelError, match="gravity"):
+        simulation.step(0.01, loads=whipcord.Loads(gravity=[0, 0, 1]))
+
+
+def test_modes_are_those_of_the_command_and_of_the_linearisation(arm: whipcord.Case) -> None:
+    modes = arm.modes(4)
+    expected = command("modes", ARM, "--count", "4")["modes"]
+    for name in ("frequency", "damped_frequency", "damping_ratio", "displacement", "rotation"):
+        assert np.array_equal(getattr(modes, name), [mode[name] for mode in expected])
+    assert np.allclose(modes.energy.sum(axis=1), 1)
+    # At rest under no commands: λ = −ζω ± i ω √(1 − ζ²).
+    still = whipcord.Simulation(arm, initial="equilibrium")
+    for _ in range(400):
+        still.step(0.02)
+    linear = still.linearize()
+    assert linear.b.shape == (len(linear.a), 2)
+    values = np.linalg.eigvals(linear.a)
+    slow = values[(values.imag > 1) & (values.imag < 2 * np.pi * modes.frequency[3])]
+    slow = slow[np.argsort(slow.imag)][:2]
+    assert np.allclose(slow.imag, 2 * np.pi * modes.damped_frequency[:2], rtol=1e-4)
+    assert np.allclose(-slow.real, modes.damping_ratio[:2] * 2 * np.pi * modes.frequency[:2], rtol=1e-3)
+    assert np.allclose(still.modes(2).frequency, modes.frequency[:2], rtol=1e-6)
+    assert np.allclose(arm.modes(2, time="0.5 s").frequency, modes.frequency[:2])
+    assert arm.linearize().a.shape == linear.a.shape
+
+
+def test_the_motion_of_a_file_stays(arm: whipcord.Case, tmp_path: Path) -> None:
+    assert arm.robot.backbone.damping == whipcord.Damping(time="1.5 ms")
+    again = whipcord.Case.from_toml(arm.to_toml())
+    longer = again.with_parameters({"backbone.length": 0.3})
+    for case in (again, longer, pickle.loads(pickle.dumps(arm)), arm.replace(title="other")):
+        assert np.array_equal(case.simulate("50 ms").position, arm.simulate("50 ms").position)
+    undamped = arm.replace(robot=arm.robot.replace(backbone=arm.robot.backbone.replace(damping=None)))
+    assert undamped.simulate("50 ms").energy["dissipated"][-1] == 0
+    motion = arm.simulate("50 ms")
+    motion.to_csv(tmp_path / "motion.csv")
+    header, *rows = (tmp_path / "motion.csv").read_text().splitlines()
+    assert header.startswith("t,tip_x") and len(rows) == len(motion)
+
+
+def test_what_cannot_be_is_said(arm: whipcord.Case, segment: whipcord.Case) -> None:
+    with pytest.raises(InputError, match="duration"):
+        segment.simulate()
+    with pytest.raises(ModelError, match="density"):
+        segment.simulate("1 s")
+    with pytest.raises(InputError, match="no cable 'up'"):
+        arm.simulate(tension={"up": 1.0})
+    with pytest.raises(InputError, match="tension"):
+        arm.simulate(tension=[1.0])
+    with pytest.raises(InputError, match="rows of a time"):
+        arm.simulate(tension={"left": [(0, 1, 2)]})
+    with pytest.raises(InputError, match="finite"):
+        arm.simulate(tension={"left": lambda t: float("nan")})
+    with pytest.raises(InputError, match="method"):
+        arm.simulate(method="magic")
+    with pytest.raises(InputError, match="count"):
+        arm.modes(0)
+    with pytest.raises(InputError, match="negative"):
+        whipcord.Simulation(arm).step(0.01, tension=[-1.0, 0.0])
+    with pytest.raises(InputError, match="step"):
+        whipcord.Simulation(arm).step(-0.01)
+    with pytest.raises(WhipcordTimeout):
+        arm.simulate("1000 s", step="1 ms", every="1 s", timeout=0.2)
