@@ -254,8 +254,8 @@ class Simulation:
     case
         Robot, loads and base, and the commands to start from. What ``[motion]`` of its file says holds, too: its commands stay in
         force until :meth:`step` gets others.
-    method, tolerance, initial, damping, loads
-        As for :meth:`whipcord.Case.simulate`.
+    method, tolerance, initial, damping, tension, shortening, motors, loads
+        As for :meth:`whipcord.Case.simulate`; commands are values or rows of times and values.
 
     Examples
     --------
@@ -283,9 +283,22 @@ class Simulation:
         tolerance: Quantity | None = None,
         initial: str | None = None,
         damping: Damping | Mapping[str, Any] | Quantity | None = None,
+        tension: Courses | None = None,
+        shortening: Courses | None = None,
+        motors: Courses | None = None,
         loads: LoadsOverTime | None = None,
     ) -> None:
-        setup = _setup(case, method=method, tolerance=tolerance, initial=initial, damping=damping, loads=loads)
+        setup = _setup(
+            case,
+            method=method,
+            tolerance=tolerance,
+            initial=initial,
+            damping=damping,
+            tension=tension,
+            shortening=shortening,
+            motors=motors,
+            loads=loads,
+        )
         self._case, self._inner = case, _core.Simulation(setup)
         self._arc_length: Array = self._inner.arc_length()
         self._loads: Loads | None = None

@@ -180,7 +180,8 @@ impl Simulation {
                 advice: "give gravity and masses in the loads of the case",
             });
         }
-        let case = Case { base: self.base, loads: loads.clone(), ..Case::default() };
+        let still = Case::with_tensions(&vec![0.0; self.robot.cables().len()]);
+        let case = Case { base: self.base, loads: loads.clone(), ..still };
         case.check(&self.robot)?;
         self.loads.set_constant(&self.rod, loads, self.base.rotation);
         self.state.has_rates = false;

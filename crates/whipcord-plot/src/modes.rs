@@ -24,7 +24,7 @@ pub struct ModeLine {
 pub struct ModesFigure {
     /// Above the picture.
     pub title: String,
-    /// Poses of the nodes in the equilibrium.
+    /// Poses of the nodes in the equilibrium: three for each element, whose ends are those of its neighbours.
     pub poses: Vec<Pose>,
     /// The vibrations.
     pub modes: Vec<ModeLine>,
@@ -124,7 +124,7 @@ pub fn modes_figure(figure: &ModesFigure) -> Result<String, PlotError> {
             back.draw(svg, view, Stroke::new(Colour::nth(k).tint(0.5), 1.2));
             there.draw(svg, view, Stroke::new(Colour::nth(k), 2.0));
         }
-        let places: Vec<_> = backbone.iter().map(|point| view.place(*point)).collect();
+        let places: Vec<_> = smooth(&backbone).iter().map(|point| view.place(*point)).collect();
         svg.polyline(&places, rest, "backbone");
     });
     legend.draw(&mut svg, plan.legend_place());
@@ -162,7 +162,7 @@ impl Curve {
                 strokes.push([place - across, place + across]);
             }
         }
-        Self { line, strokes }
+        Self { line: smooth(&line), strokes }
     }
 
     fn draw(&self, svg: &mut Svg, view: &Projection, stroke: Stroke) {
@@ -173,6 +173,25 @@ impl Curve {
             svg.line(a, b, Stroke { width: 1.0, ..stroke });
         }
     }
+}
+
+/// Parts of an element that are drawn straight.
+const PARTS: usize = 6;
+
+/// A line through the nodes of elements with three nodes each, quadratic in each element as its displacements are.
+fn smooth(nodes: &[Vec3]) -> Vec<Vec3> {
+    let mut line = Vec::with_capacity(nodes.len() * PARTS);
+    for element in nodes.windows(3).step_by(2) {
+        for k in 0..PARTS {
+            let t = k as f64 / PARTS as f64;
+            let weights = [(1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0)];
+            let point = element.iter().zip(weights).fold(Vec3::ZERO, |sum, (p, w)| sum + *p * w);
+            line.push(point);
+        }
+    }
+    // The last node, and one before it that belongs to no element of three.
+    line.extend_from_slice(&nodes[2 * (nodes.len().saturating_sub(1) / 2)..]);
+    line
 }
 
 #[cfg(test)]
@@ -191,9 +210,19 @@ mod tests {
         let twist = figure(vec![(Vec3::ZERO, Vec3::ZERO), (Vec3::ZERO, Vec3::Z)]);
         assert!((scale(&twist.modes[0], 0.1) - GREATEST_ROTATION).abs() < 1e-12);
         let curve = Curve::new(&twist.poses, &twist.modes[0], 0.5, 0.01);
-        assert_eq!(curve.line[1], twist.poses[1].position);
+        assert_eq!(curve.line.last(), Some(&twist.poses[1].position));
         assert!((curve.strokes[1][1].y - 0.005 * 0.5_f64.sin()).abs() < 1e-12);
         assert!(modes_figure(&twist).is_ok());
+    }
+
+    #[test]
+    fn lines_are_quadratic_in_elements() {
+        let nodes = [0.0, 1.0, 2.0, 3.0, 4.0].map(|x| Vec3::new(x, x * x, 0.0));
+        let line = smooth(&nodes);
+        assert_eq!(line.len(), 2 * PARTS + 1);
+        assert!(line.iter().all(|p| (p.y - p.x * p.x).abs() < 1e-12));
+        assert_eq!(smooth(&nodes[..4]).last(), Some(&nodes[3]));
+        assert_eq!(smooth(&nodes[..2]), nodes[..2]);
     }
 
     #[test]

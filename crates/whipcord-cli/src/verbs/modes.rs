@@ -52,7 +52,7 @@ pub struct ModesArgs {
 
 /// As many vibrations are drawn at most: more lines cannot be told apart.
 const DRAWN: usize = 6;
-const WIDTH: f64 = 900.0;
+const WIDTH: f64 = 640.0;
 
 /// A time in s.
 fn time(text: &str) -> Result<f64, String> {
