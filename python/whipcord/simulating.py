@@ -181,7 +181,8 @@ class State:
     @property
     def tip(self) -> Array:
         """(3,) position of the tip in m."""
-        return self.position[-1]
+        tip: Array = self.position[-1]
+        return tip
 
     def __repr__(self) -> str:
         return f"<State at {self.time:.6g} s>"
@@ -335,12 +336,12 @@ class Simulation:
             Where the equations of the step are not solved. The state is then that before the step.
         """
         length = in_si(dt, "dt", "time")
-        given = [listed(values, name) for values, name in ((tension, "tension"), (shortening, "shortening"))]
+        tensions, shortenings = listed(tension, "tension"), listed(shortening, "shortening")
         if loads is not None and loads is not self._loads:
             tables = {**self._case._tables, "loads": part(loads, Loads, "loads"), "motion": None}
             self._inner.set_loads(_core.Setup.of_tables(tables, "loads"))
             self._loads = loads
-        self._inner.step(length, *given, listed(motors, "motors"))
+        self._inner.step(length, tensions, shortenings, listed(motors, "motors"))
         self._read = None
 
     @property
