@@ -64,7 +64,7 @@ fn time(text: &str) -> Result<f64, String> {
 /// Computes the vibrations, writes the folder and returns what standard output shows.
 pub fn run(args: &ModesArgs, style: Style) -> Result<String, Failure> {
     let file = read_one(&args.file, &args.settings)?;
-    let warnings = file.warnings();
+    let warnings = file.warnings_in_motion();
     args.warnings.tell(&file, &warnings)?;
     let (commands, options) = file.motion.held_at(&file.robot, &file.case, args.time);
     let found = Simulation::with_commands(&file.robot, &file.case, &commands, options).and_then(

@@ -50,7 +50,7 @@ pub struct SimulateArgs {
 /// Simulates, writes the folder and returns what standard output shows.
 pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
     let file = read_one(&args.file, &args.settings)?;
-    let warnings = file.warnings();
+    let warnings = file.warnings_in_motion();
     args.warnings.tell(&file, &warnings)?;
     let Some((every, steps, rows)) = file.motion.rows() else {
         return Err(Failure::Input(format!(

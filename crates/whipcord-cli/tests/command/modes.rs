@@ -38,6 +38,8 @@ fn frequencies_of_a_cantilever_are_those_of_its_closed_form() {
     let file = scratch.file("cantilever.toml");
     std::fs::write(&file, CANTILEVER).unwrap();
     let json: Value = serde_json::from_str(&succeed(&["modes", &file, "--json"])).unwrap();
+    // The density has an effect without gravity, too.
+    assert_eq!(json["warnings"], serde_json::json!([]));
     let modes = json["modes"].as_array().unwrap();
     assert_eq!(modes.len(), 6);
     let (length, radius) = (0.5, 1e-3_f64);
@@ -47,13 +49,15 @@ fn frequencies_of_a_cantilever_are_those_of_its_closed_form() {
         let beta: f64 = [1.875_104_07, 4.694_091_13, 7.854_757_44][k / 2];
         let omega = beta * beta * bar / (length * length);
         let got = TAU * number(&mode["frequency"]);
-        assert!((got / omega - 1.0).abs() < 1e-3, "{k}: {got} {omega}");
+        // Eleven elements: the error grows with the number of waves.
+        let tolerance = [2e-5, 1e-3, 5e-3][k / 2];
+        assert!((got / omega - 1.0).abs() < tolerance, "{k}: {got} {omega}");
         assert!((number(&mode["damping_ratio"]) / (0.5e-5 * got) - 1.0).abs() < 1e-6);
         // Modal mass 1: the uniform rod has mass · mean square = 1, and (2/√m) at its tip.
         let tip = mode["displacement"].as_array().unwrap().last().unwrap();
         let tip = (0..3).map(|i| number(&tip[i]).powi(2)).sum::<f64>().sqrt();
         let expected = 2.0 / (8000.0 * area * length).sqrt();
-        assert!((tip / expected - 1.0).abs() < 5e-3, "{k}: {tip} {expected}");
+        assert!((tip / expected - 1.0).abs() < 2.0 * tolerance, "{k}: {tip} {expected}");
         let energy = &mode["energy"];
         assert!(number(&energy["x"]) + number(&energy["y"]) > 0.99, "{energy}");
     }
@@ -138,7 +142,7 @@ fn what_has_no_vibrations_is_refused() {
     let rubbing = fail(2, &["modes", ARM, "--set", "cables[0].friction=0.2"]);
     assert!(rubbing.contains("friction"), "{rubbing}");
     let obstacle =
-        r#"obstacles=[{ kind = "sphere", center = ["1 m", "0 m", "0 m"], radius = "10 mm" }]"#;
+        r#"obstacles=[{ kind = "sphere", position = ["1 m", "0 m", "0 m"], radius = "10 mm" }]"#;
     let blocked = fail(2, &["modes", ARM, "--set", obstacle]);
     assert!(blocked.contains("obstacles"), "{blocked}");
     let massless = fail(2, &["modes", "examples/three-cable-segment.toml"]);

@@ -9,6 +9,7 @@ use whipcord::{Model, ModelKind, Robot, Solution, Warning};
 
 use crate::case_file::CaseFile;
 use crate::materials::preset;
+use crate::read::Motion;
 use crate::source::{Position, Span};
 
 use bare_numbers::bare_numbers;
@@ -68,11 +69,26 @@ const SOFTER_THAN_RUBBER: f64 = 1e6;
 /// No backbone is made of anything softer, in Pa.
 const SOFTER_THAN_ANYTHING: f64 = 1e4;
 
+/// Whether a mass has no effect, as in statics without gravity.
+fn is_unused_mass(warning: &Warning) -> bool {
+    let Warning::UnusedKey { path, .. } = warning else { return false };
+    matches!(path.as_str(), "backbone.density" | "backbone.linear_density" | "disks.mass")
+        || path.starts_with("loads.mass")
+}
+
 impl CaseFile {
     /// Warnings about this file, in the order of the file.
     #[must_use]
     pub fn warnings(&self) -> Vec<FileWarning> {
         self.warnings_with(SOFTER_THAN_RUBBER, unused_keys::zero_loads(self))
+    }
+
+    /// The same for a robot that moves: its masses have an effect without gravity, too.
+    #[must_use]
+    pub fn warnings_in_motion(&self) -> Vec<FileWarning> {
+        let mut all = self.warnings();
+        all.retain(|of| !is_unused_mass(&of.warning));
+        all
     }
 
     /// The same where a program wrote the file and took the units away, as Python does: a modulus that may have had one is not
@@ -94,7 +110,7 @@ impl CaseFile {
             | Warning::ThickBackbone { .. }
             | Warning::OutsideDisk { .. }
             | Warning::InsideBackbone { .. } => bare.iter().all(|path| path.ends_with("_modulus")),
-            _ => true,
+            _ => self.motion == Motion::default() || !is_unused_mass(warning),
         }));
         all.extend(unused_keys::without_effect(self));
         all.extend(zero_loads);
