@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use crate::support::{Scratch, fail, settings, succeed};
 
+const BENT: &str = "examples/two-segment-arm.toml";
 const ARM: &str = "examples/released-arm.toml";
 
 /// A cantilever without disks' mass, cables or weight.
@@ -67,10 +68,12 @@ fn frequencies_of_a_cantilever_are_those_of_its_closed_form() {
 fn the_folder_has_tables_and_a_picture() {
     let scratch = Scratch::new();
     let out = scratch.file("out");
-    let args = ["modes", ARM, "--count", "4", "--out", &out];
+    // Vibrations of a round robot would be in any two planes.
     settings(Some(scratch.path())).bind(|| {
+        let args = ["modes", BENT, "--count", "4", "--out", &out];
         insta::assert_snapshot!("modes", succeed(&args));
     });
+    succeed(&["modes", ARM, "--count", "4", "--out", &out]);
     let folder = scratch.path().join("out");
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let json: Value = serde_json::from_str(&read("modes.json")).unwrap();
