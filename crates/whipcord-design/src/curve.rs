@@ -64,6 +64,12 @@ impl Curve {
         Self::new(length, 0.0, move |s| start + (end - start) * s / length, |_| 0.0)
     }
 
+    /// The same curve, first bent towards this direction in rad from x.
+    #[must_use]
+    pub fn towards(self, direction: f64) -> Self {
+        Self { direction, ..self }
+    }
+
     /// Length in m.
     #[must_use]
     pub const fn length(&self) -> f64 {

@@ -41,6 +41,38 @@ pub enum DesignError {
     /// No cable is to be varied.
     #[error("no cable to vary: give at least one")]
     NoCables,
+    /// Nothing is to be varied.
+    #[error(
+        "nothing is varied: say what may change, such as cables[0].holes, cables[0].routing, cables[0].tension, backbone.rest_curvature or backbone.diameters"
+    )]
+    NothingVaried,
+    /// A tension that is to be varied is not commanded.
+    #[error(
+        "the tension of cable `{name}` cannot be varied, as its shortening is commanded: give `tension` instead of `shortening`"
+    )]
+    DrivenByLength {
+        /// Name of the cable.
+        name: String,
+    },
+    /// A cable that is to bend the robot is not pulled.
+    #[error(
+        "cable `{name}` has no tension to bend the robot with: give `tension`, or vary it as well"
+    )]
+    NoTension {
+        /// Name of the cable.
+        name: String,
+    },
+    /// A hole is fixed of a cable whose holes are not varied.
+    #[error("a hole of cable {cable} is fixed, but its holes are not varied")]
+    FixedButNotVaried {
+        /// Number of the cable, from 0.
+        cable: usize,
+    },
+    /// The number of cables of a robot with motors is that of its motors.
+    #[error(
+        "the number of cables cannot be varied, as motors pull them: take out [[motors]], and add them for the cables of the design"
+    )]
+    Motors,
     /// The disks have no holes to choose from.
     #[error("the disks have no holes to choose from: give `holes` in [disks]")]
     NoHoles,

@@ -1,13 +1,12 @@
 //! The routing of one cable that bends a straight rod to a curve, in closed form.
 
-use core::f64::consts::TAU;
-
 use whipcord::section::section_stiffness;
 use whipcord::{
     Actuation, CableCommand, Case, Model, ModelKind, Robot, Routing, Solution, Statics as _,
     Stations, Vec3,
 };
 
+use crate::chebyshev;
 use crate::curve::Curve;
 use crate::error::DesignError;
 
@@ -126,7 +125,7 @@ pub(crate) fn distance(poses: &[whipcord::Pose], points: &[Vec3]) -> f64 {
 }
 
 /// How far from the axis a cable may be: the rims of the disks.
-fn largest_radius(robot: &Robot) -> f64 {
+pub(crate) fn largest_radius(robot: &Robot) -> f64 {
     if !robot.has_disks() {
         return f64::INFINITY;
     }
@@ -307,7 +306,7 @@ fn polynomials(offsets: &[[f64; 2]], length: f64) -> Result<[Vec<f64>; 2], Desig
             .map(|(k, offset)| {
                 #[allow(clippy::cast_precision_loss, reason = "few intervals")]
                 let s = length * k as f64 / (offsets.len() - 1) as f64;
-                let at = |of: &[f64]| of.iter().rev().fold(0.0, |sum, c| sum * s + c);
+                let at = |of: &[f64]| chebyshev::value(of, s);
                 (at(&of[0]) - offset[0]).hypot(at(&of[1]) - offset[1])
             })
             .fold(0.0, f64::max)
@@ -332,11 +331,8 @@ fn polynomials(offsets: &[[f64; 2]], length: f64) -> Result<[Vec<f64>; 2], Desig
 
 /// The interpolant at the zeros of a Chebyshev polynomial of the next degree, in ascending powers of the arc length.
 fn fitted(offsets: &[[f64; 2]], axis: usize, degree: usize, length: f64) -> Vec<f64> {
-    let n = degree + 1;
-    #[allow(clippy::cast_precision_loss, reason = "low degrees")]
-    let angles: Vec<f64> = (0..n).map(|k| (k as f64 + 0.5) * 0.5 * TAU / n as f64).collect();
-    let value = |angle: f64| {
-        let at = 0.5 * (1.0 + angle.cos()) * (offsets.len() - 1) as f64;
+    let value = |part: f64| {
+        let at = part * (offsets.len() - 1) as f64;
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -354,45 +350,8 @@ fn fitted(offsets: &[[f64; 2]], axis: usize, degree: usize, length: f64) -> Vec<
             })
             .sum::<f64>()
     };
-    let values: Vec<f64> = angles.iter().map(|angle| value(*angle)).collect();
-    #[allow(clippy::cast_precision_loss, reason = "low degrees")]
-    let coefficients: Vec<f64> = (0..n)
-        .map(|order| {
-            let sum: f64 = angles
-                .iter()
-                .zip(&values)
-                .map(|(angle, value)| value * (order as f64 * angle).cos())
-                .sum();
-            let factor = if order == 0 { 1.0 } else { 2.0 };
-            factor * sum / n as f64
-        })
-        .collect();
-    // T₀ = 1, T₁ = x, Tₙ₊₁ = 2 x Tₙ − Tₙ₋₁ with x = 2 s/L − 1, in powers of s/L.
-    let times_x = |of: &[f64]| {
-        let mut out = vec![0.0; of.len() + 1];
-        for (k, c) in of.iter().enumerate() {
-            out[k] -= c;
-            out[k + 1] += 2.0 * c;
-        }
-        out
-    };
-    let mut sum = vec![0.0; n];
-    let (mut before, mut now) = (vec![1.0], vec![-1.0, 2.0]);
-    for (order, coefficient) in coefficients.iter().enumerate() {
-        let of = if order == 0 { &before } else { &now };
-        sum.iter_mut().zip(of).for_each(|(sum, c)| *sum += coefficient * c);
-        if order > 0 {
-            let mut next: Vec<f64> = times_x(&now).iter().map(|c| 2.0 * c).collect();
-            next.iter_mut().zip(&before).for_each(|(next, c)| *next -= c);
-            before = core::mem::replace(&mut now, next);
-        }
-    }
-    let mut power = 1.0;
-    for c in &mut sum {
-        *c /= power;
-        power *= length;
-    }
-    sum
+    let values: Vec<f64> = chebyshev::places(degree + 1).map(value).collect();
+    chebyshev::powers(&values, length)
 }
 
 #[cfg(test)]

@@ -9,3 +9,4 @@
 mod curves;
 mod holes;
 mod robots;
+mod whole;

@@ -1,0 +1,250 @@
+//! Designs as a whole: what is varied together, from goals to the robot.
+
+use core::f64::consts::{PI, TAU};
+
+use whipcord::batch::BatchOptions;
+use whipcord::{
+    Actuation, Cable, Case, Disks, Loads, Model, ModelKind, Robot, Routing, Statics as _, Stations,
+    Vec3,
+};
+use whipcord_design::{
+    CurveKind, Design, DesignError, DesignGoal, DesignOptions, FixedHole, HoleRules, Known,
+    NamedCurve, Proof, TargetShape, Tolerances, Vary, design, sample_tolerances,
+};
+
+use crate::robots::{LENGTH, backbone, holed, with_holes};
+
+fn model(kind: ModelKind) -> Model {
+    Model::new(kind, Stations::Disks, Actuation::Natural)
+}
+
+fn goal(case: Case, target: TargetShape) -> DesignGoal {
+    DesignGoal { case, target, weight: 1.0 }
+}
+
+fn curve(kind: CurveKind, direction: f64) -> TargetShape {
+    TargetShape::Curve(NamedCurve { kind, direction })
+}
+
+fn planted(robot: &Robot, kind: ModelKind, case: &Case) -> TargetShape {
+    let solution = model(kind).solve(robot, case).unwrap();
+    let poses = solution.disks.poses.iter().map(|pose| pose.position);
+    TargetShape::Points(poses.enumerate().skip(1).collect())
+}
+
+fn straight(angles: &[f64]) -> Robot {
+    let cable = |(k, angle): (usize, &f64)| {
+        Cable::new(format!("c{k}"), Routing::Straight { angle: *angle, radius: 0.006 })
+    };
+    let cables = angles.iter().enumerate().map(cable).collect();
+    Robot::new(backbone(LENGTH), Disks::equally_spaced(LENGTH, 10, 0.008), cables).unwrap()
+}
+
+fn known(design: &Design, of: Vary) -> Known {
+    design.findings.iter().find(|finding| finding.what == of.to_string()).unwrap().known
+}
+
+#[test]
+fn holes_and_tension_that_were_planted_are_found_again() {
+    let robot = holed(LENGTH, 8, 8, 1);
+    let list = vec![1, 2, 3, 3, 2, 1, 8, 8];
+    let target = planted(
+        &with_holes(&robot, &[list.clone()]),
+        ModelKind::CosseratDisks,
+        &Case::with_tensions(&[5.3]),
+    );
+    let goals = [goal(Case::with_tensions(&[3.0]), target)];
+    let vary = [Vary::Holes { cable: 0 }, Vary::Tension { cable: 0 }];
+    let kind = ModelKind::CosseratDisks;
+    let found = design(&model(kind), &robot, &goals, &vary, &DesignOptions::default()).unwrap();
+    assert!(found.error < 1e-8, "{:e}", found.error);
+    let tension = found.goals[0].case.commands[0].tension.unwrap();
+    assert!((tension - 5.3).abs() < 1e-5, "{tension}");
+    assert_eq!(found.robot.cables()[0].routing, Routing::holes(list));
+    assert_eq!(known(&found, vary[0]), Known::Holes(Proof::Optimal));
+    // The fine solve of the same robot agrees.
+    let check = found.goals[0].check.as_ref().unwrap().as_ref().unwrap();
+    assert!(check.iter().all(|distance| *distance < 1e-7));
+    assert!(!found.is_proven() && found.before.unwrap()[0] > found.error);
+}
+
+#[test]
+fn fixed_holes_and_jumps_hold_and_only_varied_cables_have_them() {
+    let robot = holed(LENGTH, 8, 8, 2);
+    let goals =
+        [goal(Case::with_tensions(&[4.0, 0.0]), curve(CurveKind::Arc { angle: PI / 2.0 }, 1.3))];
+    let rules = |cable| HoleRules {
+        largest_jump: Some(1),
+        fixed: vec![FixedHole { cable, disk: 0, hole: 6 }],
+        ..HoleRules::default()
+    };
+    let options = DesignOptions { rules: rules(0), ..DesignOptions::default() };
+    let vary = [Vary::Holes { cable: 0 }];
+    let kind = ModelKind::CosseratDisks;
+    let found = design(&model(kind), &robot, &goals, &vary, &options).unwrap();
+    let Routing::Holes { holes, .. } = &found.robot.cables()[0].routing else { panic!() };
+    assert_eq!(holes[0], 6);
+    assert!(holes.windows(2).all(|pair| matches!(pair[0].abs_diff(pair[1]), 0 | 1 | 7)));
+    assert!(found.is_proven());
+    let options = DesignOptions { rules: rules(1), ..options };
+    let refused = design(&model(kind), &robot, &goals, &vary, &options);
+    assert!(matches!(refused, Err(DesignError::FixedButNotVaried { cable: 1 })));
+}
+
+#[test]
+fn a_cable_for_a_curve_is_in_closed_form_and_takes_the_tension_that_it_needs() {
+    let robot = straight(&[0.0]);
+    let arc = curve(CurveKind::Arc { angle: PI }, 0.4);
+    let vary = [Vary::Routing { cable: 0 }, Vary::Tension { cable: 0 }];
+    let goals = [goal(Case::with_tensions(&[1.0]), arc)];
+    let cosserat = model(ModelKind::Cosserat);
+    let found = design(&cosserat, &robot, &goals, &vary, &DesignOptions::default()).unwrap();
+    assert_eq!(known(&found, vary[0]), Known::ClosedForm);
+    assert!(found.largest < 2e-3 * LENGTH, "{:e}", found.largest);
+    // With the tension held, the curve is refused with the tension that would do.
+    let refused = design(&cosserat, &robot, &goals, &vary[..1], &DesignOptions::default());
+    let Err(DesignError::NotAttainable { tension, .. }) = refused else { panic!("{refused:?}") };
+    assert!(tension > 1.0);
+    // By the model of straight cables the closed form is where least squares start.
+    let disks = model(ModelKind::CosseratDisks);
+    let near = design(&disks, &robot, &goals, &vary, &DesignOptions::default()).unwrap();
+    assert!(matches!(
+        known(&near, vary[0]),
+        Known::LeastSquares { .. } | Known::Unconverged { .. }
+    ));
+    assert!(near.largest < 1e-3 * LENGTH, "{:e}", near.largest);
+}
+
+#[test]
+fn a_routing_under_load_is_found_by_least_squares() {
+    let planted_routing =
+        Routing::Polynomial { x: vec![0.005, 0.02, -0.2], y: vec![0.0, 0.03, -0.1] };
+    let robot = straight(&[0.0]);
+    let mut cables = robot.cables().to_vec();
+    cables[0].routing = planted_routing;
+    let known_robot = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
+    let loads = Loads { tip_force: Vec3::new(0.0, 0.05, -0.1), ..Loads::default() };
+    let case = Case { loads, ..Case::with_tensions(&[4.0]) };
+    let target = planted(&known_robot, ModelKind::Cosserat, &case);
+    let vary = [Vary::Routing { cable: 0 }];
+    let goals = [goal(case, target)];
+    let cosserat = model(ModelKind::Cosserat);
+    let found = design(&cosserat, &robot, &goals, &vary, &DesignOptions::default()).unwrap();
+    println!("{:?} {:e}", found.findings, found.error);
+    assert!(found.error < 1e-6 * LENGTH, "{:e}", found.error / LENGTH);
+}
+
+#[test]
+fn pre_bend_and_taper_come_within_a_thousandth_of_the_length() {
+    let robot = straight(&[0.0, PI]);
+    let loads = Loads {
+        gravity: Some(Vec3::new(0.0, -9.81, 0.0)),
+        tip_force: Vec3::new(0.02, 0.0, 0.0),
+        ..Loads::default()
+    };
+    let case = Case { loads, ..Case::with_tensions(&[2.0, 0.5]) };
+    let cosserat = model(ModelKind::Cosserat);
+    let options = DesignOptions::default();
+    let goals = [goal(case.clone(), curve(CurveKind::Helix { radius: 0.03, pitch: 0.1 }, 0.0))];
+    let bent = design(&cosserat, &robot, &goals, &[Vary::RestCurvature], &options).unwrap();
+    assert!(bent.largest < 1e-3 * LENGTH, "{:e}", bent.largest / LENGTH);
+    // Points alone, by least squares.
+    let points = TargetShape::Points(goals[0].points(&robot).unwrap());
+    let goals = [goal(case, points)];
+    let bent = design(&cosserat, &robot, &goals, &[Vary::RestCurvature], &options).unwrap();
+    assert!(bent.largest < 1e-3 * LENGTH, "{:e}", bent.largest / LENGTH);
+    let goals = [goal(
+        Case::with_tensions(&[3.0, 0.0]),
+        curve(CurveKind::Clothoid { start: 3.0, end: 8.0 }, 0.0),
+    )];
+    let tapered = design(&cosserat, &robot, &goals, &[Vary::Diameters], &options).unwrap();
+    assert_eq!(known(&tapered, Vary::Diameters), Known::Iterated);
+    assert!(tapered.largest < 1e-3 * LENGTH, "{:e}", tapered.largest / LENGTH);
+}
+
+/// One shape takes one cable, an arc to either side two, three arcs that are not in a plane and do not pull in one half three.
+#[test]
+fn the_number_of_cables_is_the_rank_or_what_the_signs_take() {
+    let robot = straight(&[0.0]);
+    let cosserat = model(ModelKind::Cosserat);
+    let count = |directions: &[f64]| {
+        let goals: Vec<DesignGoal> = directions
+            .iter()
+            .map(|direction| {
+                let arc = curve(CurveKind::Arc { angle: 0.8 }, *direction);
+                goal(Case::with_tensions(&[1.0]), arc)
+            })
+            .collect();
+        let options = DesignOptions { starts: 1, ..DesignOptions::default() };
+        let found = design(&cosserat, &robot, &goals, &[Vary::Cables], &options).unwrap();
+        println!("{directions:?}: {:?}, {:.1e}", found.findings[0], found.largest / LENGTH);
+        assert!(found.largest < 0.01 * LENGTH, "{:e}", found.largest / LENGTH);
+        let Known::AtLeast { cables } = known(&found, Vary::Cables) else { panic!() };
+        (cables, found.robot.cables().len())
+    };
+    assert_eq!(count(&[0.3]), (1, 1));
+    assert_eq!(count(&[0.0, PI]), (1, 2));
+    assert_eq!(count(&[0.0, 0.4 * PI]), (2, 2));
+    assert_eq!(count(&[0.0, TAU / 3.0, 2.0 * TAU / 3.0]), (2, 3));
+}
+
+#[test]
+fn disk_positions_that_were_planted_are_found_again() {
+    let robot = holed(LENGTH, 6, 12, 1);
+    let robot = with_holes(&robot, &[vec![1, 2, 3, 4, 5, 6]]);
+    let mut disks = robot.disks().clone();
+    disks.arc_lengths[2] += 0.004;
+    disks.arc_lengths[3] -= 0.003;
+    let moved = Robot::new(robot.backbone().clone(), disks, robot.cables().to_vec()).unwrap();
+    let case = Case::with_tensions(&[5.0]);
+    let kind = ModelKind::CosseratDisks;
+    let target = planted(&moved, kind, &case);
+    let options = DesignOptions { starts: 1, ..DesignOptions::default() };
+    let goals = [goal(case, target)];
+    let found = design(&model(kind), &robot, &goals, &[Vary::DiskPositions], &options).unwrap();
+    assert!(found.error < 1e-6 * LENGTH, "{:e}", found.error / LENGTH);
+    let at = |disk: usize| found.robot.disks().arc_lengths[disk] - robot.disks().arc_lengths[disk];
+    assert!((at(2) - 0.004).abs() < 1e-5 && (at(3) + 0.003).abs() < 1e-5);
+}
+
+/// With the tension alone uncertain, the tip moves along its derivative.
+#[test]
+fn the_spread_of_the_tip_is_that_of_linear_propagation() {
+    let robot = straight(&[0.0]);
+    let case = Case::with_tensions(&[3.0]);
+    let cosserat = model(ModelKind::Cosserat);
+    let solution = cosserat.solve(&robot, &case).unwrap();
+    let tip = solution.disks.tip().position;
+    let tolerances = Tolerances {
+        hole_radius: 0.0,
+        hole_angle: 0.0,
+        disk_position: 0.0,
+        stiffness: 0.0,
+        tension: 0.01,
+        samples: 4_000,
+        seed: 7,
+    };
+    let goals = [(case, vec![(9, tip)])];
+    let options = BatchOptions::default();
+    let of = |tolerances: &Tolerances| {
+        sample_tolerances(&cosserat, &robot, &goals, tolerances, &options).unwrap()
+    };
+    let sampled = of(&tolerances);
+    assert_eq!((sampled.failed, sampled.goals[0].len()), (0, 4_000));
+    let more = cosserat.solve(&robot, &Case::with_tensions(&[3.0003])).unwrap();
+    let rate = (more.disks.tip().position - tip).norm() / 0.0003;
+    let square = sampled.goals[0].iter().map(|of| of.tip_shift * of.tip_shift).sum::<f64>();
+    let deviation = (square / 4_000.0).sqrt();
+    let exact = rate * 0.03;
+    assert!((deviation / exact - 1.0).abs() < 0.04, "{deviation:e} {exact:e}");
+    assert_eq!(sampled, of(&tolerances));
+    // A stiffness that is as much uncertain does the same: the bend is τ r/EI.
+    let stiffness = Tolerances { tension: 0.0, stiffness: 0.01, ..tolerances };
+    let square = of(&stiffness).goals[0].iter().map(|of| of.tip_shift * of.tip_shift).sum::<f64>();
+    assert!(((square / 4_000.0).sqrt() / exact - 1.0).abs() < 0.04);
+    // The angle of a straight cable turns the bend about the axis.
+    let turned = Tolerances { tension: 0.0, hole_angle: 0.01, ..tolerances };
+    let square = of(&turned).goals[0].iter().map(|of| of.tip_shift * of.tip_shift).sum::<f64>();
+    let exact = 0.01 * tip.x.hypot(tip.y);
+    assert!(((square / 4_000.0).sqrt() / exact - 1.0).abs() < 0.04);
+}
