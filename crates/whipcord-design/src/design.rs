@@ -126,7 +126,9 @@ const FINE: f64 = 1e-9;
 /// Rounds in which holes and tensions are chosen in turn.
 const ROUNDS: usize = 8;
 /// Tensions that are tried for one cable before the rounds.
-const TENSIONS: u32 = 8;
+const TENSIONS: u32 = 24;
+/// The best of these from which holes and tensions are chosen in turn.
+const KEPT: usize = 4;
 /// How much nearer a round must come to go on, as a part of the error.
 const NEARER: f64 = 1e-4;
 
@@ -237,50 +239,42 @@ impl Work<'_> {
             let search = &work.options.search;
             design_holes(&work.model, &work.robot, cables, &goals, &rules, search)
         };
-        let mut best = search(self);
+        // Of each trial the tensions and what the holes make of them.
+        let mut trials = vec![(self.cases.clone(), search(self))];
         if let ([cable], [_]) = (tensions, &self.cases[..]) {
             let [least, greatest] = self.tension_range(*cable)?;
-            let given = self.cases[0].commands[*cable].tension;
-            let mut chosen = given;
-            for k in 0..TENSIONS {
-                let part = f64::from(k + 1) / f64::from(TENSIONS);
+            for k in 1..=TENSIONS {
+                let part = f64::from(k) / f64::from(TENSIONS);
                 let tension = (part * part * greatest).max(least);
                 self.cases[0].commands[*cable].tension = Some(tension);
-                let tried = search(self);
-                let is_better = match (&tried, &best) {
-                    (Ok(tried), Ok(best)) => tried.error < best.error,
-                    (Ok(_), Err(_)) => true,
-                    (Err(_), _) => false,
-                };
-                if is_better {
-                    (best, chosen) = (tried, Some(tension));
-                }
+                trials.push((self.cases.clone(), search(self)));
             }
-            self.cases[0].commands[*cable].tension = chosen;
         }
-        let mut best = best?;
-        self.robot = best.robot.clone();
-        let mut known = None;
-        if !tensions.is_empty() {
-            for _ in 0..ROUNDS {
-                let unknowns: Vec<Vary> =
-                    tensions.iter().map(|&cable| Vary::Tension { cable }).collect();
-                let before = best.error;
-                let refined = self.refined(&unknowns, 1)?;
-                let cases = core::mem::replace(&mut self.cases, refined.cases);
-                known = Some(converged(refined.is_converged, 1, 1));
-                let next = search(self)?;
-                if next.error >= best.error {
-                    self.cases = cases;
-                    break;
-                }
-                best = next;
-                self.robot = best.robot.clone();
-                if best.error > before * (1.0 - NEARER) {
-                    break;
+        let mut refusal = None;
+        let mut found = Vec::new();
+        for (cases, trial) in trials {
+            match trial {
+                Ok(design) => found.push((cases, design)),
+                Err(error) => {
+                    refusal.get_or_insert(error);
                 }
             }
         }
+        found.sort_by(|a, b| a.1.error.total_cmp(&b.1.error));
+        found.truncate(if tensions.is_empty() { 1 } else { KEPT });
+        let mut best: Option<(Vec<Case>, HoleDesign, Option<Known>)> = None;
+        for (cases, design) in found {
+            self.cases = cases;
+            self.robot = design.robot.clone();
+            let ended = self.in_turn(design, tensions, &search)?;
+            if best.as_ref().is_none_or(|(_, best, _)| ended.0.error < best.error) {
+                best = Some((self.cases.clone(), ended.0, ended.1));
+            }
+        }
+        let Some((cases, best, known)) = best else {
+            return Err(refusal.unwrap_or(DesignError::NoPoints));
+        };
+        (self.cases, self.robot) = (cases, best.robot.clone());
         for cable in cables {
             self.find(Vary::Holes { cable: *cable }, Known::Holes(best.proof));
         }
@@ -291,6 +285,38 @@ impl Work<'_> {
             );
         }
         Ok(())
+    }
+
+    /// Tensions and holes in turn, until neither comes nearer.
+    fn in_turn(
+        &mut self,
+        mut best: HoleDesign,
+        tensions: &[usize],
+        search: &impl Fn(&Self) -> Result<HoleDesign, DesignError>,
+    ) -> Result<(HoleDesign, Option<Known>), DesignError> {
+        let mut known = None;
+        let unknowns: Vec<Vary> = tensions.iter().map(|&cable| Vary::Tension { cable }).collect();
+        for _ in 0..ROUNDS {
+            if unknowns.is_empty() {
+                break;
+            }
+            let before = best.error;
+            let refined = self.refined(&unknowns, 1)?;
+            let cases = core::mem::replace(&mut self.cases, refined.cases);
+            let next = search(self)?;
+            if next.error >= best.error {
+                self.cases = cases;
+                known.get_or_insert(converged(refined.is_converged, 1, 1));
+                break;
+            }
+            known = Some(converged(refined.is_converged, 1, 1));
+            best = next;
+            self.robot = best.robot.clone();
+            if best.error > before * (1.0 - NEARER) {
+                break;
+            }
+        }
+        Ok((best, known))
     }
 
     /// The rules with the fixed holes of the varied cables, by their places among them.

@@ -46,6 +46,8 @@ pub(crate) struct RefineOptions {
 
 /// What a cable beyond the rim costs: so many lengths of the backbone for each radius beyond it.
 const BEYOND: f64 = 10.0;
+/// A mean distance by this part of the length is none.
+const EXACT: f64 = 1e-7;
 /// Costs that agree to this part are of one answer.
 const AGREE: f64 = 0.01;
 
@@ -78,6 +80,11 @@ pub(crate) fn refine(
                 values = problem.within_rim(&values);
                 let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
                 ends.push((cost, outcome.status.is_converged(), values));
+                // Nothing comes nearer than this.
+                let length = robot.backbone().length;
+                if cost.sqrt() <= EXACT * length * (problem.points() as f64).sqrt() {
+                    break;
+                }
             }
             Err(NoResiduals::Refused(DesignError::Solve(error @ SolveError::Cancelled { .. }))) => {
                 return Err(error.into());

@@ -78,6 +78,7 @@ pub fn route_for_curve(
         return Err(DesignError::Curve { what });
     }
     let sections = resistances(robot)?;
+    check_radius(robot, curve, tension, &sections)?;
     let course = Course::of(curve, length, tension, &sections)?;
     let outermost = course.radius.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let largest = largest_radius(robot);
@@ -116,6 +117,27 @@ pub fn route_for_curve(
     let bounds = |pick: fn(f64, f64) -> f64| course.radius.iter().copied().reduce(pick);
     let radii = [bounds(f64::min), bounds(f64::max)].map(|of| of.unwrap_or(0.0));
     Ok(CurveRoute { robot: routed, case, radii, error, solution })
+}
+
+/// Refuses a curve that takes a cable far outside of the disks: by eq. (5) with t_z ≤ 1 the distance is at least EI κ/τ, but for the extension.
+fn check_radius(
+    robot: &Robot,
+    curve: &Curve,
+    tension: f64,
+    sections: &[Resistance],
+) -> Result<(), DesignError> {
+    const FAR: f64 = 1.5;
+    let (length, largest) = (robot.backbone().length, largest_radius(robot));
+    for (k, of) in sections.iter().enumerate() {
+        #[allow(clippy::cast_precision_loss, reason = "few intervals")]
+        let arc_length = length * k as f64 / INTERVALS as f64;
+        let radius = of.bending * curve.curvature(arc_length).abs() / tension;
+        if radius > FAR * largest {
+            let tension = tension * radius / largest;
+            return Err(DesignError::NotAttainable { arc_length, radius, largest, tension });
+        }
+    }
+    Ok(())
 }
 
 /// Greatest distance of poses from points in m.
@@ -229,7 +251,7 @@ impl Course {
             let size = next.iter().map(|rho: &f64| rho.abs()).fold(0.0, f64::max);
             change = next.iter().zip(&radius).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
                 / size.max(1e-12 * length);
-            if !change.is_finite() {
+            if !change.is_finite() || next.iter().any(|rho| !rho.is_finite()) {
                 break;
             }
             // The slope of what varies from section to section is large: a whole step would amplify it.

@@ -238,7 +238,10 @@ fn read(
         read::fit(table, robot, &document, problems)
     });
     let disks = robot.disks;
-    let goal = read::goal(&fields, disks, &document, sources, problems);
+    let names: Vec<String> = parts.as_ref().map_or_else(Vec::new, |parts| {
+        parts.cables.iter().map(|cable| cable.name.clone()).collect()
+    });
+    let goal = read::goal(&fields, (disks, &names), &document, sources, problems);
     // Without its cables and motors nothing is known of what they are told.
     let motion = parts.as_ref().map_or_else(Motion::default, |parts| {
         let driven = read::Driven { cables: &parts.cables, motors: &parts.motors.motors };
@@ -256,6 +259,8 @@ fn read(
     let commands = parts.table.take();
     let (robot, case) = assemble(parts, &document, problems)?;
     read::check_shortenings(&goal, &robot, &document, problems);
+    let has_measured = measured.as_ref().is_some_and(|measured| !measured.disks.is_empty());
+    read::check_design(&goal.design, &robot, has_measured, &document, problems);
     read::check_motion(&motion, &robot, &case, &document, problems);
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Some(CaseFile {

@@ -7,6 +7,7 @@
 mod camera;
 mod case_file;
 mod check;
+mod design_problem;
 mod document;
 mod error;
 mod files;
@@ -28,6 +29,7 @@ mod warnings;
 
 pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
 pub use case_file::{CaseFile, load, load_stream, load_with, parse};
+pub use design_problem::{DesignProblem, NoDesignProblem, designed_case};
 pub use document::{
     FittedFile, Inexpressible, Item, Table, describe, describe_fit, describe_goal, describe_motion,
     table_in_si, toml,
@@ -37,17 +39,19 @@ pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
     Beside, Cell, Column, CsvTable, NonFinite, SpacePoint, Values, answer_json, boundary_table,
-    columns_to_parquet, contacts_csv, fit_json, follow_json, json_number, json_optional, loss_name,
-    marks_csv, mode_shapes_table, modes_json, modes_table, motion_json, motion_table, path_table,
-    points_csv, poses_table, problems_json, reach_json, remove_unfinished, shape_csv,
-    solution_json, status_words, steps_csv, stiffness_json, warnings_json, workspace_json,
-    workspace_table, write_atomically,
+    columns_to_parquet, contacts_csv, design_errors_table, design_json, distributions, fit_json,
+    follow_json, holes_table, json_number, json_optional, loss_name, marks_csv, mode_shapes_table,
+    modes_json, modes_table, motion_json, motion_table, path_table, points_csv, poses_table,
+    problems_json, quantile, reach_json, remove_unfinished, samples_table, shape_csv,
+    solution_json, status_words, steps_csv, stiffness_json, tolerances_json, warnings_json,
+    workspace_json, workspace_table, write_atomically,
 };
 pub use read::{
-    CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded, Fit,
-    Goal, LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, Motion,
-    NumberTable, RateMismatch, Reference, load_markers, load_numbers, load_path, load_shape,
-    parameter_path,
+    CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded,
+    DesignShape, DesignTable, DesignTarget, Fit, FixedHoleEntry, Goal, LENGTH_UNITS, Measured,
+    MeasuredDisk, MeasuredRotation, MeasuringCamera, Motion, NumberTable, RateMismatch, Reference,
+    ToleranceTable, curve_text, is_curve, load_markers, load_numbers, load_path, load_shape,
+    parameter_path, parse_curve,
 };
 pub use render::{render, render_warnings};
 pub use schema::schema;

@@ -18,7 +18,16 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     ("whipcord-inverse", &["whipcord", "whipcord-numerics"]),
     ("whipcord-motion", &["whipcord", "whipcord-numerics"]),
     ("whipcord-design", &["whipcord", "whipcord-numerics"]),
-    ("whipcord-io", &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-motion"]),
+    (
+        "whipcord-io",
+        &[
+            "whipcord",
+            "whipcord-design",
+            "whipcord-estimation",
+            "whipcord-inverse",
+            "whipcord-motion",
+        ],
+    ),
     ("whipcord-plot", &["whipcord", "whipcord-estimation", "whipcord-inverse"]),
     ("whipcord-vision", &["whipcord", "whipcord-estimation", "whipcord-numerics"]),
     (
@@ -37,6 +46,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "whipcord-estimation",
             "whipcord-inverse",
             "whipcord-motion",
+            "whipcord-design",
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",
@@ -53,6 +63,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "whipcord-estimation",
             "whipcord-inverse",
             "whipcord-motion",
+            "whipcord-design",
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",

@@ -9,7 +9,7 @@ use super::describe::{Inexpressible, describe};
 use super::{Item, Table, describe_goal, describe_motion, toml};
 use crate::case_file::{CaseFile, parse};
 use crate::node::{Node, Value};
-use crate::read::Goal;
+use crate::read::{DesignShape, Goal};
 use crate::source::Span;
 use crate::units::with_number;
 
@@ -66,7 +66,15 @@ impl CaseFile {
         let table = self.goal.table.as_ref();
         let table =
             table.map(|path| relative(path, folder).map_or_else(|| path.clone(), PathBuf::from));
-        describe_goal(&Goal { table, ..self.goal.clone() }, &mut file);
+        let mut goal = Goal { table, ..self.goal.clone() };
+        for target in &mut goal.design.targets {
+            if let DesignShape::Points(_, path) = &mut target.shape
+                && let Some(near) = relative(path, folder)
+            {
+                *path = PathBuf::from(near);
+            }
+        }
+        describe_goal(&goal, &mut file);
         describe_motion(&self.motion, robot, &mut file)?;
         Ok(FittedFile { text: toml(&file), keeps_text: false })
     }
@@ -105,7 +113,9 @@ impl CaseFile {
         let files = ["extends", "commands.table", "measured.disks", "measured.table"];
         let files = files.into_iter().chain(["target.shape", "target.path"]);
         let files = files.map(str::to_owned);
-        for path in files.chain(cameras).chain(meshes).chain(over_time) {
+        let shapes = 0..self.goal.design.targets.len();
+        let shapes = shapes.map(|k| format!("design.targets[{k}].shape"));
+        for path in files.chain(shapes).chain(cameras).chain(meshes).chain(over_time) {
             if let Some(Node { span, value: Value::Text(named) }) = self.document().find(&path)
                 && span.file == 0
             {
@@ -191,6 +201,11 @@ impl CaseFile {
                         (None, Item::Number(_)) => {
                             lines += &format!("\n{key} = {}", short(in_si(item)?));
                         }
+                        (None, Item::Table(_) | Item::List(_))
+                            if self.document().find(&format!("{path}.{key}")).is_none() =>
+                        {
+                            lines += &format!("\n{key} = {}", super::text::inline(item));
+                        }
                         (None, _) => return None,
                     }
                 }
@@ -198,6 +213,14 @@ impl CaseFile {
                 let header = self.document().find(path).filter(|node| node.span.file == 0)?.span;
                 self.text()?.get(header.start..header.end).filter(|text| text.starts_with('['))?;
                 edits.push((Span { start: header.end, ..header }, lines));
+                Some(())
+            }
+            (Item::List(_), Item::List(b)) if b.iter().all(|of| matches!(of, Item::Integer(_))) => {
+                let node = self.document().find(path).filter(|node| node.span.file == 0)?;
+                if !matches!(node.value, Value::List(_)) {
+                    return None;
+                }
+                edits.push((node.span, super::text::inline(new)));
                 Some(())
             }
             (Item::List(a), Item::List(b)) if a.len() == b.len() => {

@@ -4,11 +4,12 @@ use whipcord::Shortening;
 use whipcord_inverse::{Preference, Target};
 
 use super::describe::shortening;
+use super::design::describe_design;
 use super::{Item, Table};
 use crate::read::{CableBounds, Clearance, Goal};
 use crate::units::Dimension;
 
-/// Adds the tables `[target]`, `[limits]` and `[prefer]` to a file, and the limits of its cables: read again, it says the same. A shape or a path is
+/// Adds the tables `[target]`, `[limits]`, `[prefer]` and `[design]` to a file, and the limits of its cables: read again, it says the same. A shape or a path is
 /// told by the name of its file.
 pub fn describe_goal(goal: &Goal, file: &mut Table) {
     if let Some((_, Item::List(cables))) =
@@ -67,6 +68,7 @@ pub fn describe_goal(goal: &Goal, file: &mut Table) {
     if !prefer.is_empty() {
         file.insert("prefer", prefer);
     }
+    describe_design(&goal.design, file);
 }
 
 fn insert(table: &mut Table, bounds: &CableBounds, [tension, shortened, rate]: [&str; 3]) {

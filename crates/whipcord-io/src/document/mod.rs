@@ -3,6 +3,7 @@
 
 mod check;
 mod describe;
+mod design;
 mod fitted;
 mod goal;
 mod motion;

@@ -72,6 +72,13 @@ fn table(text: &mut String, path: &str, table: &Table) {
     }
 }
 
+/// A value in one line.
+pub(super) fn inline(item: &Item) -> String {
+    let mut text = String::new();
+    value(&mut text, item);
+    text
+}
+
 fn value(text: &mut String, item: &Item) {
     match item {
         Item::Text(words) => quoted(text, words),

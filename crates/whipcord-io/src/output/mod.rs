@@ -2,6 +2,7 @@
 
 mod atomic;
 mod csv;
+mod design;
 mod fit;
 mod fit_analyses;
 mod json;
@@ -19,6 +20,10 @@ use thiserror::Error;
 pub use atomic::{remove_unfinished, write_atomically};
 pub use csv::{
     Cell, CsvTable, SpacePoint, contacts_csv, marks_csv, points_csv, shape_csv, steps_csv,
+};
+pub use design::{
+    design_errors_table, design_json, distributions, holes_table, quantile, samples_table,
+    tolerances_json,
 };
 pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};

@@ -3,6 +3,8 @@
 mod backbone;
 mod cables;
 mod commands;
+mod curve;
+mod design;
 mod disks;
 mod fit;
 mod goal;
@@ -21,6 +23,9 @@ pub(crate) use backbone::{backbone, material};
 pub(crate) use cables::{cable, command, step};
 pub use commands::{CommandColumn, CommandRow, CommandTable, Commanded};
 pub(crate) use commands::{CommandedRobot, are_independent, read as commands};
+pub use curve::{curve_text, is_curve, parse_curve};
+pub use design::{DesignShape, DesignTable, DesignTarget, FixedHoleEntry, ToleranceTable};
+pub(crate) use design::{check_design, design};
 pub(crate) use disks::disks;
 pub(crate) use fit::fit;
 pub use fit::{Fit, parameter_path};
@@ -43,6 +48,10 @@ pub(crate) use reference::reference;
 use whipcord::Vec3;
 
 use crate::check::{Data, Fields};
+
+fn vector_quantities(list: &[Data]) -> Vec<f64> {
+    list.iter().filter_map(Data::as_number).collect()
+}
 
 fn vec3(fields: &Fields, name: &str) -> Option<Vec3> {
     fields.vector(name).map(|[x, y, z]| Vec3::new(x, y, z))

@@ -3,6 +3,7 @@
 use whipcord::robot::limits::{self, Range};
 
 use super::backbone_keys::BACKBONE;
+use super::design_keys::DESIGN;
 use super::goal_keys::{LIMITS, PREFER, RATE_LIMIT, SHORTENING_LIMITS, TARGET, TENSION_LIMITS};
 use super::load_keys::{BASE, DIRECTION, LOADS, ROTATION};
 use super::motion_keys::MOTION;
@@ -75,6 +76,7 @@ pub(crate) static ROOT: Table = Table {
         key("target", Kind::Table(&TARGET), TARGET.title, TARGET.doc),
         key("limits", Kind::Table(&LIMITS), LIMITS.title, LIMITS.doc),
         key("prefer", Kind::Table(&PREFER), PREFER.title, PREFER.doc),
+        key("design", Kind::Table(&DESIGN), DESIGN.title, DESIGN.doc),
         key("motion", Kind::Table(&MOTION), MOTION.title, MOTION.doc),
     ],
     rules: &[Rule::Required("backbone")],

@@ -2,6 +2,7 @@
 //! suggestions and the JSON Schema all follow.
 
 mod backbone_keys;
+mod design_keys;
 mod goal_keys;
 mod json;
 mod keys;
@@ -14,6 +15,7 @@ use whipcord::robot::limits::Range;
 
 use crate::units::Dimension;
 
+pub(crate) use design_keys::{DEVIATION, DEVIATION_OF_ANGLE, WEIGHT};
 pub(crate) use goal_keys::ANGLE_TOLERANCE;
 pub use json::schema;
 pub(crate) use keys::{DURATION, ROOT};

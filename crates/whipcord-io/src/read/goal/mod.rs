@@ -13,11 +13,12 @@ use whipcord_inverse::{
 use crate::check::{Data, Fields};
 use crate::error::{FileProblem, Problems};
 use crate::node::Node;
-use crate::read::{pose, vec3};
+use crate::read::{DesignTable, design, pose, vec3};
 use crate::schema::ANGLE_TOLERANCE;
 use crate::source::Sources;
 use crate::units::Dimension;
 
+pub(super) use points::shape;
 pub use points::{load_path, load_shape};
 
 /// What is to be reached, within which limits.
@@ -41,6 +42,8 @@ pub struct Goal {
     pub preference: Option<Preference>,
     /// How near the robot may come to obstacles.
     pub clearance: Option<Clearance>,
+    /// What may change of the robot, and the shapes that it is to take.
+    pub design: DesignTable,
 }
 
 /// How near a robot may come to obstacles.
@@ -146,7 +149,7 @@ impl Goal {
 /// Reads the tables; a robot has so many disks.
 pub(crate) fn goal(
     fields: &Fields,
-    disks: Option<usize>,
+    (disks, cables): (Option<usize>, &[String]),
     document: &Node,
     sources: &mut Sources,
     problems: &mut Problems,
@@ -160,7 +163,7 @@ pub(crate) fn goal(
         if let Some(named) = table.text("shape") {
             let span = document.locate("target.shape").span;
             let path = sources.resolve(span.file, named);
-            let points = points::shape(&path, Some(span), disks, sources, reader.problems);
+            let points = shape(&path, Some(span), disks, sources, reader.problems);
             goal.target = points.map(Target::Shape);
             goal.table = Some(path.canonicalize().unwrap_or(path));
         }
@@ -192,6 +195,9 @@ pub(crate) fn goal(
                 .number(table, "prefer", "clearance", whipcord::robot::limits::DISTANCE)
                 .map(Clearance::Least),
         };
+    }
+    if let Some(table) = fields.table("design") {
+        goal.design = design(table, disks, cables, document, sources, problems);
     }
     goal
 }

@@ -128,7 +128,7 @@ pub(super) fn path(
 }
 
 /// The points of a shape in a file that another one may name at `named`, for a robot with so many disks where they are known.
-pub(super) fn shape(
+pub(in crate::read) fn shape(
     path: &Path,
     named: Option<Span>,
     disks: Option<usize>,
