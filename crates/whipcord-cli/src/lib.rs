@@ -32,9 +32,9 @@ use clap::{Parser, Subcommand};
 
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
-    bench, camera, check, compare, completions, examples as examples_verb, fit, man, measure,
-    measure_stereo, modes, new, overlay, reach, schema, score, simulate, solve, stiffness, sweep,
-    view, workspace,
+    bench, camera, check, compare, completions, design, examples as examples_verb, fit, man,
+    measure, measure_stereo, modes, new, overlay, reach, schema, score, simulate, solve, stiffness,
+    sweep, view, workspace,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -56,6 +56,7 @@ enum Verb {
     Solve(solve::SolveArgs),
     Reach(Box<reach::ReachArgs>),
     Workspace(workspace::WorkspaceArgs),
+    Design(Box<design::DesignArgs>),
     Stiffness(stiffness::StiffnessArgs),
     Simulate(simulate::SimulateArgs),
     Modes(modes::ModesArgs),
@@ -86,6 +87,7 @@ impl Verb {
             Self::Solve(_) => ("solve", INTERACTIVE),
             Self::Reach(_) => ("reach", INTERACTIVE),
             Self::Workspace(_) => ("workspace", Limit::None),
+            Self::Design(_) => ("design", Limit::None),
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
             Self::Simulate(_) => ("simulate", Limit::None),
@@ -144,6 +146,7 @@ where
         Verb::Solve(args) => solve::run(&args, style),
         Verb::Reach(args) => reach::run(&args, style),
         Verb::Workspace(args) => workspace::run(&args, style),
+        Verb::Design(args) => design::run(&args, style),
         Verb::Stiffness(args) => stiffness::run(&args, style),
         Verb::Simulate(args) => simulate::run(&args, style),
         Verb::Modes(args) => modes::run(&args, style),

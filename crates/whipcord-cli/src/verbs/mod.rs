@@ -6,6 +6,8 @@ pub mod camera;
 pub mod check;
 pub mod compare;
 pub mod completions;
+pub mod design;
+mod design_report;
 pub mod examples;
 pub mod fit;
 pub mod man;

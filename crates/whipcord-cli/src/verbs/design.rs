@@ -1,0 +1,275 @@
+//! `whipcord design`: a robot that takes target shapes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use whipcord::{Actuation, Model, ModelKind, Stations, Vec3};
+use whipcord_design::{Design, DesignError, Vary, design, sample_tolerances, spread};
+use whipcord_io::{
+    CaseFile, DesignShape, DesignTable, DesignTarget, FittedFile, design_json, designed_case,
+    is_curve, load_shape, parse_curve, warnings_json,
+};
+
+use crate::deadline;
+use crate::inputs::{Settings, read_one};
+use crate::model_arguments::model_parser;
+use crate::target_argument::Place;
+use crate::verbs::design_report::{self, Report};
+use crate::warnings::Warnings;
+use whipcord_study::failure::{Failure, message};
+use whipcord_study::files;
+use whipcord_study::quantity::{millimetres, newtons, number};
+use whipcord_study::style::Style;
+
+/// Change holes, routing, pre-bend, taper or tensions so that the robot takes target shapes
+///
+/// What may change, the targets and the rules are those of [design] in the file, or of the options. Holes without loads
+/// are proven optimal; of all else the output says what is known. Each shape is solved again by cosserat-disks. The output is
+/// in N, mm and degrees, with --json in SI units.
+#[derive(Debug, Args)]
+pub struct DesignArgs {
+    /// Robot file, or - for standard input
+    file: PathBuf,
+    #[command(flatten)]
+    settings: Settings,
+    /// Shape to take: a curve, such as "arc, angle = 90 deg", "helix, radius = 20 mm, pitch = 60 mm", "s, angle = 45 deg" or
+    /// "clothoid, start = 0 1/m, end = 10 1/m"; a point for the tip, such as "40, 0, 120 mm"; `measured`; or a CSV or
+    /// Parquet file with points for disks. Several are taken by the same robot, each under the tensions of its step
+    #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
+    target: Vec<String>,
+    /// What may change: cables[0].holes, cables[pull].routing, cables[*].tension, backbone.rest_curvature,
+    /// backbone.diameters, disks.positions, cables (their number), or a number of the robot; by default what the file
+    /// says, or the holes of all cables
+    #[arg(long, value_name = "WHAT")]
+    vary: Vec<String>,
+    /// Holes by which a cable may move from a disk to the next
+    #[arg(long, value_name = "N")]
+    max_jump: Option<usize>,
+    /// No two cables may share a hole
+    #[arg(long)]
+    distinct: bool,
+    /// Cables must not cross between two disks
+    #[arg(long)]
+    no_crossing: bool,
+    /// Model; by default cosserat-disks where holes or disks vary, else cosserat
+    #[arg(long, value_name = "NAME", value_parser = model_parser())]
+    model: Option<ModelKind>,
+    /// Fail, with exit status 1, unless the design is proven to be the best
+    #[arg(long)]
+    prove: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Robot file to write
+    #[arg(short, long, value_name = "NEW")]
+    output: Option<PathBuf>,
+    /// Folder for the report: pictures of target and shape, errors of disks, drawings of the disks (SVG and DXF),
+    /// bill of holes, and what tolerances of manufacture do
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    warnings: Warnings,
+}
+
+/// Designs, writes the files and returns what standard output shows.
+pub fn run(args: &DesignArgs, style: Style) -> Result<String, Failure> {
+    let file = read_one(&args.file, &args.settings)?;
+    if let Some(path) = &args.output {
+        files::keep(path, file.files())?;
+    }
+    let warnings = file.warnings();
+    args.warnings.tell(&file, &warnings)?;
+    let input = |words: String| Failure::Input(format!("error: {}: {words}", file.path.display()));
+    let table = asked(args, &file)?;
+    let problem = table.problem(&file.robot, &file.case, &file.goal, file.measured.as_ref());
+    let problem = problem.map_err(|error| input(error.to_string()))?;
+    let kind = args.model.unwrap_or_else(|| Vary::usual_model(&problem.vary));
+    let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+    let model = model.cancelled_by(&deadline::cancel());
+    let fail = |error: DesignError| failure(&file, &error);
+    let found = design(&model, &file.robot, &problem.goals, &problem.vary, &problem.options);
+    let found = found.map_err(fail)?;
+    if args.prove && !found.is_proven() {
+        let findings: Vec<String> =
+            found.findings.iter().map(|of| format!("  {}: {}", of.what, of.known)).collect();
+        return Err(Failure::Solve(format!(
+            "error: {}: the design is not proven to be the best\n{}",
+            file.path.display(),
+            findings.join("\n")
+        )));
+    }
+    let cases: Vec<_> = found.goals.iter().map(|goal| goal.case.clone()).collect();
+    let mut designed = file.clone();
+    designed.robot = found.robot.clone();
+    designed.case = designed_case(&found.robot, &file.case, &cases);
+    let tolerances = match &args.report {
+        None => None,
+        Some(_) => {
+            let goals: Vec<_> =
+                found.goals.iter().map(|of| (of.case.clone(), of.points.clone())).collect();
+            let options = whipcord::batch::BatchOptions::default();
+            let sampled =
+                sample_tolerances(&model, &found.robot, &goals, &problem.tolerances, &options);
+            Some(sampled.map_err(fail)?)
+        }
+    };
+    let json = design_json(&file.title, &found, tolerances.as_ref());
+    let mut json = json.map_err(|error| files::no_result(&error))?;
+    json["warnings"] = warnings_json(&file, &warnings);
+    let written = match &args.output {
+        Some(path) => Some((path, new_file(path, &file, &designed)?)),
+        None => None,
+    };
+    let report = match (&args.report, &tolerances) {
+        (Some(folder), Some(tolerances)) => {
+            Some((folder, Report::new(&designed, &model, &found, tolerances)?))
+        }
+        _ => None,
+    };
+    let text = if args.json {
+        format!("{json:#}\n")
+    } else {
+        let mut text = summary(&file, &found, style);
+        if let Some(tolerances) = &tolerances {
+            text += &design_report::tolerance_words(tolerances);
+        }
+        if let Some((path, new)) = &written {
+            let note = match new.keeps_text {
+                true => "",
+                false => {
+                    " (written anew: without comments, units, [measured], [fit] and [reference])"
+                }
+            };
+            text += &format!("written: {}{note}\n", path.display());
+        }
+        if let Some((folder, _)) = &report {
+            text += &format!("report: {}\n", folder.display());
+        }
+        text
+    };
+    // What can fail has been done: now the files are written, or there are none.
+    if let Some((folder, report)) = report {
+        report.write(folder, &json)?;
+    }
+    if let Some((path, new)) = written {
+        files::write(path, new.text.as_bytes())?;
+    }
+    Ok(text)
+}
+
+/// What the file says of a design, with what the command line says instead.
+fn asked(args: &DesignArgs, file: &CaseFile) -> Result<DesignTable, Failure> {
+    let mut table = file.goal.design.clone();
+    if !args.vary.is_empty() {
+        table.vary.clone_from(&args.vary);
+    } else if table.vary.is_empty() {
+        table.vary = vec!["holes".to_owned()];
+    }
+    if !args.target.is_empty() {
+        let targets = args.target.iter().map(|text| target(text, file));
+        table.targets = targets.collect::<Result<_, _>>()?;
+    }
+    table.max_jump = args.max_jump.or(table.max_jump);
+    table.distinct |= args.distinct;
+    if args.no_crossing {
+        table.crossing = Some(false);
+    }
+    Ok(table)
+}
+
+fn target(text: &str, file: &CaseFile) -> Result<DesignTarget, Failure> {
+    let shape = if text == "measured" {
+        DesignShape::Measured
+    } else if is_curve(text) {
+        let curve = parse_curve(text);
+        DesignShape::Curve(curve.map_err(|e| Failure::Input(format!("error: --target: {e}")))?)
+    } else if let Ok(Place(point)) = text.parse() {
+        DesignShape::Tip(point)
+    } else if Path::new(text).is_file() {
+        let path = PathBuf::from(text);
+        let points = load_shape(&path, file.robot.disks().count());
+        DesignShape::Points(points.map_err(|error| Failure::Input(message(&error)))?, path)
+    } else {
+        let curve = parse_curve(text).err().unwrap_or_default();
+        return Err(Failure::Input(format!(
+            "error: --target: `{text}` is no file, no point such as \"40, 0, 120 mm\", and {curve}"
+        )));
+    };
+    Ok(DesignTarget { shape, tension: None, weight: None })
+}
+
+fn failure(file: &CaseFile, error: &DesignError) -> Failure {
+    let message = format!("error: {}: {error}", file.path.display());
+    match error {
+        DesignError::Solve(error) | DesignError::NoAnswer(error) => {
+            Failure::from_solve(file, error)
+        }
+        DesignError::NotAttainable { .. }
+        | DesignError::NotConverged { .. }
+        | DesignError::Stopped(_) => Failure::Solve(message),
+        _ => Failure::Input(message),
+    }
+}
+
+fn new_file(path: &Path, old: &CaseFile, new: &CaseFile) -> Result<FittedFile, Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let file = old.with_numbers_of(&new.robot, &new.case, Vec3::ZERO, folder);
+    file.map_err(|error| Failure::Input(format!("error: the design cannot be written: {error}")))
+}
+
+fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
+    let mut text = format!("{}\n{}\n\n", style.heading(&file.title), found.model);
+    let mut line = |name: &str, value: String| {
+        text += &format!("{}  {value}\n", style.faint(format!("{name:<12}")));
+    };
+    let distance = |metres: f64| format!("{} mm", number(1e3 * metres, 3));
+    let both = |error, largest| {
+        format!("{} in the root mean square, {} at most", distance(error), distance(largest))
+    };
+    line("error", both(found.error, found.largest));
+    if let Some([error, largest]) = found.before {
+        line("before", both(error, largest));
+    }
+    for (k, goal) in found.goals.iter().enumerate() {
+        let name = match found.goals.len() {
+            1 => "target".to_owned(),
+            _ => format!("target {}", k + 1),
+        };
+        let [error, largest] = spread(&goal.distances);
+        let pulled = found.robot.cables().iter().zip(&goal.case.commands);
+        let pulled: Vec<String> = pulled
+            .filter_map(|(cable, of)| Some(format!("{} {}", cable.name, newtons(of.tension?))))
+            .collect();
+        line(&name, format!("{}; {}", both(error, largest), pulled.join(", ")));
+        match &goal.check {
+            None => {}
+            Some(Err(error)) => line("check", format!("cosserat-disks has no answer: {error}")),
+            Some(Ok(distances)) => {
+                let [error, largest] = spread(distances);
+                line("check", format!("cosserat-disks, finely: {}", both(error, largest)));
+            }
+        }
+    }
+    for cable in found.robot.cables() {
+        if let whipcord::Routing::Holes { holes, .. } = &cable.routing {
+            let list: Vec<String> = holes.iter().map(ToString::to_string).collect();
+            line(&cable.name, format!("holes {}", list.join("-")));
+        }
+    }
+    text.push('\n');
+    for finding in &found.findings {
+        text += &format!("{}: {}\n", finding.what, finding.known);
+    }
+    if let Some([_, greatest]) = found.assumed_tension {
+        text += &format!(
+            "tensions up to {} are assumed to be allowed, as [limits] gives none\n",
+            newtons(greatest)
+        );
+    }
+    let length = file.robot.backbone().length;
+    if found.largest > 0.1 * length {
+        text +=
+            &format!("the shape is far from the target, at a length of {}\n", millimetres(length));
+    }
+    text
+}
