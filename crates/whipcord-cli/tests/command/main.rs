@@ -13,6 +13,7 @@ mod blank_cells;
 mod camera;
 mod check;
 mod compare;
+mod design;
 mod fit;
 #[cfg(target_os = "linux")]
 mod hostile;

@@ -4,6 +4,7 @@
 
 mod common;
 mod damaged;
+mod design;
 mod examples;
 mod goal;
 mod materials;
