@@ -95,6 +95,7 @@ from .stereo import (
     measure_stereo,
     triangulate,
 )
+from .designing import Designed, DesignTarget
 from .surveying import Boundary, Workspace
 from .sweeping import Sweep
 from .viewing import Viewer
@@ -127,6 +128,8 @@ __all__ = [
     "Derivatives",
     "DetectionError",
     "Dexterity",
+    "DesignTarget",
+    "Designed",
     "Diagnostics",
     "Disks",
     "Distances",

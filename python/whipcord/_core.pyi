@@ -55,6 +55,7 @@ __all__ = [
     "solve_cases",
     "suite",
     "svg",
+    "design",
     "sweep",
     "table_in_si",
     "toml",
@@ -100,6 +101,13 @@ def workspace(
 ) -> dict[str, Any]: ...
 def simulate(setup: Setup, timeout: float | None) -> tuple[dict[str, Any], Exception | None]: ...
 def modes(setup: Setup, count: int, time: float | None) -> dict[str, Any]: ...
+def design(
+    setup: Setup,
+    model: Model,
+    targets: list[dict[str, Any]],
+    chosen: bool,
+    samples: bool,
+) -> dict[str, Any]: ...
 def sweep(
     setup: Setup,
     model: Model,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from . import _core, controlling, models, reaching, simulating, surveying, sweeping
+from . import _core, controlling, designing, models, reaching, simulating, surveying, sweeping
 from ._commands import Commands, commanded, metres, paths, shortening_for, whole
 from ._description import Description
 from ._suggest import suggests
@@ -16,6 +16,7 @@ from ._tables import Quantity
 from .batch import Batch, Gradients, pull_back_batch, solve_batch
 from .controlling import Controller, Estimator
 from .derivatives import Derivatives, Place
+from .designing import Designed, Target
 from .errors import InputError
 from .models import ModelLike, StationsLike
 from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
@@ -695,6 +696,82 @@ class Case(Description):
         (True, 2)
         """
         return simulating.Simulation(self).linearize()
+
+    @suggests
+    def design(
+        self,
+        target: Target | None = None,
+        *,
+        vary: str | Sequence[str],
+        targets: Sequence[tuple[Target, Sequence[float]]] = (),
+        max_jump: int | None = None,
+        distinct: bool = False,
+        crossing: bool = True,
+        diameter: Sequence[Quantity] | None = None,
+        fixed: Sequence[Mapping[str, Any]] = (),
+        limits: Limits | Mapping[str, Any] | None = None,
+        tolerances: bool | Mapping[str, Any] = False,
+        model: ModelLike | None = None,
+        timeout: float | None = None,
+    ) -> Designed:
+        """Change the robot so that it takes target shapes.
+
+        Parameters
+        ----------
+        target
+            A curve such as ``"arc, angle = 90 deg"`` (also circle, helix, s and clothoid), ``"measured"``, a place of the tip in m, the
+            places of the disks beyond the base in m, or a dict of places by number of the disk from 0.
+        vary
+            What may change: ``"cables[0].holes"``, ``"cables[0].routing"``, ``"cables[0].tension"``, each with a number, a name or ``*``,
+            ``"backbone.rest_curvature"``, ``"backbone.diameters"``, ``"disks.positions"``, ``"cables"`` (their number), or a number of
+            the robot such as ``"backbone.young_modulus"``.
+        targets
+            Several targets, each with the tensions of the cables in N under which the robot is to take it.
+        max_jump
+            Holes by which a cable may move from a disk to the next.
+        distinct
+            Whether no two cables may share a hole.
+        crossing
+            Whether cables may cross between two disks.
+        diameter
+            Least and greatest diameter of the backbone.
+        fixed
+            Holes that are given: dicts with ``cable``, ``disk`` and ``hole``, both from 1.
+        limits
+            Limits of the tensions, as for :meth:`reach`.
+        tolerances
+            True to solve robots with deviations of manufacture, or their standard deviations, as in ``[design.tolerances]``.
+        model
+            By default ``cosserat-disks`` where holes or disks are varied, else ``cosserat``.
+        timeout
+            Seconds after which the search is ended; by default as long as it takes.
+
+        Returns
+        -------
+        Designed
+            The robot, how near it comes to its targets, and what is proven.
+
+        Examples
+        --------
+        >>> case = load("examples/table1/case-3.toml").replace(tension=["8 N"])
+        >>> found = case.design("s, angle = 20 deg", vary="cables[0].routing")
+        >>> found.findings[0]["known"], bool(found.largest_error < 1e-3)
+        ('closed_form', True)
+        """
+        disks = len(self._setup.disks())
+        asked = [] if target is None else [designing.wanted(target, disks, None, None)]
+        asked += [designing.wanted(each, disks, tension, None) for each, tension in targets]
+        table: dict[str, Any] = {"vary": [vary] if isinstance(vary, str) else list(vary)}
+        given = {"max_jump": max_jump, "distinct": distinct or None, "crossing": None if crossing else False}
+        given |= {"diameter": diameter and list(diameter), "fixed": [dict(each) for each in fixed] or None}
+        if not isinstance(tolerances, bool):
+            given["tolerances"] = dict(tolerances)
+        table |= {key: value for key, value in given.items() if value is not None}
+        changed = self
+        if limits is not None:
+            changed = type(self)._of(reaching.with_goal(self, None, limits, None, None))
+        chosen = models.core("cosserat" if model is None else model, timeout=timeout)
+        return designing.design(changed, asked, table, chosen, model is not None, bool(tolerances))
 
     @suggests
     def sweep(

@@ -8,13 +8,13 @@ use whipcord::{
     Along, Backbone, Cable, CableCommand, Case, Model, ModelKind, Parameter, Robot, Routing,
     Stations, Vec3,
 };
+use whipcord_numerics::random::SplitMix64;
 use whipcord_numerics::{BoundedQuadratic, SingularValues};
 
 use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::problem::DesignOptions;
-use crate::random::Random;
 use crate::refine::{Bounded, RefineOptions, refine};
 use crate::unknown::Unknown;
 
@@ -28,7 +28,7 @@ pub(crate) struct FoundCables {
 
 /// Sections at which moments are compared.
 const SECTIONS: usize = 24;
-/// Random starts of the factors, and steps from each.
+/// SplitMix64 starts of the factors, and steps from each.
 const STARTS: u64 = 20;
 const STEPS: usize = 200;
 /// Cables to be tried beyond the rank: with one more, tensions are never in the way of a sign.
@@ -148,8 +148,8 @@ fn factors(moments: &[f64], columns: usize, cables: usize, seed: u64) -> Factors
     let rows = moments.len() / columns;
     let mut best: Option<Factors> = None;
     for start in 0..STARTS {
-        let mut random = Random::new(seed, 1_000 + start);
-        let mut tensions: Vec<f64> = (0..cables * columns).map(|_| random.uniform()).collect();
+        let mut random = SplitMix64::of(seed, 1_000 + start);
+        let mut tensions: Vec<f64> = (0..cables * columns).map(|_| random.next_part()).collect();
         let mut places = vec![0.0; rows * cables];
         for _ in 0..STEPS {
             let gram = regular(cables, |i, j| {

@@ -18,7 +18,6 @@ mod hole_design;
 mod named_curve;
 mod pre_bend;
 mod problem;
-mod random;
 mod refine;
 mod route;
 mod shape_search;

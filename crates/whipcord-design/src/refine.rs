@@ -6,11 +6,11 @@ use core::f64::consts::TAU;
 use whipcord::differences::differentiate;
 use whipcord::{Case, Linearization, Model, Parameter, Robot, Solution, SolveError, Statics as _};
 use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
+use whipcord_numerics::random::SplitMix64;
 
 use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
-use crate::random::Random;
 use crate::unknown::{Unknown, applied, parameters};
 
 /// An unknown with its start and bounds.
@@ -125,7 +125,7 @@ fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions) -> 
     if start == 0 {
         return unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect();
     }
-    let mut random = Random::new(options.seed, start as u64);
+    let mut random = SplitMix64::of(options.seed, start as u64);
     let mut helices: Vec<(usize, [f64; 3])> = Vec::new();
     unknowns
         .iter()
@@ -134,9 +134,9 @@ fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions) -> 
                 Unknown::Course { cable, axis, node, nodes } => {
                     let known = helices.iter().find(|(of, _)| *of == cable).map(|(_, of)| *of);
                     let [radius, angle, turn] = known.unwrap_or_else(|| {
-                        let radius = options.rim * (0.3 + 0.6 * random.uniform());
+                        let radius = options.rim * (0.3 + 0.6 * random.next_part());
                         let helix =
-                            [radius, TAU * random.uniform(), TAU * (random.uniform() - 0.5)];
+                            [radius, TAU * random.next_part(), TAU * (random.next_part() - 0.5)];
                         helices.push((cable, helix));
                         helix
                     });
@@ -144,7 +144,7 @@ fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions) -> 
                     let (sin, cos) = (angle + turn * part).sin_cos();
                     radius * if axis == 0 { cos } else { sin }
                 }
-                _ => of.starts[0] + (of.starts[1] - of.starts[0]) * random.uniform(),
+                _ => of.starts[0] + (of.starts[1] - of.starts[0]) * random.next_part(),
             };
             value.clamp(of.range[0], of.range[1])
         })

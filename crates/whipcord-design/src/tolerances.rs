@@ -6,10 +6,10 @@ use whipcord::{
     Backbone, Cable, Case, Disks, Material, Model, Robot, Routing, Statics as _, Stations,
     Stiffness, Vec3,
 };
+use whipcord_numerics::random::SplitMix64;
 
 use crate::error::DesignError;
 use crate::problem::spread;
-use crate::random::Random;
 
 /// Standard deviations of what is manufactured and commanded, all of them of normal distributions and independent of one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,10 +114,10 @@ pub fn sample_tolerances(
                 .iter()
                 .map(|&number| {
                     // The same robot for all goals, with commands of its own for each.
-                    let mut random = Random::new(tolerances.seed, number as u64);
+                    let mut random = SplitMix64::of(tolerances.seed, number as u64);
                     let made = made(robot, tolerances, &mut random)?;
                     let sequence = (1 + goal) * tolerances.samples + number;
-                    let mut random = Random::new(tolerances.seed, sequence as u64);
+                    let mut random = SplitMix64::of(tolerances.seed, sequence as u64);
                     Ok((made, commanded(case, tolerances.tension, &mut random)))
                 })
                 .collect::<Result<Vec<_>, DesignError>>()?;
@@ -144,22 +144,22 @@ pub fn sample_tolerances(
 }
 
 /// The robot as it is made.
-fn made(robot: &Robot, of: &Tolerances, random: &mut Random) -> Result<Robot, DesignError> {
+fn made(robot: &Robot, of: &Tolerances, random: &mut SplitMix64) -> Result<Robot, DesignError> {
     let backbone = robot.backbone().apart_from(robot.disks());
-    let backbone = stiffened(backbone, (1.0 + of.stiffness * random.normal()).max(0.05));
+    let backbone = stiffened(backbone, (1.0 + of.stiffness * random.next_normal()).max(0.05));
     let mut disks = robot.disks().clone();
     let count = disks.count();
     if disks.are_present && of.disk_position > 0.0 {
         #[allow(clippy::cast_precision_loss, reason = "few disks")]
         let apart = APART * robot.backbone().length / (count - 1) as f64;
         for disk in 1..count - 1 {
-            let moved = disks.arc_lengths[disk] + of.disk_position * random.normal();
+            let moved = disks.arc_lengths[disk] + of.disk_position * random.next_normal();
             let [before, next] = [disks.arc_lengths[disk - 1], robot.disks().arc_lengths[disk + 1]];
             disks.arc_lengths[disk] = moved.max(before + apart).min(next - apart);
         }
     }
     for radius in &mut disks.hole_circle_radii {
-        *radius = (*radius + of.hole_radius * random.normal()).max(1e-3 * *radius);
+        *radius = (*radius + of.hole_radius * random.next_normal()).max(1e-3 * *radius);
     }
     let holes = disks.holes;
     let cables: Vec<Cable> = robot
@@ -196,9 +196,9 @@ fn deviated(
     routing: &Routing,
     holes: Option<usize>,
     of: &Tolerances,
-    random: &mut Random,
+    random: &mut SplitMix64,
 ) -> Routing {
-    let mut angle = || of.hole_angle * random.normal();
+    let mut angle = || of.hole_angle * random.next_normal();
     match routing {
         Routing::Holes { holes: list, interpolation } => {
             let count = holes.unwrap_or(1);
@@ -218,17 +218,17 @@ fn deviated(
         }
         Routing::Straight { angle: at, radius } => {
             let at = at + angle();
-            let radius = (radius + of.hole_radius * random.normal()).abs();
+            let radius = (radius + of.hole_radius * random.next_normal()).abs();
             Routing::Straight { angle: at, radius }
         }
         Routing::Helix { start_angle, turns, radius } => {
             let start_angle = start_angle + angle();
-            let radius = (radius + of.hole_radius * random.normal()).abs();
+            let radius = (radius + of.hole_radius * random.next_normal()).abs();
             Routing::Helix { start_angle, turns: *turns, radius }
         }
         Routing::Linear { start, end } => {
             let (sin, cos) = angle().sin_cos();
-            let by = [0; 2].map(|_| of.hole_radius * random.normal());
+            let by = [0; 2].map(|_| of.hole_radius * random.next_normal());
             let moved = |[x, y]: [f64; 2]| [cos * x - sin * y + by[0], sin * x + cos * y + by[1]];
             Routing::Linear { start: moved(*start), end: moved(*end) }
         }
@@ -241,7 +241,7 @@ fn deviated(
                 powers.map(|k| sin * at(x, k) + cos * at(y, k)).collect(),
             ];
             for list in &mut turned {
-                list[0] += of.hole_radius * random.normal();
+                list[0] += of.hole_radius * random.next_normal();
             }
             let [x, y] = turned;
             Routing::Polynomial { x, y }
@@ -272,10 +272,10 @@ fn stiffened(backbone: Backbone, factor: f64) -> Backbone {
     Backbone { material, stiffness, ..backbone }
 }
 
-fn commanded(case: &Case, deviation: f64, random: &mut Random) -> Case {
+fn commanded(case: &Case, deviation: f64, random: &mut SplitMix64) -> Case {
     let mut case = case.clone();
     for command in &mut case.commands {
-        let factor = (1.0 + deviation * random.normal()).max(0.0);
+        let factor = (1.0 + deviation * random.next_normal()).max(0.0);
         command.tension = command.tension.map(|tension| tension * factor);
     }
     case

@@ -23,6 +23,18 @@ impl SplitMix64 {
         next
     }
 
+    /// One of many independent sequences of a seed.
+    #[must_use]
+    pub const fn of(seed: u64, number: u64) -> Self {
+        Self(seed ^ mixed(number))
+    }
+
+    /// The next number of a normal distribution with mean 0 and standard deviation 1 (Box and Muller).
+    pub fn next_normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.next_part()).ln()).sqrt();
+        radius * (core::f64::consts::TAU * self.next_part()).cos()
+    }
+
     /// The next number in 0 … 1, 1 excluded.
     pub fn next_part(&mut self) -> f64 {
         part(self.next_u64())
@@ -59,6 +71,17 @@ mod tests {
             first,
             [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423]
         );
+    }
+
+    #[test]
+    fn normal_numbers_have_mean_zero_and_deviation_one() {
+        let mut random = SplitMix64::of(3, 1);
+        let numbers: Vec<f64> = (0..20_000).map(|_| random.next_normal()).collect();
+        let mean = numbers.iter().sum::<f64>() / 20_000.0;
+        let square = numbers.iter().map(|x| x * x).sum::<f64>() / 20_000.0;
+        // Four standard deviations of the means.
+        assert!(mean.abs() < 0.03 && (square - 1.0).abs() < 0.04, "{mean} {square}");
+        assert_ne!(SplitMix64::of(3, 2).next_u64(), SplitMix64::of(3, 1).next_u64());
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod camera;
 mod controller;
 mod convert;
 mod derivatives;
+mod design;
 mod errors;
 mod figure;
 mod file_data;
@@ -65,6 +66,8 @@ mod _core {
     use super::convert::{materials, parse_quantity, table_in_si, toml, write_file};
     #[pymodule_export]
     use super::derivatives::{Derivatives, derivatives};
+    #[pymodule_export]
+    use super::design::design;
     #[pymodule_export]
     use super::examples;
     #[pymodule_export]

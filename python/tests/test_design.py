@@ -1,0 +1,57 @@
+"""Robots for target shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import whipcord
+from whipcord.errors import InputError, WhipcordTimeout
+
+
+@pytest.fixture(scope="module")
+def finger() -> whipcord.Case:
+    robot = whipcord.Robot(
+        backbone=whipcord.Backbone(
+            length=0.12, diameter=0.002, young_modulus=30e9, poisson_ratio=0.3
+        ),
+        disks=whipcord.Disks(count=8, hole_circle_radius=0.008, holes=12),
+        cables=[whipcord.Cable(name="pull", holes=[1] * 8)],
+    )
+    return whipcord.Case(robot, tension=[6.0])
+
+
+def test_planted_holes_are_found_again(finger: whipcord.Case) -> None:
+    planted = [1, 2, 3, 3, 2, 1, 12, 11]
+    cable = whipcord.Cable(name="pull", holes=planted)
+    robot = whipcord.Robot(backbone=finger.robot.backbone, disks=finger.robot.disks, cables=[cable])
+    places = whipcord.Case(robot, tension=[6.0]).solve(model="cosserat-disks").disks.position[1:]
+    found = finger.design(places, vary="holes", tolerances={"samples": 20})
+    assert found.proven and found.largest_error < 1e-9
+    assert list(found.case.robot.cables[0].holes or ()) == planted
+    (target,) = found.targets
+    assert np.allclose(target.wanted, places) and np.allclose(target.position, places, atol=1e-9)
+    assert found.tolerances is not None and found.tolerances["samples"] == 20
+    assert found.before is not None and found.before["error"] > 1e-3
+    again = found.case.solve(model="cosserat-disks")
+    assert np.allclose(again.disks.position[1:], places, atol=1e-9)
+
+
+def test_several_shapes_under_tensions_of_their_own(finger: whipcord.Case) -> None:
+    shapes = [finger.replace(tension=[pull]).solve(model="cosserat-disks").disks.position[1:] for pull in (2, 5)]
+    found = finger.design(vary="cables[0].holes", targets=[(shapes[0], [2.0]), (shapes[1], [5.0])])
+    assert len(found.targets) == 2 and found.largest_error < 1e-8
+
+
+def test_what_is_no_design_says_why(finger: whipcord.Case) -> None:
+    with pytest.raises(InputError, match="did you mean `helix`"):
+        finger.design("helx, radius = 20 mm", vary="holes")
+    with pytest.raises(InputError, match="target"):
+        finger.design(vary="holes")
+    with pytest.raises(InputError, match="shape"):
+        finger.design(np.zeros((3, 3)), vary="holes")
+    with pytest.raises(InputError, match="cables"):
+        finger.design("arc, angle = 30 deg", vary="colour")
+    with pytest.raises(InputError, match="measured"):
+        finger.design("measured", vary="holes")
+    with pytest.raises(WhipcordTimeout):
+        finger.design(np.array([0.03, 0.0, 0.1]), vary=["holes", "tension"], model="cosserat", timeout=1e-3)
