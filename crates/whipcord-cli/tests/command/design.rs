@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Scratch, fail, succeed};
+use crate::support::{Scratch, fail, succeed, warned};
 
 const THREE: &str = "examples/table1/case-3.toml";
 const ARC: &str = "arc, angle = 60 deg, direction = 30 deg";
@@ -76,7 +76,12 @@ fn a_routing_is_in_closed_form_or_refused_with_the_tension_that_would_do() {
     let args = ["design", THREE, "--target", "arc, angle = 40 deg", vary[0], vary[1], "-o", &new];
     let text = succeed(&args);
     assert!(text.contains("closed form"), "{text}");
-    assert!(succeed(&["solve", &new, "--json"]).contains("\"converged\""));
+    // The holes of the disks are of no more use, as a warning says.
+    let (solved, warnings) = warned(&["solve", &new, "--json"]);
+    assert!(
+        solved.contains("\"converged\"") && warnings.contains("`disks.holes` has no effect"),
+        "{warnings}"
+    );
     let refused = fail(1, &["design", THREE, "--target", "arc, angle = 300 deg", vary[0], vary[1]]);
     assert!(refused.contains("or more brings it in"), "{refused}");
 }
