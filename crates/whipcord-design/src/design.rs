@@ -171,7 +171,7 @@ impl Work<'_> {
         {
             rest.retain(|of| !matches!(of, Vary::Routing { .. } | Vary::Tension { .. }));
         }
-        if self.on_the_curve(&mut rest)? {
+        if self.on_the_curve(&rest)? {
             return Ok(());
         }
         if !rest.is_empty() {
@@ -380,11 +380,11 @@ impl Work<'_> {
     }
 
     /// Rest curvature or diameters for one curve, if nothing else is left; whether that is all.
-    fn on_the_curve(&mut self, rest: &mut Vec<Vary>) -> Result<bool, DesignError> {
+    fn on_the_curve(&mut self, rest: &[Vary]) -> Result<bool, DesignError> {
         let Some(curve) = self.curve()? else { return Ok(false) };
         let is_rod = matches!(self.model.kind(), ModelKind::Cosserat | ModelKind::CosseratDisks);
         let (model, case, places) = (&self.model, &self.cases[0], self.options.places);
-        match rest[..] {
+        match rest {
             [Vary::RestCurvature] if is_rod => {
                 let bent = rest_curvature_for_curve(model, &self.robot, case, &curve, places)?;
                 self.robot = bent.robot;

@@ -255,7 +255,7 @@ fn stiffened(backbone: Backbone, factor: f64) -> Backbone {
     let material = Material {
         young_modulus: material.young_modulus.map(|modulus| modulus * factor),
         shear_modulus: material.shear_modulus.map(|modulus| modulus * factor),
-        ..material.clone()
+        ..*material
     };
     let pair = |pair: &[f64; 2]| pair.map(|value| value * factor);
     let stiffness = backbone.stiffness.as_ref().map(|stiffness| match stiffness {

@@ -99,7 +99,7 @@ impl Unknown {
         let mut sum = vec![Vec3::ZERO; disks.len()];
         let mut add = |factor: f64, change: &whipcord::derivatives::Change| {
             for (sum, &disk) in sum.iter_mut().zip(disks) {
-                *sum = *sum + change.twist(Place::Disk(disk)).linear * factor;
+                *sum += change.twist(Place::Disk(disk)).linear * factor;
             }
         };
         let of = |parameter: Parameter| parameters.iter().position(|known| *known == parameter);

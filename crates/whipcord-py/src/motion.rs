@@ -16,6 +16,9 @@ use crate::errors;
 use crate::setup::Setup;
 use crate::wait::{Limit, within};
 
+/// A number of something, by its name.
+type Named<T> = (&'static str, fn(&T) -> f64);
+
 /// The motion that `[motion]` of a file describes: arrays by their names, and the error where a step has no result.
 #[pyfunction]
 pub fn simulate<'py>(
@@ -84,7 +87,7 @@ fn states<'py>(py: Python<'py>, states: &[InnerState]) -> PyResult<Bound<'py, Py
     let strains = states.iter().flat_map(|state| &state.strains);
     let strains = strains.flat_map(|of| twist(*of)).collect();
     values.set_item("strain", array::<f64, _>(py, strains, [rows, points, 6])?)?;
-    let of_cables: [(&str, fn(&CableMotion) -> f64); 3] = [
+    let of_cables: [Named<CableMotion>; 3] = [
         ("tension", |cable| cable.tension),
         ("length", |cable| cable.length),
         ("slack", |cable| cable.slack),
@@ -96,7 +99,7 @@ fn states<'py>(py: Python<'py>, states: &[InnerState]) -> PyResult<Bound<'py, Py
     let outputs = states.iter().flat_map(|state| state.motor_outputs.iter().copied()).collect();
     values.set_item("motor_output", array::<f64, _>(py, outputs, [rows, motors])?)?;
     let energy = PyDict::new(py);
-    let energies: [(&str, fn(&EnergyBalance) -> f64); 8] = [
+    let energies: [Named<EnergyBalance>; 8] = [
         ("kinetic", |energy| energy.kinetic),
         ("elastic", |energy| energy.elastic),
         ("gravity", |energy| energy.gravity),
@@ -141,7 +144,7 @@ fn modes_values<'py>(
     let (state, rows) = (simulation.state(), modes.len());
     let nodes = state.poses.len();
     let values = PyDict::new(py);
-    let numbers: [(&str, fn(&Mode) -> f64); 4] = [
+    let numbers: [Named<Mode>; 4] = [
         ("frequency", |mode| mode.frequency().unwrap_or(f64::NAN)),
         ("damped_frequency", |mode| mode.damped_frequency().unwrap_or(f64::NAN)),
         ("damping_ratio", |mode| mode.damping_ratio),

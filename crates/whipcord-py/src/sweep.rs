@@ -12,14 +12,16 @@ use crate::model::Model;
 use crate::setup::Setup;
 use crate::wait::within;
 
+/// Of the columns of a table their paths and units, and the values row by row.
+type Rows = (Vec<(String, String)>, Vec<f64>);
+
 /// What is asked of a sweep.
 #[derive(FromPyObject)]
 pub struct Asked {
     #[pyo3(item)]
     vary: Vec<String>,
-    /// Of the columns of a table their paths and units, and the values row by row.
     #[pyo3(item)]
-    table: Option<(Vec<(String, String)>, Vec<f64>)>,
+    table: Option<Rows>,
     #[pyo3(item)]
     samples: Option<u64>,
     #[pyo3(item)]

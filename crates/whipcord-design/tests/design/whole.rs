@@ -49,7 +49,7 @@ fn holes_and_tension_that_were_planted_are_found_again() {
     let robot = holed(LENGTH, 8, 8, 1);
     let list = vec![1, 2, 3, 3, 2, 1, 8, 8];
     let target = planted(
-        &with_holes(&robot, &[list.clone()]),
+        &with_holes(&robot, core::slice::from_ref(&list)),
         ModelKind::CosseratDisks,
         &Case::with_tensions(&[5.3]),
     );

@@ -24,7 +24,9 @@ fn a_design_is_read_in_si_and_written_as_it_is_read() {
     assert_eq!(problem.goals[0].weight, 2.0);
     assert_eq!((problem.tolerances.samples, problem.tolerances.stiffness), (40, 0.03));
     let DesignShape::Curve(curve) = file.goal.design.targets[0].shape else { panic!() };
-    assert!(matches!(curve.kind, CurveKind::Arc { angle } if (angle - 1.570_796).abs() < 1e-6));
+    assert!(
+        matches!(curve.kind, CurveKind::Arc { angle } if (angle - core::f64::consts::FRAC_PI_2).abs() < 1e-6)
+    );
     let mut table = describe(None, &file.robot, &file.case).unwrap();
     describe_goal(&file.goal, &mut table);
     let again = parse(&toml(&table), "again.toml").unwrap_or_else(|error| panic!("{error}"));

@@ -98,7 +98,6 @@ fn independent_rows_are_separate_experiments() {
 /// `cargo test --release -p whipcord-estimation --test estimation -- --ignored --nocapture speed_of`
 #[test]
 #[ignore = "times, which depend on the machine"]
-#[expect(clippy::print_stdout, reason = "the result of a study")]
 fn speed_of_many_rows() {
     for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks] {
         if std::env::var("SPEED_OF").is_ok_and(|only| only != kind.to_string()) {
@@ -122,7 +121,6 @@ fn speed_of_many_rows() {
 /// As above.
 #[test]
 #[ignore = "times, which depend on the machine"]
-#[expect(clippy::print_stdout, reason = "the result of a study")]
 fn speed_of_friction() {
     let kind = ModelKind::CosseratDisks;
     let truth = Truth { stiffness: 5e3, friction: 0.15, ..FILE };
