@@ -762,8 +762,13 @@ class Case(Description):
         asked = [] if target is None else [designing.wanted(target, disks, None, None)]
         asked += [designing.wanted(each, disks, tension, None) for each, tension in targets]
         table: dict[str, Any] = {"vary": [vary] if isinstance(vary, str) else list(vary)}
-        given = {"max_jump": max_jump, "distinct": distinct or None, "crossing": None if crossing else False}
-        given |= {"diameter": diameter and list(diameter), "fixed": [dict(each) for each in fixed] or None}
+        given: dict[str, Any] = {
+            "max_jump": max_jump,
+            "distinct": distinct or None,
+            "crossing": None if crossing else False,
+            "diameter": None if diameter is None else list(diameter),
+            "fixed": [dict(each) for each in fixed] or None,
+        }
         if not isinstance(tolerances, bool):
             given["tolerances"] = dict(tolerances)
         table |= {key: value for key, value in given.items() if value is not None}

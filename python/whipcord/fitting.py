@@ -447,6 +447,8 @@ def fit(
     starts
         Places from which the search starts: the values of the case and, between the bounds or around these values, others. The best
         end counts.
+    threads
+        How many threads share the cases and rows; by default as many as there are processors. The result is the same for any number.
     timeout
         Seconds after which all of it is ended, with :class:`whipcord.errors.WhipcordTimeout`.
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::batch::BatchOptions;
-use whipcord::{Stations, Vec3};
+use whipcord::{SolveError, Stations, Vec3};
 use whipcord_design::{DesignError, Vary, design as solve_design, sample_tolerances, spread};
 use whipcord_io::{DesignShape, DesignTarget, design_json, designed_case, parse_curve};
 
@@ -95,6 +95,10 @@ pub fn design<'py>(
         Ok((found, sampled))
     })?;
     let (found, sampled) = found.map_err(|error| match error {
+        // Whichever part of the search noticed it first.
+        _ if limit.cancel.is_cancelled() => {
+            errors::solve(py, &SolveError::Cancelled { last_load: None })
+        }
         DesignError::Solve(error) => errors::solve(py, &error),
         error => errors::input(py, "vary", error.to_string()),
     })?;
