@@ -17,16 +17,20 @@ pub struct FilmFrame {
 /// Bytes of a pixel.
 const CHANNELS: usize = 3;
 
-/// A film that begins again at its end, as APNG. Its pictures must be of one size; of each only the rectangle is stored that differs from the one before.
+/// A film that begins again at its end, as APNG, as large as the largest of its pictures: others have white to the right and below. Of each only the
+/// rectangle is stored that differs from the one before.
 ///
 /// # Errors
-/// [`PlotError`] without pictures, where one cannot be drawn, or where they are of several sizes.
+/// [`PlotError`] without pictures, or where one cannot be drawn.
 pub fn film(frames: &[FilmFrame]) -> Result<Vec<u8>, PlotError> {
     let failed = |error: EncodingError| PlotError::Png(error.to_string());
-    let [first, ..] = frames else {
+    let pictures = frames.iter().map(|frame| rgb(&frame.svg));
+    let pictures: Vec<Picture> = pictures.collect::<Result<_, _>>()?;
+    let largest = |size: fn(&Picture) -> u32| pictures.iter().map(size).max();
+    let (Some(width), Some(height)) = (largest(|of| of.width), largest(|of| of.height)) else {
         return Err(PlotError::Empty { what: "the film".to_owned() });
     };
-    let (width, height, mut before) = rgb(&first.svg)?;
+    let mut before = Vec::new();
     let count = u32::try_from(frames.len()).unwrap_or(u32::MAX);
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, width, height);
@@ -35,16 +39,13 @@ pub fn film(frames: &[FilmFrame]) -> Result<Vec<u8>, PlotError> {
     encoder.set_animated(count, 0).map_err(failed)?;
     encoder.set_blend_op(BlendOp::Source).map_err(failed)?;
     let mut writer = encoder.write_header().map_err(failed)?;
-    for (number, frame) in frames.iter().enumerate() {
+    for (frame, picture) in frames.iter().zip(&pictures) {
         writer.set_frame_delay(frame.milliseconds, 1000).map_err(failed)?;
-        if number == 0 {
-            writer.write_image_data(&before).map_err(failed)?;
+        let now = picture.on_white(width, height);
+        if before.is_empty() {
+            writer.write_image_data(&now).map_err(failed)?;
+            before = now;
             continue;
-        }
-        let (w, h, now) = rgb(&frame.svg)?;
-        if (w, h) != (width, height) {
-            let what = format!("picture {} of the film", number + 1);
-            return Err(PlotError::Count { what, given: now.len(), expected: before.len() });
         }
         let [[left, right], [top, bottom]] = changed(&before, &now, width as usize);
         let part: Vec<u8> = (top..bottom)
@@ -64,12 +65,31 @@ pub fn film(frames: &[FilmFrame]) -> Result<Vec<u8>, PlotError> {
     Ok(bytes)
 }
 
-/// Width, height and pixels of a picture without their opacity: films are of whole pictures.
-fn rgb(svg: &str) -> Result<(u32, u32, Vec<u8>), PlotError> {
+/// The pixels of a picture without their opacity: films are of whole pictures.
+struct Picture {
+    width: u32,
+    height: u32,
+    bytes: Vec<u8>,
+}
+
+impl Picture {
+    /// The pixels in the upper left corner of a white picture that is no smaller.
+    fn on_white(&self, width: u32, height: u32) -> Vec<u8> {
+        let row = |width: u32| width as usize * CHANNELS;
+        let mut bytes = vec![u8::MAX; row(width) * height as usize];
+        let own = self.bytes.chunks_exact(row(self.width));
+        for (to, from) in bytes.chunks_exact_mut(row(width)).zip(own) {
+            to[..from.len()].copy_from_slice(from);
+        }
+        bytes
+    }
+}
+
+fn rgb(svg: &str) -> Result<Picture, PlotError> {
     let map = pixels(svg, 1.0)?;
     let all = map.pixels().iter().map(|pixel| pixel.demultiply());
     let bytes = all.flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
-    Ok((map.width(), map.height(), bytes))
+    Ok(Picture { width: map.width(), height: map.height(), bytes })
 }
 
 /// Columns and rows between which two pictures differ; one pixel where they are the same.
@@ -120,6 +140,8 @@ mod tests {
         assert!(film(&[]).is_err());
         let svg = frame(2, 1).svg.replace("width=\"40\"", "width=\"41\"");
         let other = FilmFrame { svg, milliseconds: 1 };
-        assert!(film(&[frame(2, 1), other]).is_err());
+        // Every picture has the size of the largest.
+        let wider = pictures(&film(&[frame(2, 1), other]).unwrap());
+        assert_eq!((wider[0], wider[1][2..4].to_vec()), ([0, 0, 41, 20, 1], vec![1, 1]));
     }
 }
