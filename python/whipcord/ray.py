@@ -2,7 +2,7 @@
 
 A thin layer over :meth:`whipcord.Case.sweep`: each task makes one shard of the data set and writes its parts to a folder that all
 nodes share. A task whose worker or node dies runs again elsewhere and makes only the parts that are missing. The folder is one table
-for Ray Data: ``ray.data.read_parquet(made.folder)``.
+for Ray Data: ``ray.data.read_parquet([str(path) for path in made.files])``.
 
 Needs ``ray``: ``pip install "whipcord[cluster]"``.
 
