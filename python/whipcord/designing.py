@@ -148,12 +148,9 @@ def design(
 ) -> Designed:
     """Designs the robot of a case."""
     tables = dict(case._tables)
-    file_targets = tables.get("design", {}).get("targets")
     given = {**tables.get("design", {}), **table}
     if targets:
         given.pop("targets", None)
-    elif file_targets is None and "target" not in tables:
-        raise InputError("give a target shape, such as 'arc, angle = 90 deg'", path="target")
     tables["design"] = given
     setup = case._setup.beside_goal(_core.Setup.of_tables(tables, "design"))
     values = _core.design(setup, model, targets, chosen, tolerances)

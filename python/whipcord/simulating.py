@@ -207,11 +207,11 @@ class Modes:
     damped_frequency: Array
     """(k,) frequencies in Hz with damping; NaN as well where the damping is critical or more."""
     damping_ratio: Array
-    """(k,) damping ratios: 1 is critical."""
+    """(k,) damping ratios, 1 where the damping is critical."""
     squared_angular_frequency: Array
     """(k,) squares of the angular frequencies in rad²/s²; negative where the equilibrium is unstable."""
     energy: Array
-    """(k, 4) parts of the kinetic energy: along x, y and z of the world, and of rotations."""
+    """(k, 4) shares of the kinetic energy along x, y and z of the world, and of the rotations."""
     displacement: Array
     """(k, n, 3) displacements of the nodes in m along the axes of the world, for a modal mass of 1 kg·m²."""
     rotation: Array

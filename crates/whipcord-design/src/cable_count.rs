@@ -4,10 +4,7 @@
 //! they are `B ≈ R T`, eq. (10), with the places of the cables in `R` and their tensions `T ≥ 0`.
 
 use whipcord::section::section_stiffness;
-use whipcord::{
-    Along, Backbone, Cable, CableCommand, Case, Model, ModelKind, Parameter, Robot, Routing,
-    Stations, Vec3,
-};
+use whipcord::{Cable, CableCommand, Case, Model, ModelKind, Robot, Routing, Stations};
 use whipcord_numerics::random::SplitMix64;
 use whipcord_numerics::{BoundedQuadratic, SingularValues};
 
@@ -15,8 +12,7 @@ use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::problem::DesignOptions;
-use crate::refine::{Bounded, RefineOptions, refine};
-use crate::unknown::Unknown;
+use crate::refine::{RefineOptions, refine, rest_curvature_at};
 
 /// A robot with as many cables as its goals take.
 pub(crate) struct FoundCables {
@@ -94,25 +90,12 @@ fn needed(
     let (backbone, disks) = (robot.backbone(), robot.disks());
     let count = (goal.points.len() + 1).clamp(3, SECTIONS);
     let at: Vec<f64> = whipcord::equally_spaced(0.0, length, count).collect();
-    let values: Vec<Vec3> = at.iter().map(|s| backbone.rest_curvature_at(disks, *s)).collect();
-    let own = values.clone();
-    let rest_curvature = Along::At { arc_lengths: at.clone(), values };
-    let bare =
-        Robot::new(Backbone { rest_curvature, ..backbone.clone() }, disks.clone(), Vec::new())?;
+    let (bent, unknowns) = rest_curvature_at(robot, at);
+    let bare = Robot::new(bent, disks.clone(), Vec::new())?;
     let goal = ShapeGoal {
         case: Case { commands: Vec::new(), before: Vec::new(), ..goal.case.clone() },
         ..goal.clone()
     };
-    let largest = 30.0 / length;
-    let mut unknowns = Vec::new();
-    for (entry, value) in own.iter().enumerate() {
-        for axis in 0..2 {
-            let unknown = Unknown::Parameter(Parameter::RestCurvatureAt { entry, axis });
-            let start = value[axis];
-            let range = [-largest, largest];
-            unknowns.push(Bounded { unknown, start, range, starts: [start, start] });
-        }
-    }
     let model = Model::new(ModelKind::Cosserat, Stations::Disks, whipcord::Actuation::Tension)
         .cancelled_by(cancel.cancel());
     let control =

@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use whipcord::section::section_stiffness;
 use whipcord::{
     Along, Backbone, Case, Model, ModelKind, Parameter, Robot, Section, Solution, Statics as _,
-    Stations, Vec3,
+    Stations,
 };
 
 use crate::cable_count;
@@ -18,7 +18,7 @@ use crate::pre_bend::rest_curvature_for_curve;
 use crate::problem::{
     Design, DesignGoal, DesignOptions, Finding, GoalResult, Known, TargetShape, spread,
 };
-use crate::refine::{Bounded, RefineOptions, Refined, refine};
+use crate::refine::{Bounded, RefineOptions, Refined, refine, rest_curvature_at};
 use crate::route::{largest_radius, route_for_curve};
 use crate::taper::taper_for_curve;
 use crate::unknown::{Unknown, least_distance};
@@ -491,29 +491,9 @@ impl Work<'_> {
                 self.rebuild(self.robot.backbone().clone(), cables)?;
             }
             Vary::RestCurvature => {
-                // Where few points are to be met, more places would be free.
-                let points = self.goals[0].points(&self.robot)?.len();
-                let count = self.options.places.min(points + 1).max(3);
-                let at: Vec<f64> = whipcord::equally_spaced(0.0, length, count).collect();
-                let (backbone, disks) = (self.robot.backbone(), self.robot.disks());
-                let values: Vec<Vec3> =
-                    at.iter().map(|s| backbone.rest_curvature_at(disks, *s)).collect();
-                let rest_curvature = Along::At { arc_lengths: at, values: values.clone() };
-                let backbone = Backbone { rest_curvature, ..backbone.clone() };
+                let (backbone, unknowns) = rest_curvature_at(&self.robot, self.places(length)?);
+                into.extend(unknowns);
                 self.rebuild(backbone, self.robot.cables().to_vec())?;
-                let largest = LARGEST_TURN / length;
-                for (entry, value) in values.iter().enumerate() {
-                    for axis in 0..2 {
-                        let parameter = Parameter::RestCurvatureAt { entry, axis };
-                        let start = value[axis];
-                        into.push(Bounded {
-                            unknown: Unknown::Parameter(parameter),
-                            start,
-                            range: [-largest, largest],
-                            starts: [start - 1.0 / length, start + 1.0 / length],
-                        });
-                    }
-                }
             }
             Vary::Diameters => {
                 let Some(Section::Round { inner, .. }) = &self.robot.backbone().section else {
@@ -525,9 +505,8 @@ impl Work<'_> {
                     let what = "the stiffness is given, so that no diameter changes it: take out stiffness";
                     return Err(DesignError::Backbone { what: what.to_owned() });
                 }
-                let points = self.goals[0].points(&self.robot)?.len();
-                let count = self.options.places.min(points + 1).max(3);
-                let at: Vec<f64> = whipcord::equally_spaced(0.0, length, count).collect();
+                let at = self.places(length)?;
+                let count = at.len();
                 let range = self.diameter_range();
                 let start = self.diameter().clamp(range[0], range[1]);
                 let outer = Along::At { arc_lengths: at, values: vec![start; count] };
@@ -572,6 +551,13 @@ impl Work<'_> {
         Ok(())
     }
 
+    /// Arc lengths at which a rest curvature or a diameter is given: where few points are to be met, more places would be free.
+    fn places(&self, length: f64) -> Result<Vec<f64>, DesignError> {
+        let points = self.goals[0].points(&self.robot)?.len();
+        let count = self.options.places.min(points + 1).max(3);
+        Ok(whipcord::equally_spaced(0.0, length, count).collect())
+    }
+
     fn rebuild(
         &mut self,
         backbone: Backbone,
@@ -603,9 +589,6 @@ impl Work<'_> {
         Ok(())
     }
 }
-
-/// A rest curvature bends the backbone by no more than this over its length, in rad.
-const LARGEST_TURN: f64 = 30.0;
 
 const fn converged(is_converged: bool, starts: usize, agree: usize) -> Known {
     match is_converged {

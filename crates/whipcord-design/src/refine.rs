@@ -4,7 +4,10 @@
 use core::f64::consts::TAU;
 
 use whipcord::differences::differentiate;
-use whipcord::{Case, Linearization, Model, Parameter, Robot, Solution, SolveError, Statics as _};
+use whipcord::{
+    Along, Backbone, Case, Linearization, Model, Parameter, Robot, Solution, SolveError,
+    Statics as _, Vec3,
+};
 use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
 use whipcord_numerics::random::SplitMix64;
 
@@ -50,6 +53,28 @@ const BEYOND: f64 = 10.0;
 const EXACT: f64 = 1e-7;
 /// Costs that agree to this part are of one answer.
 const AGREE: f64 = 0.01;
+
+/// A rest curvature bends the backbone by no more than this over its length, in rad.
+const LARGEST_TURN: f64 = 30.0;
+
+/// The backbone of a robot with its rest curvature given at these arc lengths, and the components of that as unknowns.
+pub(crate) fn rest_curvature_at(robot: &Robot, at: Vec<f64>) -> (Backbone, Vec<Bounded>) {
+    let (backbone, disks, length) = (robot.backbone(), robot.disks(), robot.backbone().length);
+    let values: Vec<Vec3> = at.iter().map(|s| backbone.rest_curvature_at(disks, *s)).collect();
+    let largest = LARGEST_TURN / length;
+    let unknown = |entry: usize, axis: usize, start: f64| Bounded {
+        unknown: Unknown::Parameter(Parameter::RestCurvatureAt { entry, axis }),
+        start,
+        range: [-largest, largest],
+        starts: [start - 1.0 / length, start + 1.0 / length],
+    };
+    let entries = values.iter().enumerate();
+    let unknowns =
+        entries.flat_map(|(entry, value)| [0, 1].map(|axis| unknown(entry, axis, value[axis])));
+    let unknowns = unknowns.collect();
+    let rest_curvature = Along::At { arc_lengths: at, values };
+    (Backbone { rest_curvature, ..backbone.clone() }, unknowns)
+}
 
 /// The best of several starts.
 pub(crate) fn refine(
@@ -274,7 +299,7 @@ impl<'a> Problem<'a> {
         values: &[f64],
         unknown: usize,
         goal: usize,
-    ) -> Result<Vec<whipcord::Vec3>, DesignError> {
+    ) -> Result<Vec<Vec3>, DesignError> {
         let moved = |by: f64| -> Result<Solution, SolveError> {
             let mut values = values.to_vec();
             values[unknown] += by;

@@ -9,7 +9,7 @@ use whipcord::{
 use whipcord_numerics::random::SplitMix64;
 
 use crate::error::DesignError;
-use crate::problem::spread;
+use crate::problem::{Design, spread};
 
 /// Standard deviations of what is manufactured and commanded, all of them of normal distributions and independent of one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,6 +141,23 @@ pub fn sample_tolerances(
         }
     }
     Ok(result)
+}
+
+impl Design {
+    /// What deviations do to the robot of a design, under its goals.
+    ///
+    /// # Errors
+    /// As [`sample_tolerances`].
+    pub fn sample_tolerances(
+        &self,
+        model: &Model,
+        tolerances: &Tolerances,
+        options: &BatchOptions<'_>,
+    ) -> Result<TolerancesResult, DesignError> {
+        let goals = self.goals.iter().map(|goal| (goal.case.clone(), goal.points.clone()));
+        let goals: Vec<Compared> = goals.collect();
+        sample_tolerances(model, &self.robot, &goals, tolerances, options)
+    }
 }
 
 /// The robot as it is made.

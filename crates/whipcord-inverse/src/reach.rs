@@ -371,9 +371,8 @@ impl InverseSolver {
         let null_space = self.exact_null_space(&best, target, lever)?;
         let active_limits =
             constraints.met(&self.forward, &best.evaluation, &unknowns, &ranges.unknowns);
-        let mut answer = self.answer(best, active_limits, null_space);
-        answer.starts = starts;
-        answer.solves = self.forward.solves - first_solve;
+        let spent = [starts, self.forward.solves - first_solve];
+        let mut answer = self.answer(best, active_limits, null_space, spent);
         if let Some(boxes) = options.proof
             && answer.status != ReachStatus::Reached
         {
@@ -387,6 +386,7 @@ impl InverseSolver {
         best: Candidate,
         active_limits: Vec<Limit>,
         null_space: Vec<Vec<f64>>,
+        [starts, solves]: [usize; 2],
     ) -> Reached {
         let forward = &self.forward;
         let status = match (best.is_reached, best.is_minimum) {
@@ -406,8 +406,8 @@ impl InverseSolver {
             no_proof: None,
             active_limits,
             null_space,
-            starts: 0,
-            solves: 0,
+            starts,
+            solves,
         }
     }
 

@@ -19,6 +19,27 @@ pub enum Method {
     Robust,
 }
 
+impl Method {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Accurate, Self::Energy, Self::Robust];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Accurate => "accurate",
+            Self::Energy => "energy",
+            Self::Robust => "robust",
+        }
+    }
+
+    /// The method of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+}
+
 /// Damping of the backbone: moments and forces in a section by the rates of its strains (Kelvin–Voigt).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum Damping {

@@ -4,11 +4,10 @@ use whipcord::{Pose, Vec3};
 
 use crate::colour::Colour;
 use crate::error::{PlotError, finite, not_empty};
-use crate::legend::{Entry, Legend, Swatch};
-use crate::orthogonal::Plan;
+use crate::legend::{Entry, Swatch};
+use crate::orthogonal::picture;
 use crate::projection::Projection;
 use crate::svg::{Stroke, Svg};
-use crate::title::Title;
 
 /// The shape of a vibration.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,8 +31,6 @@ pub struct ModesFigure {
     pub width: f64,
 }
 
-const MARGIN: f64 = 14.0;
-const LEGEND_WIDTH: f64 = 190.0;
 /// The greatest displacement that is drawn, relative to the length of the robot.
 const AMPLITUDE: f64 = 0.15;
 /// The greatest rotation that is drawn in rad: it limits vibrations that hardly displace anything.
@@ -106,19 +103,7 @@ pub fn modes_figure(figure: &ModesFigure) -> Result<String, PlotError> {
     for (k, mode) in figure.modes.iter().enumerate() {
         entries.push(line(&mode.label, Stroke::new(Colour::nth(k), 2.0)));
     }
-    let title = Title::new(&figure.title, figure.width - 2.0 * MARGIN);
-    let top = MARGIN + title.height() + 4.0;
-    let plan = Plan::new(
-        &points,
-        [MARGIN, top],
-        [figure.width - 2.0 * MARGIN, 640.0],
-        Legend::width_of(&entries).min(LEGEND_WIDTH),
-    );
-    let legend = Legend::of_height(entries, plan.legend_width(), plan.legend_height());
-    let bottom = plan.bottom().max(plan.legend_place()[1] + legend.height());
-    let mut svg = Svg::new(figure.width, bottom + MARGIN);
-    title.draw(&mut svg, [MARGIN, MARGIN]);
-    plan.draw_views(&mut svg, |svg, view, _, _| {
+    picture((&figure.title, figure.width), &points, entries, |svg, view, _, _| {
         for (k, curves) in drawn.iter().enumerate() {
             let [there, back] = curves;
             back.draw(svg, view, Stroke::new(Colour::nth(k).tint(0.5), 1.2));
@@ -126,9 +111,7 @@ pub fn modes_figure(figure: &ModesFigure) -> Result<String, PlotError> {
         }
         let places: Vec<_> = smooth(&backbone).iter().map(|point| view.place(*point)).collect();
         svg.polyline(&places, rest, "backbone");
-    });
-    legend.draw(&mut svg, plan.legend_place());
-    svg.finish(&figure.title)
+    })
 }
 
 /// What a shape is multiplied by for a robot of this length in m.

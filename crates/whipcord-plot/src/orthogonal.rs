@@ -3,11 +3,14 @@
 use whipcord::Vec3;
 
 use crate::colour::Colour;
+use crate::error::PlotError;
 use crate::font;
+use crate::legend::{Entry, Legend};
 use crate::projection::Projection;
 use crate::robot_figure::{self, Drawn};
 use crate::svg::{Anchor, Point, Stroke, Svg, Text};
 use crate::ticks;
+use crate::title::Title;
 
 const TICK_SIZE: f64 = 10.5;
 const LABEL_SIZE: f64 = 11.5;
@@ -30,8 +33,39 @@ const SLIMMEST: f64 = 0.3;
 /// Room around the robot relative to its largest extent.
 const ROOM: f64 = 0.03;
 
+/// Round a picture of three views, and its widest legend.
+const MARGIN: f64 = 14.0;
+const LEGEND_WIDTH: f64 = 190.0;
+
 /// Upper left corner and size of a view in px.
 pub(crate) type Frame = (Point, Point);
+
+/// A picture of three views of these points, with a title and a legend.
+///
+/// # Errors
+/// [`PlotError`] for what cannot be drawn.
+pub(crate) fn picture(
+    (title, width): (&str, f64),
+    points: &[Vec3],
+    entries: Vec<Entry>,
+    contents: impl Fn(&mut Svg, &Projection, [usize; 2], Frame),
+) -> Result<String, PlotError> {
+    let words = Title::new(title, width - 2.0 * MARGIN);
+    let top = MARGIN + words.height() + 4.0;
+    let plan = Plan::new(
+        points,
+        [MARGIN, top],
+        [width - 2.0 * MARGIN, 640.0],
+        Legend::width_of(&entries).min(LEGEND_WIDTH),
+    );
+    let legend = Legend::of_height(entries, plan.legend_width(), plan.legend_height());
+    let bottom = plan.bottom().max(plan.legend_place()[1] + legend.height());
+    let mut svg = Svg::new(width, bottom + MARGIN);
+    words.draw(&mut svg, [MARGIN, MARGIN]);
+    plan.draw_views(&mut svg, contents);
+    legend.draw(&mut svg, plan.legend_place());
+    svg.finish(title)
+}
 
 /// Where the views lie.
 pub(crate) struct Plan {

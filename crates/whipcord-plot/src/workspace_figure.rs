@@ -6,10 +6,9 @@ use whipcord::Vec3;
 
 use crate::colour::Colour;
 use crate::error::{PlotError, finite, not_empty, positive};
-use crate::legend::{Entry, Legend, Swatch};
-use crate::orthogonal::Plan;
-use crate::svg::{Fill, Stroke, Svg};
-use crate::title::Title;
+use crate::legend::{Entry, Swatch};
+use crate::orthogonal::picture;
+use crate::svg::{Fill, Stroke};
 
 /// Voxels with a value each.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,8 +43,6 @@ const SCALE: [Colour; 6] = [
 /// The colour of voxels without values.
 const PLAIN: Colour = Colour::new(0x6b, 0xa5, 0xd8);
 const BOUNDARY: Colour = Colour::new(0xa8, 0x32, 0x32);
-const MARGIN: f64 = 14.0;
-const LEGEND_WIDTH: f64 = 190.0;
 
 /// The voxels from the front, the side and above, in one scale. A square of a view has the mean of the values behind one another; of a
 /// section, that of its voxel.
@@ -85,19 +82,7 @@ pub fn workspace_figure(figure: &WorkspaceFigure) -> Result<String, PlotError> {
     let points: Vec<Vec3> = corners.chain(figure.backbone.iter().copied()).collect();
     let levels = Levels::of(figure);
     let entries = levels.legend(figure);
-    let title = Title::new(&figure.title, figure.width - 2.0 * MARGIN);
-    let top = MARGIN + title.height() + 4.0;
-    let plan = Plan::new(
-        &points,
-        [MARGIN, top],
-        [figure.width - 2.0 * MARGIN, 640.0],
-        Legend::width_of(&entries).min(LEGEND_WIDTH),
-    );
-    let legend = Legend::of_height(entries, plan.legend_width(), plan.legend_height());
-    let bottom = plan.bottom().max(plan.legend_place()[1] + legend.height());
-    let mut svg = Svg::new(figure.width, bottom + MARGIN);
-    title.draw(&mut svg, [MARGIN, MARGIN]);
-    plan.draw_views(&mut svg, |svg, view, axes, _| {
+    picture((&figure.title, figure.width), &points, entries, |svg, view, axes, _| {
         for (place, value) in squares(figure, axes) {
             let mut centre = [0.0; 3];
             for (axis, index) in axes.into_iter().zip(place) {
@@ -115,9 +100,7 @@ pub fn workspace_figure(figure: &WorkspaceFigure) -> Result<String, PlotError> {
         }
         let backbone: Vec<_> = figure.backbone.iter().map(|point| view.place(*point)).collect();
         svg.polyline(&backbone, Stroke::new(Colour::INK, 2.0), "backbone");
-    });
-    legend.draw(&mut svg, plan.legend_place());
-    svg.finish(&figure.title)
+    })
 }
 
 /// Whether a point is to be seen in a view, or in a section.

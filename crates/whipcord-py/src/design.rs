@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::batch::BatchOptions;
 use whipcord::{SolveError, Stations, Vec3};
-use whipcord_design::{DesignError, Vary, design as solve_design, sample_tolerances, spread};
+use whipcord_design::{DesignError, Vary, design as solve_design, spread};
 use whipcord_io::{DesignShape, DesignTarget, design_json, designed_case, parse_curve};
 
 use crate::convert::{array, flat};
@@ -81,14 +81,8 @@ pub fn design<'py>(
         let found = solve_design(&given, &robot, &problem.goals, &problem.vary, &problem.options)?;
         let sampled = match samples {
             true => {
-                let goals: Vec<_> = found
-                    .goals
-                    .iter()
-                    .map(|goal| (goal.case.clone(), goal.points.clone()))
-                    .collect();
-                let options = BatchOptions::default();
                 let of = &problem.tolerances;
-                Some(sample_tolerances(&given, &found.robot, &goals, of, &options)?)
+                Some(found.sample_tolerances(&given, of, &BatchOptions::default())?)
             }
             false => None,
         };

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::{CableCommand, Robot, Shortening, Twist};
 use whipcord_motion::{
-    CableDrive, CableMotion, Commands, Course, EnergyBalance, Linearized, Method, Mode,
-    MotionError, Simulation as Inner, State as InnerState, Trajectory,
+    CableDrive, CableMotion, Commands, Course, EnergyBalance, Linearized, Mode, MotionError,
+    Simulation as Inner, State as InnerState, Trajectory,
 };
 
 use crate::convert::{self, array, flat, twist};
@@ -351,11 +351,7 @@ impl Simulation {
     /// The method of the last step.
     #[getter]
     fn method(&self) -> &'static str {
-        match self.lock().simulation.state().diagnostics.method {
-            Method::Accurate => "accurate",
-            Method::Energy => "energy",
-            Method::Robust => "robust",
-        }
+        self.lock().simulation.state().diagnostics.method.name()
     }
 
     /// What each cable is told: `tension` or `shortening`, and its value at the time of the state.

@@ -50,17 +50,17 @@ impl Asked {
             None => {
                 let axes = self.vary.iter().map(|axis| axis.parse());
                 let axes: Result<Vec<Axis>, _> = axes.collect();
-                let seed = self.seed;
-                let sampling = match (self.samples, self.sampling.as_str()) {
-                    (None, _) => Sampling::Grid,
-                    (Some(rows), "random") => Sampling::Random { rows, seed },
-                    (Some(rows), "latin-hypercube") => Sampling::LatinHypercube { rows, seed },
-                    (Some(rows), "sobol") => Sampling::Sobol { rows, seed },
-                    (_, other) => {
-                        let message = format!(
-                            "there is no sampling `{other}`: choose random, latin-hypercube or sobol"
-                        );
-                        return Err(Failure::Input("sampling", message));
+                let sampling = match self.samples {
+                    None => Sampling::Grid,
+                    Some(rows) => {
+                        let named = Sampling::named(&self.sampling, rows, self.seed);
+                        named.ok_or_else(|| {
+                            let name = &self.sampling;
+                            let message = format!(
+                                "there is no sampling `{name}`: choose random, latin-hypercube or sobol"
+                            );
+                            Failure::Input("sampling", message)
+                        })?
                     }
                 };
                 (axes.map_err(|error| Failure::Input("vary", error.to_string()))?, sampling)

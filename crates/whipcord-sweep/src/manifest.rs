@@ -22,15 +22,13 @@ impl Plan {
     #[must_use]
     pub fn manifest(&self) -> Value {
         let axes = self.samples.axes().iter();
-        let (method, seed, table) = match self.samples.sampling() {
-            Sampling::Grid => ("grid", None, None),
-            Sampling::Random { seed, .. } => ("random", Some(*seed), None),
-            Sampling::LatinHypercube { seed, .. } => ("latin-hypercube", Some(*seed), None),
-            Sampling::Sobol { seed, .. } => ("sobol", Some(*seed), None),
+        let sampling = self.samples.sampling();
+        let table = match sampling {
             Sampling::Table { values } => {
                 let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-                ("table", None, Some(hash(&bytes)))
+                Some(hash(&bytes))
             }
+            _ => None,
         };
         let file = &self.file;
         let robot = match describe(Some(&file.title), &file.robot, &file.case) {
@@ -47,8 +45,8 @@ impl Plan {
             "model_options": format!("{:?}", self.model.cancelled_by(&Cancel::default())),
             "robot": robot,
             "vary": axes.map(ToString::to_string).collect::<Vec<_>>(),
-            "sampling": method,
-            "seed": seed,
+            "sampling": sampling.name(),
+            "seed": sampling.seed(),
             "table_sha256": table,
             "outputs": self.columns.outputs().iter().map(|of| of.name()).collect::<Vec<_>>(),
             "columns": self.column_names(),

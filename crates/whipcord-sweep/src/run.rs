@@ -14,7 +14,7 @@ use crate::error::SweepError;
 use crate::manifest::claim;
 use crate::outputs::Output;
 use crate::plan::Plan;
-use crate::solve::Part;
+use crate::solve::{Answers, Part};
 
 /// Which parts are made, and how.
 #[derive(Clone, Copy)]
@@ -113,7 +113,7 @@ pub fn run(plan: &Plan, folder: &Path, options: &RunOptions<'_>) -> Result<Summa
                 break;
             }
             summary.add(&of_part);
-            let count = of_part.outcomes.len() as u64;
+            let count = of_part.answers.outcomes.len() as u64;
             if send.send((folder.join(part_name(part)), of_part)).is_err() {
                 // The writer has ended, and says why.
                 break;
@@ -133,11 +133,13 @@ pub fn run(plan: &Plan, folder: &Path, options: &RunOptions<'_>) -> Result<Summa
 
 impl Summary {
     fn add(&mut self, part: &Part) {
-        for (row, outcome) in (part.first..).zip(&part.outcomes) {
-            self.unstable += u64::from(outcome.stable == Some(false));
-            if let Some(error) = &outcome.error {
-                self.failed += 1;
-                self.first_failure.get_or_insert_with(|| (row, error.clone()));
+        for (row, outcome) in (part.first..).zip(&part.answers.outcomes) {
+            match outcome {
+                Ok(stable) => self.unstable += u64::from(*stable == Some(false)),
+                Err(error) => {
+                    self.failed += 1;
+                    self.first_failure.get_or_insert_with(|| (row, error.clone()));
+                }
             }
         }
     }
@@ -168,7 +170,7 @@ fn is_whole(path: &Path, rows: u64) -> bool {
 impl Plan {
     /// A part as the bytes of a Parquet file.
     fn content(&self, part: Part) -> Vec<u8> {
-        let Part { first, inputs, numbers, outcomes } = part;
+        let Part { first, inputs, answers: Answers { numbers, outcomes, .. } } = part;
         let axes = self.samples.axes().len();
         let width = self.columns.names().len();
         let column = |values: &[f64], width: usize, k: usize| {
@@ -180,9 +182,11 @@ impl Plan {
         values.extend((0..axes).map(|k| column(&inputs, axes, k)));
         values.extend((0..width).map(|k| column(&numbers, width, k)));
         if self.columns.has(Output::Stability) {
-            values.push(Values::Flags(outcomes.iter().map(|outcome| outcome.stable).collect()));
+            values.push(Values::Flags(
+                outcomes.iter().map(|of| of.as_ref().ok().copied().flatten()).collect(),
+            ));
         }
-        values.push(Values::Texts(outcomes.into_iter().map(|outcome| outcome.error).collect()));
+        values.push(Values::Texts(outcomes.into_iter().map(Result::err).collect()));
         let names = self.column_names();
         let columns = names.into_iter().zip(values);
         let columns: Vec<Column> = columns.map(|(name, values)| Column { name, values }).collect();

@@ -41,6 +41,42 @@ pub enum Sampling {
     },
 }
 
+impl Sampling {
+    /// Its name.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Grid => "grid",
+            Self::Random { .. } => "random",
+            Self::LatinHypercube { .. } => "latin-hypercube",
+            Self::Sobol { .. } => "sobol",
+            Self::Table { .. } => "table",
+        }
+    }
+
+    /// What random samples follow from.
+    #[must_use]
+    pub const fn seed(&self) -> Option<u64> {
+        match self {
+            Self::Random { seed, .. }
+            | Self::LatinHypercube { seed, .. }
+            | Self::Sobol { seed, .. } => Some(*seed),
+            Self::Grid | Self::Table { .. } => None,
+        }
+    }
+
+    /// The method of this name for so many samples; `None` of another name, and of methods that take no samples.
+    #[must_use]
+    pub fn named(name: &str, rows: u64, seed: u64) -> Option<Self> {
+        let all = [
+            Self::Random { rows, seed },
+            Self::LatinHypercube { rows, seed },
+            Self::Sobol { rows, seed },
+        ];
+        all.into_iter().find(|of| of.name() == name)
+    }
+}
+
 /// Rows of a data set that can be told apart in a column of numbers.
 pub const MOST_ROWS: u64 = 1 << 53;
 /// Axes of the sequence of Sobol.

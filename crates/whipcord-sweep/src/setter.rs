@@ -47,7 +47,7 @@ impl Setter {
 
     /// Writes a value, in the unit of the axis, to a case and the commands of the motors.
     pub fn set(self, value: f64, case: &mut Case, motors: &mut [Option<f64>]) {
-        let value = value * self.factor;
+        let value = self.in_si(value);
         // What is given in another way would drive the models that prefer that.
         let shortened = |by| CableCommand { tension: None, shortening: Some(by) };
         let component = |vector: &mut Vec3, axis: usize| {
@@ -75,12 +75,9 @@ impl Setter {
         }
     }
 
-    /// The tension of a cable in N, where it sets that.
-    pub fn tension(self, value: f64) -> Option<(usize, f64)> {
-        match self.what {
-            What::Tension(cable) => Some((cable, value * self.factor)),
-            _ => None,
-        }
+    /// A value of the axis in SI units, where the axis is no [`What::Key`].
+    pub fn in_si(self, value: f64) -> f64 {
+        value * self.factor
     }
 }
 

@@ -1,7 +1,7 @@
 //! The answers to the rows of a part.
 
-use rayon::prelude::*;
-use whipcord::batch::{BatchOptions, Rows, solve_batch};
+use whipcord::batch::{Batch, BatchError, BatchOptions, Rows, solve_batch};
+use whipcord::jobs::share;
 use whipcord::{Actuation, Case, Prepared, SolveError};
 use whipcord_io::CaseFile;
 
@@ -16,18 +16,37 @@ pub(crate) struct Part {
     pub first: u64,
     /// Rows × axes, in the units of the axes.
     pub inputs: Vec<f64>,
+    pub answers: Answers,
+}
+
+/// What became of rows.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Answers {
+    width: usize,
     /// Rows × columns; NaN in a row without an answer.
     pub numbers: Vec<f64>,
     pub outcomes: Vec<Outcome>,
 }
 
-/// What became of a row.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Outcome {
-    /// Whether the equilibrium is stable, where that was asked for and is known.
-    pub stable: Option<bool>,
-    /// Why there is no answer.
-    pub error: Option<String>,
+/// Whether an equilibrium is stable, where that was asked for and is known; or why there is no answer.
+pub(crate) type Outcome = Result<Option<bool>, String>;
+
+impl Answers {
+    fn new(width: usize, rows: usize) -> Self {
+        let (numbers, outcomes) = (Vec::with_capacity(rows * width), Vec::with_capacity(rows));
+        Self { width, numbers, outcomes }
+    }
+
+    /// Adds a row, whose numbers are written behind the others.
+    fn push(&mut self, write: impl FnOnce(&mut Vec<f64>) -> Outcome) {
+        let first = self.numbers.len();
+        let outcome = write(&mut self.numbers);
+        if outcome.is_err() {
+            self.numbers.truncate(first);
+            self.numbers.resize(first + self.width, f64::NAN);
+        }
+        self.outcomes.push(outcome);
+    }
 }
 
 impl Plan {
@@ -38,37 +57,27 @@ impl Plan {
         let count = count as usize;
         let mut inputs = Vec::with_capacity(count * width);
         (0..count).for_each(|row| self.samples.push(first + row as u64, &mut inputs));
-        let by_row = self.reads_file() || self.columns.has(Output::Jacobian);
-        let (numbers, outcomes) = match (by_row, self.tensions(&inputs)) {
-            (true, _) => self.row_by_row(&inputs),
-            (false, Some(values)) => {
-                let case = &self.file.case;
-                self.batch(Rows::Tensions { values: &values, case })?
+        let mut answers = Answers::new(self.columns.names().len(), count);
+        if self.reads_file() || self.columns.has(Output::Jacobian) {
+            self.row_by_row(&inputs, &mut answers)?;
+        } else if let Some(values) = self.tensions(&inputs) {
+            let batch = self.batch(Rows::Tensions { values: &values, case: &self.file.case })?;
+            (0..count).for_each(|row| answers.push(|out| self.write_row(&batch, row, out)));
+        } else {
+            let cases = inputs.chunks_exact(width).map(|values| self.case(&self.file, values));
+            let cases: Vec<Result<Case, String>> = cases.collect();
+            let solvable: Vec<Case> = cases.iter().flatten().cloned().collect();
+            let batch = self.batch(Rows::Cases(&solvable))?;
+            let mut row = 0;
+            for case in cases {
+                answers.push(|out| {
+                    case?;
+                    row += 1;
+                    self.write_row(&batch, row - 1, out)
+                });
             }
-            (false, None) => {
-                let cases = inputs.chunks_exact(width).map(|values| self.case(&self.file, values));
-                let (mut cases, mut wrong) = (cases.collect::<Vec<_>>(), Vec::new());
-                let mut good = Vec::with_capacity(count);
-                for (row, case) in cases.drain(..).enumerate() {
-                    match case {
-                        Ok(case) => good.push(case),
-                        Err(error) => {
-                            // Its place is kept by a case that is solved for nothing.
-                            wrong.push((row, error));
-                            good.push(self.file.case.clone());
-                        }
-                    }
-                }
-                let (mut numbers, mut outcomes) = self.batch(Rows::Cases(&good))?;
-                let width = self.columns.names().len();
-                for (row, error) in wrong {
-                    numbers[row * width..(row + 1) * width].fill(f64::NAN);
-                    outcomes[row] = Outcome { stable: None, error: Some(error) };
-                }
-                (numbers, outcomes)
-            }
-        };
-        Ok(Part { first, inputs, numbers, outcomes })
+        }
+        Ok(Part { first, inputs, answers })
     }
 
     /// The tensions of all cables in all rows, where nothing but tensions varies and every cable has one.
@@ -87,7 +96,7 @@ impl Plan {
             *of = command.tension;
         }
         for setter in &self.setters {
-            let (cable, _) = setter.tension(0.0)?;
+            let What::Tension(cable) = setter.what else { return None };
             blank[cable] = Some(0.0);
         }
         let blank = blank.into_iter().collect::<Option<Vec<f64>>>()?;
@@ -96,8 +105,8 @@ impl Plan {
             let first = values.len();
             values.extend_from_slice(&blank);
             for (setter, value) in self.setters.iter().zip(row) {
-                if let Some((cable, tension)) = setter.tension(*value) {
-                    values[first + cable] = tension;
+                if let What::Tension(cable) = setter.what {
+                    values[first + cable] = setter.in_si(*value);
                 }
             }
         }
@@ -113,54 +122,43 @@ impl Plan {
         driven(file, case, &motors).map_err(|error| error.to_string())
     }
 
-    fn batch(&self, rows: Rows<'_>) -> Result<(Vec<f64>, Vec<Outcome>), SweepError> {
-        let batch = solve_batch(&self.model, &self.file.robot, rows, &BatchOptions::default())?;
-        let width = self.columns.names().len();
-        let mut numbers = Vec::with_capacity(batch.len() * width);
-        let mut outcomes = Vec::with_capacity(batch.len());
-        for row in 0..batch.len() {
-            match batch.row(row) {
-                Some(Ok(found)) => {
-                    self.columns.push_row(&found, &mut numbers);
-                    outcomes.push(Outcome { stable: found.diagnostics.stable, error: None });
-                }
-                Some(Err(error)) => {
-                    numbers.resize((row + 1) * width, f64::NAN);
-                    outcomes.push(Outcome::failed(error));
-                }
-                None => {}
-            }
-        }
-        Ok((numbers, outcomes))
+    fn batch(&self, rows: Rows<'_>) -> Result<Batch, SweepError> {
+        Ok(solve_batch(&self.model, &self.file.robot, rows, &BatchOptions::default())?)
     }
 
-    fn row_by_row(&self, inputs: &[f64]) -> (Vec<f64>, Vec<Outcome>) {
-        let rows: Vec<&[f64]> = inputs.chunks_exact(self.samples.axes().len()).collect();
-        let width = self.columns.names().len();
-        let answers: Vec<(Vec<f64>, Outcome)> = rows
-            .par_iter()
-            .map_init(
-                || None,
-                |prepared, values| {
-                    let mut numbers = Vec::with_capacity(width);
-                    let outcome = match self.row(values, prepared, &mut numbers) {
-                        Ok(stable) => Outcome { stable, error: None },
-                        Err(reason) => {
-                            numbers.clear();
-                            numbers.resize(width, f64::NAN);
-                            Outcome { stable: None, error: Some(reason) }
-                        }
-                    };
-                    (numbers, outcome)
-                },
-            )
-            .collect();
-        let (mut numbers, mut outcomes) = (Vec::with_capacity(rows.len() * width), Vec::new());
-        for (of_row, outcome) in answers {
-            numbers.extend(of_row);
-            outcomes.push(outcome);
+    fn write_row(&self, batch: &Batch, row: usize, out: &mut Vec<f64>) -> Outcome {
+        match batch.row(row) {
+            Some(Ok(found)) => {
+                self.columns.push_row(&found, out);
+                Ok(found.diagnostics.stable)
+            }
+            Some(Err(error)) => Err(error.to_string()),
+            // A batch has as many rows as it was given.
+            None => Err("the row was not solved".to_owned()),
         }
-        (numbers, outcomes)
+    }
+
+    fn row_by_row(&self, inputs: &[f64], answers: &mut Answers) -> Result<(), SweepError> {
+        let rows = inputs.chunks_exact(self.samples.axes().len());
+        let mut found: Vec<(Vec<f64>, Outcome)> = vec![(Vec::new(), Ok(None)); rows.len()];
+        let jobs = rows.zip(&mut found).collect();
+        let solved = share(
+            jobs,
+            None,
+            || None,
+            |(values, (numbers, outcome)), prepared| {
+                *outcome = self.row(values, prepared, numbers);
+                !self.model.cancel().is_cancelled()
+            },
+        );
+        solved.map_err(BatchError::from)?;
+        for (numbers, outcome) in found {
+            answers.push(|out| {
+                out.extend(numbers);
+                outcome
+            });
+        }
+        Ok(())
     }
 
     /// The numbers of one row, from cold. `prepared` is the model of the file's own robot, made by the first row of a thread.
@@ -169,7 +167,7 @@ impl Plan {
         values: &[f64],
         prepared: &mut Option<Prepared>,
         numbers: &mut Vec<f64>,
-    ) -> Result<Option<bool>, String> {
+    ) -> Outcome {
         let axes = self.samples.axes().iter();
         let keys = axes.zip(&self.setters).zip(values);
         let keys = keys.filter(|((_, setter), _)| setter.what == What::Key);
@@ -188,7 +186,7 @@ impl Plan {
         values: &[f64],
         prepared: &mut Option<Prepared>,
         numbers: &mut Vec<f64>,
-    ) -> Result<Option<bool>, String> {
+    ) -> Outcome {
         let words = |error: SolveError| error.to_string();
         let case = self.case(file, values)?;
         let model = match prepared {
@@ -206,11 +204,5 @@ impl Plan {
             "this row has another number of disks or cables than the file, for which the columns are",
         )?;
         Ok(solution.diagnostics.stable)
-    }
-}
-
-impl Outcome {
-    fn failed(error: &SolveError) -> Self {
-        Self { stable: None, error: Some(error.to_string()) }
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use whipcord::{Actuation, Model, ModelKind, Stations, Vec3};
-use whipcord_design::{Design, DesignError, Vary, design, sample_tolerances, spread};
+use whipcord_design::{Design, DesignError, Vary, design, spread};
 use whipcord_io::{
     CaseFile, DesignShape, DesignTable, DesignTarget, FittedFile, design_json, designed_case,
     is_curve, load_shape, parse_curve, warnings_json,
@@ -105,11 +105,8 @@ pub fn run(args: &DesignArgs, style: Style) -> Result<String, Failure> {
     let tolerances = match &args.report {
         None => None,
         Some(_) => {
-            let goals: Vec<_> =
-                found.goals.iter().map(|of| (of.case.clone(), of.points.clone())).collect();
             let options = whipcord::batch::BatchOptions::default();
-            let sampled =
-                sample_tolerances(&model, &found.robot, &goals, &problem.tolerances, &options);
+            let sampled = found.sample_tolerances(&model, &problem.tolerances, &options);
             Some(sampled.map_err(fail)?)
         }
     };

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use whipcord_io::{CaseFile, CsvTable, motion_json, motion_table, poses_table, warnings_json};
-use whipcord_motion::{Method, Simulation, State, Trajectory};
+use whipcord_motion::{Simulation, State, Trajectory};
 use whipcord_plot::{OverTime, PlotError, TimeSeries, time_chart};
 
 use crate::inputs::{Settings, read_one};
@@ -143,11 +143,7 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
     let (Some(first), Some(last)) = (trajectory.states.first(), trajectory.states.last()) else {
         return text;
     };
-    let method = match last.diagnostics.method {
-        Method::Accurate => "accurate",
-        Method::Energy => "energy",
-        Method::Robust => "robust",
-    };
+    let method = last.diagnostics.method.name();
     text += &format!("motion of cosserat, {method}\n\n");
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<9}")));

@@ -30,14 +30,7 @@ pub fn describe_motion(
     let mut table = Table::default();
     table.insert_some("duration", motion.duration);
     table.insert_some("step", motion.step);
-    table.insert_some(
-        "method",
-        motion.method.map(|method| match method {
-            Method::Accurate => "accurate",
-            Method::Energy => "energy",
-            Method::Robust => "robust",
-        }),
-    );
+    table.insert_some("method", motion.method.map(Method::name));
     table.insert_some("tolerance", motion.tolerance);
     table.insert_some(
         "initial",

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use whipcord::{Robot, Twist};
-use whipcord_motion::{EnergyBalance, Method, State, Trajectory};
+use whipcord_motion::{EnergyBalance, State, Trajectory};
 
 use super::NonFinite;
 use super::csv::{Cell, CsvTable};
@@ -82,7 +82,7 @@ fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
     }
     Ok(json!({
         "time": number(|| place("time"), state.time)?,
-        "method": method_name(state.diagnostics.method),
+        "method": state.diagnostics.method.name(),
         "poses": poses,
         "velocities": velocities,
         "strains": strains,
@@ -95,15 +95,6 @@ fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
 fn six(twist: &Twist) -> [f64; 6] {
     let ([a, b, c], [d, e, f]) = (twist.linear.to_array(), twist.angular.to_array());
     [a, b, c, d, e, f]
-}
-
-/// The name of a method in files.
-fn method_name(method: Method) -> &'static str {
-    match method {
-        Method::Accurate => "accurate",
-        Method::Energy => "energy",
-        Method::Robust => "robust",
-    }
 }
 
 const ENERGIES: [&str; 7] =

@@ -1,6 +1,7 @@
 //! The tables `[motion]` and `[backbone.damping]`.
 
 use whipcord::robot::limits::{self, Range};
+use whipcord_motion::Method;
 
 use super::backbone_keys::SYMMETRIC_MATRIX;
 use super::keys::{DURATION, LENGTH, force, key};
@@ -46,7 +47,7 @@ pub(super) static MOTION: Table = Table {
         ),
         key(
             "method",
-            Kind::Choice(&["accurate", "energy", "robust"]),
+            Kind::Choice(&[Method::Accurate.name(), Method::Energy.name(), Method::Robust.name()]),
             r#""accurate""#,
             "How the equations are integrated: accurate (Runge-Kutta of order 4, the default), energy (midpoint rule that conserves the energy but for what is damped), or robust (generalised-alpha, damps vibrations too fast for the step). Cables that are driven by their lengths are always integrated by robust.",
         ),

@@ -180,11 +180,7 @@ pub(crate) fn motion(
     motion.duration = reader.number(table, "motion", "duration", LENGTH_OF_TIME);
     motion.step = reader.number(table, "motion", "step", LENGTH_OF_TIME);
     motion.tolerance = reader.number(table, "motion", "tolerance", LENGTH);
-    motion.method = table.text("method").map(|name| match name {
-        "energy" => Method::Energy,
-        "robust" => Method::Robust,
-        _ => Method::Accurate,
-    });
+    motion.method = table.text("method").and_then(Method::named);
     motion.initial = table.text("initial").map(|name| match name {
         "rest" => Initial::Rest,
         _ => Initial::Equilibrium,
