@@ -179,3 +179,42 @@ def test_what_cannot_be_is_said(arm: whipcord.Case, segment: whipcord.Case) -> N
         whipcord.Simulation(arm).step(-0.01)
     with pytest.raises(WhipcordTimeout):
         arm.simulate("1000 s", step="1 ms", every="1 s", timeout=0.2)
+
+
+def test_surroundings_and_a_moving_base(arm: whipcord.Case, tmp_path: Path) -> None:
+    def swing(motion: whipcord.Motion) -> float:
+        return float(np.ptp(motion.tip[20:, 0]))
+
+    free = arm.simulate("0.4 s")
+    for drag in (2.0, "2 N*s/m^2", {"across": 2.0}):
+        assert swing(arm.simulate("0.4 s", drag=drag)) < 0.9 * swing(free)
+    assert arm.simulate("0.02 s", elements=60).arc_length.size > free.arc_length.size
+    # The base goes 20 mm along its axis and stops.
+    still = {"left": 0.0, "right": 0.0}
+    velocity = [0, 0, [(0, "0.1 m/s"), (0.2, "0.1 m/s"), (0.2, 0)]]
+    moved = arm.simulate("0.3 s", tension=still, base={"velocity": velocity})
+    assert moved.position[-1, 0] - moved.position[0, 0] == pytest.approx([0, 0, 0.02], abs=1e-12)
+    assert moved.energy["base"][-1] != 0.0
+    table = tmp_path / "base.csv"
+    table.write_text("t,x,y,z\n0,0,0,0\n0.2,0,0,0.02\n")
+    led = arm.simulate("0.3 s", tension=still, base={"csv": str(table)})
+    assert np.allclose(led.position, moved.position, atol=1e-9)
+    with pytest.raises(InputError, match="speed"):
+        arm.simulate("0.1 s", base={"velocity": [0, 0, "1 m"]})
+    with pytest.raises(ModelError, match="base"):
+        arm.simulate("0.1 s", method="energy", base={"velocity": velocity})
+
+
+def test_a_motion_goes_on_from_a_state(arm: whipcord.Case, tmp_path: Path) -> None:
+    whole = arm.simulate("0.2 s", step="2 ms")
+    first = arm.simulate("0.1 s", step="2 ms")
+    slack = {"left": 0.0}
+    rest = arm.simulate("0.1 s", step="2 ms", initial=first, tension=slack)
+    assert np.array_equal(rest.strain[0], first.strain[-1])
+    assert np.allclose(rest.tip[-1], whole.tip[-1], atol=1e-4)
+    simulation = whipcord.Simulation(arm, initial=first, tension=slack)
+    assert np.array_equal(simulation.tip, first.tip[-1])
+    again = whipcord.Simulation(arm, initial=simulation.state, tension=slack)
+    assert np.array_equal(again.tip, first.tip[-1])
+    with pytest.raises(InputError, match="initial"):
+        arm.simulate("0.1 s", initial=3)  # type: ignore[arg-type]

@@ -21,7 +21,7 @@ from .errors import InputError
 from .models import ModelLike, StationsLike
 from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
 from .robot import Damping
-from .simulating import Courses, Linearized, LoadsOverTime, Modes, Motion
+from .simulating import Courses, Linearized, LoadsOverTime, Modes, Motion, State
 from .solution import Branches, Solution, begun
 from .surveying import Workspace
 from .sweeping import Sweep
@@ -588,8 +588,11 @@ class Case(Description):
         every: Quantity | None = None,
         method: str | None = None,
         tolerance: Quantity | None = None,
-        initial: str | None = None,
+        initial: str | State | Motion | None = None,
+        elements: int | None = None,
         damping: Damping | Mapping[str, Any] | Quantity | None = None,
+        drag: Mapping[str, Quantity] | Quantity | None = None,
+        base: Mapping[str, Any] | None = None,
         tension: Courses | None = None,
         shortening: Courses | None = None,
         motors: Courses | None = None,
@@ -613,9 +616,17 @@ class Case(Description):
         tolerance
             Error in m that a step may have; steps are divided until they meet it.
         initial
-            ``"equilibrium"`` under the first commands and loads, or ``"rest"`` without them.
+            ``"equilibrium"`` under the first commands and loads, ``"rest"`` without them, or where a :class:`whipcord.State`, the end of
+            a :class:`whipcord.Motion` or that of a motion in JSON, by its path, is.
+        elements
+            Least number of elements along the backbone; by default 6.
         damping
             Damping of the backbone; a number is its time in s.
+        drag
+            Viscous drag of the surroundings on the backbone in N·s/m², ``across`` and ``along`` it; one value is that of both.
+        base
+            How the base moves: ``velocity`` in m/s along and ``angular_velocity`` in rad/s about its own axes, each three values, rows or functions
+            as for ``tension``; or ``csv``, the path of a table with its poses over time.
         tension
             Tensions in N over time: one for each cable in order, None for a cable that keeps its command, or by their names. Each is a value;
             rows of times in s and values, with straight lines between them and a jump at a time that is there twice; or a function
@@ -658,7 +669,10 @@ class Case(Description):
             method=method,
             tolerance=tolerance,
             initial=initial,
+            elements=elements,
             damping=damping,
+            drag=drag,
+            base=base,
             tension=tension,
             shortening=shortening,
             motors=motors,

@@ -255,7 +255,7 @@ class Simulation:
     case
         Robot, loads and base, and the commands to start from. What ``[motion]`` of its file says holds, too: its commands stay in
         force until :meth:`step` gets others.
-    method, tolerance, initial, damping, tension, shortening, motors, loads
+    method, tolerance, initial, elements, damping, drag, base, tension, shortening, motors, loads
         As for :meth:`whipcord.Case.simulate`; commands are values or rows of times and values.
 
     Examples
@@ -282,8 +282,11 @@ class Simulation:
         *,
         method: str | None = None,
         tolerance: Quantity | None = None,
-        initial: str | None = None,
+        initial: str | State | Motion | None = None,
+        elements: int | None = None,
         damping: Damping | Mapping[str, Any] | Quantity | None = None,
+        drag: Mapping[str, Quantity] | Quantity | None = None,
+        base: Mapping[str, Any] | None = None,
         tension: Courses | None = None,
         shortening: Courses | None = None,
         motors: Courses | None = None,
@@ -294,7 +297,10 @@ class Simulation:
             method=method,
             tolerance=tolerance,
             initial=initial,
+            elements=elements,
             damping=damping,
+            drag=drag,
+            base=base,
             tension=tension,
             shortening=shortening,
             motors=motors,
@@ -490,8 +496,11 @@ def _setup(
     every: Quantity | None = None,
     method: str | None = None,
     tolerance: Quantity | None = None,
-    initial: str | None = None,
+    initial: str | State | Motion | None = None,
+    elements: int | None = None,
     damping: Damping | Mapping[str, Any] | Quantity | None = None,
+    drag: Mapping[str, Quantity] | Quantity | None = None,
+    base: Mapping[str, Any] | None = None,
     tension: Courses | None = None,
     shortening: Courses | None = None,
     motors: Courses | None = None,
@@ -505,7 +514,9 @@ def _setup(
         "step": positive(step, "step", "time"),
         "method": method,
         "tolerance": positive(tolerance, "tolerance", "length"),
-        "initial": initial,
+        "initial": initial if initial is None or isinstance(initial, str) else _kept(initial),
+        "elements": None if elements is None else whole(elements, "elements"),
+        "drag": {"across": drag, "along": drag} if isinstance(drag, (str, int, float)) else drag,
     }
     motion |= {name: value for name, value in given.items() if value is not None}
     output = positive(every, "every", "time")
@@ -524,11 +535,31 @@ def _setup(
             commands.append({kind: name, _key(case, name) if key == "motors" else key: value})
     if commands:
         motion["commands"] = commands
+    if base is not None:
+        motion["base"] = {
+            key: value if isinstance(value, str) else [times.of(of, f"base: {key}") for of in value]
+            for key, value in plain(base).items()
+        }
     if loads is not None:
         motion["loads"] = [_load(entry, k, times) for k, entry in enumerate(loads)]
     if motion:
         tables["motion"] = motion
     return _core.Setup.of_tables(tables, "simulate")
+
+
+def _kept(initial: State | Motion) -> dict[str, Any]:
+    """``[motion.initial]`` of a state, or of the last one of a motion."""
+    if not isinstance(initial, (State, Motion)):
+        message = f"initial must be 'equilibrium', 'rest', the path of a motion in JSON, a State or a Motion, but is {initial!r}"
+        raise InputError(message, path="initial")
+    last: Any = (lambda rows: rows[-1]) if isinstance(initial, Motion) else (lambda rows: rows)
+    table = {
+        "strains": last(initial.strain).tolist(),
+        "velocities": last(initial.velocity).tolist(),
+        "tensions": last(initial.tension).tolist(),
+        "motor_outputs": last(initial.motor_output).tolist(),
+    }
+    return {key: values for key, values in table.items() if values}
 
 
 def _by_name(case: Case, courses: Courses | None, key: str) -> list[tuple[str, Course]]:

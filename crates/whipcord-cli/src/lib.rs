@@ -5,6 +5,7 @@
 
 mod deadline;
 pub mod examples;
+mod film;
 mod goal;
 mod inputs;
 mod inverse;

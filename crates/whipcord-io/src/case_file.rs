@@ -244,9 +244,13 @@ fn read(
     let goal = read::goal(&fields, (disks, &names), &document, sources, problems);
     // Without its cables and motors nothing is known of what they are told.
     let motion = parts.as_ref().map_or_else(Motion::default, |parts| {
-        let driven = read::Driven { cables: &parts.cables, motors: &parts.motors.motors };
-        let of_loads = (parts.backbone.length, parts.loads.frame);
-        read::motion(&fields, &driven, of_loads, &document, sources, problems)
+        let moved = read::Moved {
+            driven: read::Driven { cables: &parts.cables, motors: &parts.motors.motors },
+            length: parts.backbone.length,
+            frame: parts.loads.frame,
+            base: parts.base.rotation,
+        };
+        read::motion(&fields, &moved, &document, sources, problems)
     });
     if let Some(reference) = &reference {
         published(reference, &document, problems);

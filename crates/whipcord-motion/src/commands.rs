@@ -3,7 +3,7 @@
 use whipcord::{Case, Robot, Shortening};
 
 use crate::course::Course;
-use crate::error::MotionError;
+use crate::error::{MotionError, count};
 
 /// What drives one cable.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,13 +120,6 @@ impl Commands {
     }
 
     pub(crate) fn check(&self, robot: &Robot) -> Result<(), MotionError> {
-        let count = |what, given, expected| {
-            if given == expected {
-                Ok(())
-            } else {
-                Err(MotionError::Count { what, given, expected })
-            }
-        };
         count("commands of cables", self.cables.len(), robot.cables().len())?;
         if !self.motors.is_empty() {
             count("commands of motors", self.motors.len(), robot.motors().len())?;

@@ -112,3 +112,12 @@ pub enum MotionError {
     )]
     NoModes,
 }
+
+/// Refuses a list of another length than is expected.
+pub(crate) const fn count(
+    what: &'static str,
+    given: usize,
+    expected: usize,
+) -> Result<(), MotionError> {
+    if given == expected { Ok(()) } else { Err(MotionError::Count { what, given, expected }) }
+}

@@ -37,7 +37,7 @@ pub use course::Course;
 pub use error::MotionError;
 pub use linear::Linearized;
 pub use modes::Mode;
-pub use options::{BaseMotion, Damping, Drag, Initial, LoadCourse, Method, MotionOptions};
+pub use options::{BaseMotion, Damping, Drag, Initial, LoadCourse, Method, MotionOptions, Start};
 pub use simulation::Simulation;
 pub use state::{CableMotion, EnergyBalance, State, StepDiagnostics};
 pub use trajectory::Trajectory;

@@ -1,6 +1,7 @@
 //! How a motion is computed.
 
 use whipcord::Loads;
+use whipcord_numerics::{Pose, Twist};
 
 use crate::course::Course;
 use crate::error::MotionError;
@@ -62,14 +63,29 @@ pub struct Drag {
     pub along: f64,
 }
 
+/// Velocities and strains to start from, those of a state of the same robot with the same elements.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Start {
+    /// Velocity of each node in its frame: m/s and rad/s. That of the node at the base is the base's own, whatever it is here.
+    pub velocities: Vec<Twist>,
+    /// Strains `(v, u)` at the points of the elements.
+    pub strains: Vec<Twist>,
+    /// Tension in N of each cable, with which those that are driven by their lengths start; empty for none.
+    pub tensions: Vec<f64>,
+    /// Motion of the spool or drive of each motor, behind gear and backlash, in rad or m; empty for zero.
+    pub motor_outputs: Vec<f64>,
+}
+
 /// Where a motion starts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum Initial {
     /// At rest in equilibrium with the first commands and loads: the equilibrium that the statics finds.
     #[default]
     Equilibrium,
     /// At rest in the shape without commands and loads, which begin to act at the start.
     Rest,
+    /// In the shape and with the velocities of a state that was kept, under the first commands and loads. The base is that of the case.
+    State(Box<Start>),
 }
 
 /// Loads whose size changes over time.
@@ -88,6 +104,51 @@ pub struct BaseMotion {
     pub velocity: [Course; 3],
     /// Angular velocity in rad/s.
     pub angular_velocity: [Course; 3],
+}
+
+impl BaseMotion {
+    /// The motion through poses of the base at times in s that ascend, in any frame that is at rest: from each to the next in a screw motion, with constant
+    /// velocity and angular velocity along and about the axes of the base. It begins with the first row and ends with the last one.
+    ///
+    /// # Errors
+    /// [`MotionError::Course`] where the times do not ascend or a number is not finite.
+    pub fn through(rows: &[(f64, Pose)]) -> Result<Self, MotionError> {
+        let mut times = Vec::with_capacity(2 * rows.len());
+        let mut values: [Vec<f64>; 6] = Default::default();
+        let mut add = |time: f64, twist: Twist| {
+            times.push(time);
+            let numbers = twist.linear.to_array().into_iter().chain(twist.angular.to_array());
+            for (of, value) in values.iter_mut().zip(numbers) {
+                of.push(value);
+            }
+        };
+        for (row, pair) in rows.windows(2).enumerate() {
+            let [(from, before), (to, after)] = [pair[0], pair[1]];
+            if to <= from {
+                let problem = "has a time that is not behind that of the row above: sort the rows by time, each time once";
+                return Err(MotionError::Course { row: row + 1, problem });
+            }
+            let twist = (before.inverse() * after).log() * (1.0 / (to - from));
+            if row == 0 {
+                add(from, Twist::default());
+            }
+            add(from, twist);
+            add(to, twist);
+            if row + 2 == rows.len() {
+                add(to, Twist::default());
+            }
+        }
+        if times.is_empty() {
+            return Ok(Self::default());
+        }
+        // Between two rows the velocity jumps: the first of the two values is that before, the second that behind.
+        let course = |values: &Vec<f64>| Course::table(times.clone(), values.clone());
+        let [x, y, z, a, b, c] = &values;
+        Ok(Self {
+            velocity: [course(x)?, course(y)?, course(z)?],
+            angular_velocity: [course(a)?, course(b)?, course(c)?],
+        })
+    }
 }
 
 impl Default for BaseMotion {

@@ -7,10 +7,10 @@ use crate::accurate::Accurate;
 use crate::commands::Commands;
 use crate::energy::Power;
 use crate::equilibrium;
-use crate::error::MotionError;
+use crate::error::{MotionError, count};
 use crate::iteration::{Mechanics, Solver};
 use crate::loads::NodeLoads;
-use crate::options::{Initial, MotionOptions};
+use crate::options::{Initial, MotionOptions, Start};
 use crate::rod::Rod;
 use crate::state::{CableMotion, State};
 
@@ -152,13 +152,6 @@ impl Simulation {
     /// # Errors
     /// [`MotionError::Count`] where the state is of a robot with other elements or cables.
     pub fn set_state(&mut self, state: &State) -> Result<(), MotionError> {
-        let count = |what, given, expected| {
-            if given == expected {
-                Ok(())
-            } else {
-                Err(MotionError::Count { what, given, expected })
-            }
-        };
         count("velocities of nodes", state.velocities.len(), self.rod.nodes.len())?;
         count("strains of points", state.strains.len(), self.rod.points.len())?;
         count("cables", state.cables.len(), self.rod.cables.len())?;
@@ -246,19 +239,61 @@ impl Simulation {
         Ok(statics)
     }
 
+    /// Puts velocities, strains, tensions and motors of a state that was kept in their places.
+    fn start_from(&mut self, start: &Start, commands: &Commands) -> Result<(), MotionError> {
+        let Start { velocities, strains, tensions, motor_outputs } = start;
+        count("velocities of the state to start from", velocities.len(), self.rod.nodes.len())?;
+        count("strains of the state to start from", strains.len(), self.rod.points.len())?;
+        if !tensions.is_empty() {
+            count("tensions of the state to start from", tensions.len(), self.rod.cables.len())?;
+        }
+        if !motor_outputs.is_empty() {
+            count(
+                "motors of the state to start from",
+                motor_outputs.len(),
+                self.state.motor_outputs.len(),
+            )?;
+            self.state.motor_outputs.copy_from_slice(motor_outputs);
+            self.next.motor_outputs.copy_from_slice(motor_outputs);
+        }
+        let twists = velocities.iter().chain(strains);
+        let numbers = twists.flat_map(|of| [of.linear, of.angular]).flat_map(Vec3::to_array);
+        for value in numbers.chain(tensions.iter().chain(motor_outputs).copied()) {
+            if !value.is_finite() {
+                let need = "all of its numbers must be finite";
+                return Err(MotionError::Option {
+                    what: "a number of the state to start from",
+                    value,
+                    need,
+                });
+            }
+        }
+        for (cable, tension) in self.state.cables.iter_mut().zip(tensions) {
+            cable.tension = *tension;
+        }
+        self.next.velocities.copy_from_slice(velocities);
+        self.solver.stage.strains.copy_from_slice(strains);
+        self.set_lengths(commands, 0.0);
+        self.set_tensions(commands, 0.0);
+        Ok(())
+    }
+
     /// Sets the state at the start.
     fn start(&mut self, case: &Case, commands: &Commands) -> Result<(), MotionError> {
-        if self.options.initial == Initial::Equilibrium {
-            self.set_lengths(commands, 0.0);
-            self.set_tensions(commands, 0.0);
-            let statics = self.statics(case, commands)?;
-            let Self { robot, rod, loads, solver, .. } = self;
-            equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;
-        } else {
-            self.solver.stage.tensions.fill(0.0);
+        let initial = self.options.initial.clone();
+        match &initial {
+            Initial::Equilibrium => {
+                self.set_lengths(commands, 0.0);
+                self.set_tensions(commands, 0.0);
+                let statics = self.statics(case, commands)?;
+                let Self { robot, rod, loads, solver, .. } = self;
+                equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;
+            }
+            Initial::Rest => self.solver.stage.tensions.fill(0.0),
+            Initial::State(start) => self.start_from(start, commands)?,
         }
         self.next.strains.copy_from_slice(&self.solver.stage.strains);
-        let is_rest = self.options.initial == Initial::Rest;
+        let is_rest = initial == Initial::Rest;
         self.finish(commands, 0.0, &Power::default());
         self.next.has_rates = false;
         let energy = &mut self.next.energy;

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Pose, Twist};
 
-use crate::options::Method;
+use crate::options::{Method, Start};
 
 /// Energies in J of a robot in motion, and the work since the start of the motion.
 ///
@@ -105,6 +105,17 @@ impl State {
     #[must_use]
     pub fn tip(&self) -> Pose {
         self.poses.last().copied().unwrap_or_default()
+    }
+
+    /// What another motion needs to start where this state is.
+    #[must_use]
+    pub fn start(&self) -> Start {
+        Start {
+            velocities: self.velocities.clone(),
+            strains: self.strains.clone(),
+            tensions: self.cables.iter().map(|cable| cable.tension).collect(),
+            motor_outputs: self.motor_outputs.clone(),
+        }
     }
 
     /// Copies another state of the same robot without allocation.

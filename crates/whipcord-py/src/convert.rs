@@ -15,7 +15,7 @@ use crate::errors;
 /// `"force"`, ...).
 #[pyfunction]
 pub fn parse_quantity(py: Python<'_>, text: &str, dimension: &str) -> PyResult<f64> {
-    static ALL: [Dimension; 18] = Dimension::ALL;
+    static ALL: [Dimension; Dimension::ALL.len()] = Dimension::ALL;
     let found = ALL.iter().find(|d| d.to_string() == dimension);
     let dimension = found.ok_or_else(|| {
         let all = Dimension::ALL.map(|d| d.to_string()).join(", ");

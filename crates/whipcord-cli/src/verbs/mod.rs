@@ -23,6 +23,7 @@ mod reach_words;
 pub mod schema;
 pub mod score;
 pub mod simulate;
+mod simulate_picture;
 pub mod solve;
 pub mod stiffness;
 pub mod sweep;

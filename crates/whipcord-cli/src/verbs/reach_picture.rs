@@ -7,6 +7,7 @@ use whipcord_inverse::{Followed, PathPoint, Reached, Target};
 use whipcord_io::CaseFile;
 use whipcord_plot::{Acting, FigureOptions, FilmFrame, RobotView, film, label, robot_figure};
 
+use crate::film::{AZIMUTH, FILM_WIDTH, durations, spread};
 use crate::smooth::smooth;
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
@@ -14,13 +15,8 @@ use whipcord_study::quantity::number;
 
 /// Shapes of a picture of a path.
 const SHAPES: usize = 5;
-/// Pictures of a film at most, and how long one is seen at most, in ms.
+/// Pictures of a film at most.
 const MOST_PICTURES: usize = 80;
-const LONGEST: f64 = 10_000.0;
-/// Width of a film in px.
-const FILM_WIDTH: f64 = 720.0;
-/// Direction from which films are seen, in rad: one for all pictures.
-const AZIMUTH: f64 = -1.0;
 
 /// The robot at rest and in an answer, with the points that it was to reach.
 pub fn draw(
@@ -59,8 +55,9 @@ pub fn film_path(
         followed.answers.iter().flat_map(|answer: &Reached| answer.solution.disks.poses.iter());
     let room: Vec<Vec3> = all.map(|pose| pose.position).collect();
     let numbers: Vec<usize> = spread(points.len(), MOST_PICTURES).collect();
+    let times: Vec<f64> = numbers.iter().map(|&k| points[k].time).collect();
     let mut frames = Vec::with_capacity(numbers.len());
-    for (i, &k) in numbers.iter().enumerate() {
+    for (k, milliseconds) in numbers.into_iter().zip(durations(&times)) {
         let options = FigureOptions {
             targets: targets.clone(),
             room: room.clone(),
@@ -69,26 +66,9 @@ pub fn film_path(
             ..FigureOptions::default()
         };
         let svg = figure(path, at, &[(&followed.answers[k], time(&points[k]))], options)?;
-        // The last is seen for a second, before the film begins again.
-        let next = numbers.get(i + 1).map_or(points[k].time + 1.0, |&next| points[next].time);
-        #[expect(
-            clippy::cast_sign_loss,
-            clippy::cast_possible_truncation,
-            reason = "within the limits"
-        )]
-        let milliseconds = (1e3 * (next - points[k].time)).clamp(1.0, LONGEST).round() as u16;
         frames.push(FilmFrame { svg, milliseconds });
     }
     film(&frames).map_err(|error| files::plot_failure(path, &error))
-}
-
-/// So many numbers below `count`, spread evenly, the last among them.
-fn spread(count: usize, most: usize) -> impl Iterator<Item = usize> {
-    let shown = count.min(most);
-    (0..shown).map(move |k| match shown {
-        1 => count - 1,
-        _ => k * (count - 1) / (shown - 1),
-    })
 }
 
 fn time(point: &PathPoint) -> String {

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use whipcord_io::{CaseFile, CsvTable, motion_json, motion_table, poses_table, warnings_json};
-use whipcord_motion::{Simulation, State, Trajectory};
-use whipcord_plot::{OverTime, PlotError, TimeSeries, time_chart};
+use whipcord_motion::{Simulation, Trajectory};
+use whipcord_plot::film;
 
+use super::simulate_picture::{charts, film_frames};
 use crate::inputs::{Settings, read_one};
 use crate::motion::failure;
 use crate::warnings::Warnings;
@@ -19,9 +20,9 @@ use whipcord_study::table::{Align, Table};
 /// How the robot moves over time: poses, tensions, slack cables and the energy balance
 ///
 /// Computes the motion of the Cosserat rod with its masses from [motion]: duration, steps, method, commands and loads
-/// over time, and the damping of [backbone.damping]. The folder gets motion.json (all states),
+/// over time, drag, a moving base, and the damping of [backbone.damping]. The folder gets motion.json (all states),
 /// motion.csv (a row for each state: tip, cables, energies) and poses.csv (a row for each node of each state).
-/// The summary is in mm, all else in SI units. Friction and obstacles are refused.
+/// The summary is in mm, all else in SI units. Cables run as in the model cosserat. Friction and obstacles are refused.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// Robot file, or - for standard input
@@ -43,6 +44,12 @@ pub struct SimulateArgs {
     /// Draw the tip, the tensions and the energies over time, to the folder as SVG and PNG
     #[arg(long, requires = "out")]
     plot: bool,
+    /// Write the motion to the folder as a film, film.png: an animated PNG, which browsers play
+    #[arg(long, requires = "out")]
+    film: bool,
+    /// Write the pictures of the film to the folder frames as well, as PNG
+    #[arg(long, requires = "film")]
+    frames: bool,
     #[command(flatten)]
     warnings: Warnings,
 }
@@ -76,7 +83,9 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
             true => vec![("motion.parquet", parquet(&table)?), ("poses.parquet", parquet(&poses)?)],
             false => Vec::new(),
         };
-        let pictures = if args.plot { pictures(&file, &trajectory)? } else { Vec::new() };
+        let pictures = if args.plot { charts(&file, &trajectory)? } else { Vec::new() };
+        let path = out.join("film.png");
+        let frames = if args.film { film_frames(&path, &file, &trajectory)? } else { Vec::new() };
         let folder = Folder::create(out)?;
         folder.write("motion.json", &format!("{json:#}\n"))?;
         folder.write_table("motion.csv", &table)?;
@@ -87,6 +96,17 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
         for (name, svg) in &pictures {
             folder.write_figure(name, svg)?;
         }
+        if args.film {
+            let bytes = film(&frames).map_err(|error| files::plot_failure(&path, &error))?;
+            files::write(&path, &bytes)?;
+        }
+        if args.frames {
+            let folder = Folder::create(&out.join("frames"))?;
+            for (k, frame) in frames.iter().enumerate() {
+                let path = folder.path().join(format!("{k:04}.png"));
+                files::write(&path, &files::picture(&frame.svg, &path)?)?;
+            }
+        }
     }
     if args.json {
         return Ok(format!("{json:#}\n"));
@@ -95,46 +115,6 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
         return table.to_csv().map_err(no_result);
     }
     Ok(summary(args, &file, &trajectory, style))
-}
-
-/// The charts by their names.
-fn pictures(
-    file: &CaseFile,
-    trajectory: &Trajectory,
-) -> Result<Vec<(&'static str, String)>, Failure> {
-    let line = |label: &str, value: &dyn Fn(&State) -> f64| TimeSeries {
-        label: label.to_owned(),
-        rows: trajectory.states.iter().map(|state| [state.time, value(state)]).collect(),
-    };
-    let tip = [
-        line("x", &|state| state.tip().position.x),
-        line("y", &|state| state.tip().position.y),
-        line("z", &|state| state.tip().position.z),
-    ];
-    let cables = file.robot.cables().iter().enumerate();
-    let tensions: Vec<TimeSeries> =
-        cables.map(|(i, cable)| line(&cable.name, &|state| state.cables[i].tension)).collect();
-    let energies = [
-        line("kinetic", &|state| state.energy.kinetic),
-        line("elastic", &|state| state.energy.elastic),
-        line("gravity", &|state| state.energy.gravity),
-        line("from the cables", &|state| state.energy.cables),
-        line("from loads", &|state| state.energy.loads),
-        line("dissipated", &|state| state.energy.dissipated),
-    ];
-    let charts = [
-        ("tip", OverTime::Position, &tip[..]),
-        ("tensions", OverTime::Tension, &tensions[..]),
-        ("energy", OverTime::Energy, &energies[..]),
-    ];
-    let drawn = charts.into_iter().filter(|(_, _, series)| !series.is_empty());
-    let failed =
-        |error: PlotError| Failure::Solve(format!("error: the motion cannot be drawn: {error}"));
-    drawn
-        .map(|(name, what, series)| {
-            Ok((name, time_chart(&file.title, what, series).map_err(failed)?))
-        })
-        .collect()
 }
 
 fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style: Style) -> String {

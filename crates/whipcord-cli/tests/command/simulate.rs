@@ -105,3 +105,28 @@ fn what_cannot_be_simulated_is_refused() {
     let method = ["simulate", ARM, "--set", "motion.method=\"magic\""];
     assert!(fail(2, &method).contains("accurate"));
 }
+
+#[test]
+fn a_film_has_its_pictures_and_a_motion_goes_on_from_another() {
+    let scratch = Scratch::new();
+    let out = scratch.file("out");
+    let duration = "motion.duration=\"60 ms\"";
+    let first = ["simulate", ARM, "--set", duration, "--out", &out, "--film", "--frames"];
+    succeed(&first);
+    let folder = scratch.path().join("out");
+    let film = std::fs::read(folder.join("film.png")).unwrap();
+    // An animated PNG says how many pictures it has.
+    assert!(film.windows(4).any(|four| four == b"acTL"));
+    assert_eq!(std::fs::read_dir(folder.join("frames")).unwrap().count(), 7);
+    let initial = format!("motion.initial={:?}", folder.join("motion.json"));
+    let on: Value = serde_json::from_str(&succeed(&[
+        "simulate", ARM, "--set", duration, "--set", &initial, "--json",
+    ]))
+    .unwrap();
+    let before: Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("motion.json")).unwrap())
+            .unwrap();
+    let strains = |motion: &Value, k: usize| motion["states"][k]["strains"].clone();
+    assert_eq!(strains(&on, 0), strains(&before, 6));
+    assert_ne!(strains(&on, 1), strains(&before, 1));
+}

@@ -227,6 +227,7 @@ fn resembles(value: &Value, kind: &Kind) -> bool {
         (Kind::Number, Value::Integer(_) | Value::Number(_)) => true,
         (Kind::Table(_), Value::Table(_)) => true,
         (Kind::Choice(words), Value::Text(text)) => words.contains(&text.as_str()),
+        (Kind::Text, Value::Text(_)) => true,
         _ => false,
     }
 }

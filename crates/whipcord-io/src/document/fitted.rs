@@ -4,6 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use whipcord::{Case, Robot, Vec3};
 use whipcord_estimation::Observation;
+use whipcord_motion::Initial;
 
 use super::describe::{Inexpressible, describe};
 use super::{Item, Table, describe_goal, describe_motion, toml};
@@ -111,7 +112,9 @@ impl CaseFile {
         let over_time = over_time.take_while(|path| self.document().find(path).is_some());
         let over_time = over_time.map(|path| format!("{path}.csv"));
         let files = ["extends", "commands.table", "measured.disks", "measured.table"];
-        let files = files.into_iter().chain(["target.shape", "target.path"]);
+        let files = files.into_iter().chain(["target.shape", "target.path", "motion.base.csv"]);
+        let state = matches!(self.motion.initial, Some(Initial::State(_)));
+        let files = files.chain(state.then_some("motion.initial"));
         let files = files.map(str::to_owned);
         let shapes = 0..self.goal.design.targets.len();
         let shapes = shapes.map(|k| format!("design.targets[{k}].shape"));

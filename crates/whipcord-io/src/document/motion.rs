@@ -1,7 +1,7 @@
 //! How a robot moves over time, as tables of a file.
 
-use whipcord::{LoadFrame, Loads, Robot};
-use whipcord_motion::{Course, Damping, Initial, Method};
+use whipcord::{LoadFrame, Loads, Robot, Twist};
+use whipcord_motion::{BaseMotion, Course, Damping, Drag, Initial, Method, Start};
 
 use super::describe::loads;
 use super::{Inexpressible, Item, Table};
@@ -32,13 +32,20 @@ pub fn describe_motion(
     table.insert_some("step", motion.step);
     table.insert_some("method", motion.method.map(Method::name));
     table.insert_some("tolerance", motion.tolerance);
-    table.insert_some(
-        "initial",
-        motion.initial.map(|initial| match initial {
-            Initial::Equilibrium => "equilibrium",
-            Initial::Rest => "rest",
-        }),
-    );
+    table.insert_some("initial", motion.initial.as_ref().map(initial));
+    table.insert_some("elements", motion.elements);
+    if motion.drag != Drag::default() {
+        let mut drag = Table::default();
+        drag.insert("across", motion.drag.across);
+        drag.insert("along", motion.drag.along);
+        table.insert("drag", drag);
+    }
+    if let Some(BaseMotion { velocity, angular_velocity }) = &motion.base {
+        let mut base = Table::default();
+        base.insert("velocity", Item::List(velocity.iter().map(course).collect()));
+        base.insert("angular_velocity", Item::List(angular_velocity.iter().map(course).collect()));
+        table.insert("base", base);
+    }
     if let Some(every) = motion.every {
         let mut output = Table::default();
         output.insert("every", every);
@@ -66,6 +73,26 @@ pub fn describe_motion(
         file.insert("motion", table);
     }
     Ok(())
+}
+
+/// Where a motion starts; a state that was read from a file is written out.
+fn initial(initial: &Initial) -> Item {
+    let Start { velocities, strains, tensions, motor_outputs } = match initial {
+        Initial::Equilibrium => return "equilibrium".into(),
+        Initial::Rest => return "rest".into(),
+        Initial::State(start) => &**start,
+    };
+    let six = |of: &Twist| [of.linear.to_array(), of.angular.to_array()].concat();
+    let rows = |twists: &[Twist]| twists.iter().map(six).collect::<Vec<_>>();
+    let mut table = Table::default();
+    table.insert("strains", rows(strains));
+    table.insert("velocities", rows(velocities));
+    for (key, values) in [("tensions", tensions), ("motor_outputs", motor_outputs)] {
+        if !values.is_empty() {
+            table.insert(key, values.clone());
+        }
+    }
+    table.into()
 }
 
 fn commands(motion: &Motion, robot: &Robot) -> Vec<Table> {

@@ -97,12 +97,12 @@ fn six(twist: &Twist) -> [f64; 6] {
     [a, b, c, d, e, f]
 }
 
-const ENERGIES: [&str; 7] =
-    ["kinetic", "elastic", "gravity", "cables", "loads", "dissipated", "defect"];
+const ENERGIES: [&str; 8] =
+    ["kinetic", "elastic", "gravity", "cables", "loads", "base", "dissipated", "defect"];
 
-fn energies(energy: &EnergyBalance) -> [f64; 7] {
-    let EnergyBalance { kinetic, elastic, gravity, cables, loads, dissipated, .. } = *energy;
-    [kinetic, elastic, gravity, cables, loads, dissipated, energy.defect()]
+fn energies(energy: &EnergyBalance) -> [f64; 8] {
+    let EnergyBalance { kinetic, elastic, gravity, cables, loads, base, dissipated, .. } = *energy;
+    [kinetic, elastic, gravity, cables, loads, base, dissipated, energy.defect()]
 }
 
 /// A row for each state: time, tip, its speed, the cables and the energy balance.

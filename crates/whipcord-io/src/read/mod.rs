@@ -37,7 +37,7 @@ pub use measured::{
     LENGTH_UNITS, Measured, MeasuredDisk, MeasuredRotation, MeasuringCamera, load_markers,
 };
 pub use motion::{CableCourse, Motion};
-pub(crate) use motion::{Driven, check_motion, motion};
+pub(crate) use motion::{Driven, Moved, check_motion, motion};
 pub(crate) use motors::{Motors, motor_step, motors};
 pub use numbers::{NumberTable, load_numbers};
 pub(crate) use obstacles::obstacles;

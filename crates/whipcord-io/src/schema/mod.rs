@@ -19,7 +19,7 @@ pub(crate) use design_keys::{DEVIATION, DEVIATION_OF_ANGLE, WEIGHT};
 pub(crate) use goal_keys::ANGLE_TOLERANCE;
 pub use json::schema;
 pub(crate) use keys::{DURATION, ROOT};
-pub(crate) use motion_keys::LENGTH_OF_TIME;
+pub(crate) use motion_keys::{EITHER_WAY, LENGTH_OF_TIME, LINE_DRAG};
 
 /// Choices of more words are described by an example, and listed in the remedy.
 pub(crate) const FEW_CHOICES: usize = 10;

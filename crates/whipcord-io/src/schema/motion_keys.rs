@@ -1,7 +1,7 @@
 //! The tables `[motion]` and `[backbone.damping]`.
 
 use whipcord::robot::limits::{self, Range};
-use whipcord_motion::Method;
+use whipcord_motion::{Method, MotionOptions};
 
 use super::backbone_keys::SYMMETRIC_MATRIX;
 use super::keys::{DURATION, LENGTH, force, key};
@@ -12,6 +12,11 @@ use crate::units::Dimension;
 /// What a length of time may be: from a nanosecond to 30 years.
 pub(crate) const LENGTH_OF_TIME: Range =
     Range { least: 1e-9, above: false, greatest: 1e9, unit: "s" };
+/// A velocity of the base, or a rate of its turning.
+pub(crate) const EITHER_WAY: Range = Range { least: -1e6, above: false, greatest: 1e6, unit: "" };
+/// Drag of the surroundings.
+pub(crate) const LINE_DRAG: Range =
+    Range { least: 0.0, above: false, greatest: 1e9, unit: "N·s/m²" };
 /// A number of a row over time, whichever of the two it is.
 const OF_COURSE: Range = Range { least: -1e12, above: false, greatest: 1e12, unit: "" };
 
@@ -29,6 +34,15 @@ const TRAVEL_ROW: Kind =
     Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::Length], OF_COURSE), 2);
 const FACTOR_ROW: Kind =
     Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::Ratio], OF_COURSE), 2);
+
+const SPEED: Kind = Kind::Quantity(&[Dimension::Speed], EITHER_WAY);
+const SPEED_ROW: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::Speed], OF_COURSE), 2);
+const RATE: Kind = Kind::Quantity(&[Dimension::AngularRate], EITHER_WAY);
+const RATE_ROW: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::AngularRate], OF_COURSE), 2);
+const DRAG: Kind = Kind::Quantity(&[Dimension::LineDrag], LINE_DRAG);
+const SIX_NUMBERS: Kind = Kind::List(&Kind::Vector(&Kind::Number, 6), 1);
 
 const SHORTENING: Kind = Kind::Quantity(&[Dimension::Length, Dimension::Ratio], limits::COORDINATE);
 const ANGLE: Kind = Kind::Quantity(&[Dimension::Angle], limits::ANGLE);
@@ -59,15 +73,105 @@ pub(super) static MOTION: Table = Table {
         ),
         key(
             "initial",
-            Kind::Choice(&["equilibrium", "rest"]),
+            Kind::Either(&[Kind::Text, Kind::Table(&INITIAL)]),
             r#""equilibrium""#,
-            "Where the motion starts: at rest in equilibrium with the commands and loads before the start (default), or at rest in the shape without them.",
+            "Where the motion starts: `equilibrium`, at rest in equilibrium with the commands and loads before the start (default); `rest`, at rest in the shape without them; or the path of a motion that was written as JSON, relative to this file, to go on from its last state. A state may also be given as a table.",
         ),
+        key(
+            "elements",
+            Kind::Count { least: 1, greatest: MotionOptions::MOST_ELEMENTS },
+            "6",
+            "Least number of elements along the backbone; 6 by default. There are more where disks, cable ends, loads or changes of the cross-section need them.",
+        ),
+        key("drag", Kind::Table(&MOTION_DRAG), MOTION_DRAG.title, MOTION_DRAG.doc),
+        key("base", Kind::Table(&MOTION_BASE), MOTION_BASE.title, MOTION_BASE.doc),
         key("commands", Kind::Tables(&MOTION_COMMAND), MOTION_COMMAND.title, MOTION_COMMAND.doc),
         key("loads", Kind::Tables(&MOTION_LOADS), MOTION_LOADS.title, MOTION_LOADS.doc),
         key("output", Kind::Table(&OUTPUT), OUTPUT.title, OUTPUT.doc),
     ],
     rules: &[Rule::Required("duration")],
+};
+
+static INITIAL: Table = Table {
+    title: "[motion.initial]",
+    doc: "The state that a motion starts from.",
+    keys: &[
+        key(
+            "strains",
+            SIX_NUMBERS,
+            "[[0, 0, 1, 0, 0, 0], [0, 0, 1, 0, 0, 0]]",
+            "Strains at the two points of each element from base to tip: of translation, then curvatures in 1/m.",
+        ),
+        key(
+            "velocities",
+            SIX_NUMBERS,
+            "[[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]",
+            "Velocities of the nodes from base to tip, in their own frames: m/s, then rad/s.",
+        ),
+        key(
+            "tensions",
+            Kind::List(&Kind::Number, 1),
+            "[1.5]",
+            "Tension of each cable in N; zero by default. It counts for cables that are driven by their lengths.",
+        ),
+        key(
+            "motor_outputs",
+            Kind::List(&Kind::Number, 1),
+            "[0.2]",
+            "Motion of the spool or drive of each motor, behind gear and backlash, in rad or m; zero by default.",
+        ),
+    ],
+    rules: &[Rule::Required("strains"), Rule::Required("velocities")],
+};
+
+static MOTION_DRAG: Table = Table {
+    title: "[motion.drag]",
+    doc: "Viscous drag of the surroundings on the backbone: force for each metre of it, by its velocity.",
+    keys: &[
+        key(
+            "across",
+            DRAG,
+            r#""0.5 N*s/m^2""#,
+            "Against motion across the backbone; zero by default.",
+        ),
+        key(
+            "along",
+            DRAG,
+            r#""0.2 N*s/m^2""#,
+            "Against motion along the backbone; zero by default.",
+        ),
+    ],
+    rules: &[Rule::AtLeastOne(&["across", "along"])],
+};
+
+static MOTION_BASE: Table = Table {
+    title: "[motion.base]",
+    doc: "How the base moves, from where [base] puts it: velocities over time, or a table of its poses. Methods accurate and robust take it.",
+    keys: &[
+        key(
+            "velocity",
+            Kind::Vector(&Kind::Either(&[SPEED, Kind::List(&SPEED_ROW, 1)]), 3),
+            r#"[0, 0, [["0 s", "0 m/s"], ["0.1 s", "0.5 m/s"]]]"#,
+            "Velocity along the axes of the base, which turn with it: each a value, or rows of time and value.",
+        ),
+        key(
+            "angular_velocity",
+            Kind::Vector(&Kind::Either(&[RATE, Kind::List(&RATE_ROW, 1)]), 3),
+            r#"[0, 0, "90 deg/s"]"#,
+            "Angular velocity about the axes of the base, likewise.",
+        ),
+        key(
+            "csv",
+            Kind::Text,
+            r#""base.csv""#,
+            "CSV or Parquet file, relative to this one, with the poses of the base over time in a frame at rest. Its columns are t, x, y, z with their units, and qw, qx, qy, qz where the base turns. What counts is the motion from the first row on; between two rows the velocity is constant, and it is zero before the first and beyond the last.",
+        ),
+    ],
+    rules: &[
+        Rule::AtLeastOne(&["velocity", "angular_velocity", "csv"]),
+        Rule::AtMostOne(&["velocity", "csv"]),
+        Rule::AtMostOne(&["angular_velocity", "csv"]),
+    ],
 };
 
 static MOTION_COMMAND: Table = Table {

@@ -111,6 +111,25 @@ pub(super) const ANGULAR_RATE: &[Unit] = &[
 ];
 pub(super) const SPEED: &[Unit] =
     &[ten("m/s", &[], 0), ten("cm/s", &[], -2), ten("mm/s", &[], -3), factor("in/s", &[], INCH)];
+pub(super) const LINE_DRAG: &[Unit] = &[
+    ten(
+        "N*s/m^2",
+        &[
+            "N·s/m²",
+            "N⋅s/m²",
+            "N s/m^2",
+            "N s/m²",
+            "Ns/m^2",
+            "Ns/m²",
+            "Ns/m2",
+            "kg/(m*s)",
+            "Pa*s",
+            "Pa·s",
+        ],
+        0,
+    ),
+    ten("mN*s/m^2", &["mN·s/m²", "mN⋅s/m²", "mN s/m^2", "mN s/m²", "mPa*s", "mPa·s"], -3),
+];
 pub(super) const FORCE_RATE: &[Unit] =
     &[ten("N/s", &[], 0), ten("mN/s", &[], -3), ten("kN/s", &[], 3)];
 pub(super) const ACCELERATION: &[Unit] = &[

@@ -7,7 +7,8 @@ use core::fmt;
 
 use known::{
     ACCELERATION, ANGLE, ANGULAR_RATE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, FORCE_RATE,
-    LENGTH, LINE_FORCE, LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, SPEED, TIME,
+    LENGTH, LINE_DRAG, LINE_FORCE, LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO,
+    SPEED, TIME,
 };
 pub use quantity::{QuantityError, parse_quantity, split_quantity};
 pub(crate) use quantity::{percent, scaled, with_number};
@@ -43,6 +44,8 @@ pub enum Dimension {
     Speed,
     /// In N/s.
     ForceRate,
+    /// In N·s/m²: a force for each metre, by velocity.
+    LineDrag,
     /// In m/s².
     Acceleration,
     /// In 1/m.
@@ -74,7 +77,7 @@ enum Scale {
 
 impl Dimension {
     /// All dimensions.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Length,
         Self::Pressure,
         Self::Force,
@@ -89,6 +92,7 @@ impl Dimension {
         Self::AngularRate,
         Self::Speed,
         Self::ForceRate,
+        Self::LineDrag,
         Self::Acceleration,
         Self::Curvature,
         Self::Time,
@@ -113,6 +117,7 @@ impl Dimension {
             Self::AngularRate => ANGULAR_RATE,
             Self::Speed => SPEED,
             Self::ForceRate => FORCE_RATE,
+            Self::LineDrag => LINE_DRAG,
             Self::Acceleration => ACCELERATION,
             Self::Curvature => CURVATURE,
             Self::Time => TIME,
@@ -147,6 +152,7 @@ impl Dimension {
             Self::AngularRate => "90 deg/s",
             Self::Speed => "10 mm/s",
             Self::ForceRate => "2 N/s",
+            Self::LineDrag => "0.5 N*s/m^2",
             Self::Acceleration => "9.81 m/s^2",
             Self::Curvature => "4 1/m",
             Self::Time => "2.2 s",
@@ -182,6 +188,7 @@ impl fmt::Display for Dimension {
             Self::AngularRate => "rate of an angle",
             Self::Speed => "speed",
             Self::ForceRate => "rate of a force",
+            Self::LineDrag => "drag per length",
             Self::Acceleration => "acceleration",
             Self::Curvature => "curvature",
             Self::Time => "time",

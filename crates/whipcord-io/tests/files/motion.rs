@@ -1,8 +1,12 @@
 //! Motions, read and written.
 
-use whipcord::Vec3;
-use whipcord_io::{CableCourse, CaseFile, Motion, describe, describe_motion, load, parse, toml};
-use whipcord_motion::{CableDrive, Course, Damping, Initial, Method};
+use whipcord::{Pose, UnitQuaternion, Vec3};
+use whipcord_io::{
+    CableCourse, CaseFile, Motion, describe, describe_motion, load, motion_json, parse, toml,
+};
+use whipcord_motion::{
+    BaseMotion, CableDrive, Course, Damping, Drag, Initial, Method, MotionOptions, Simulation,
+};
 
 const BACKBONE: &str = "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\n";
 const REST: &str = "[disks]\ncount = 10\nhole_circle_radius = \"8 mm\"\nholes = 12\n[[cables]]\nname = \"left\"\nholes = [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\ntension = \"3 N\"\n[[cables]]\nname = \"right\"\nholes = [7, 7, 7, 7, 7, 7, 7, 7, 7, 7]\n[[motors]]\nname = \"bend\"\ncables = [\"right\"]\nspool_radius = \"10 mm\"\n";
@@ -37,7 +41,10 @@ fn a_motion_is_read_in_si() {
     let motion = &file.motion;
     assert_eq!((motion.duration, motion.step), (Some(2.0), Some(0.005)));
     assert_eq!((motion.every, motion.tolerance), (Some(0.02), Some(1e-4)));
-    assert_eq!((motion.method, motion.initial), (Some(Method::Robust), Some(Initial::Rest)));
+    assert_eq!(
+        (motion.method, motion.initial.clone()),
+        (Some(Method::Robust), Some(Initial::Rest))
+    );
     assert_eq!(motion.damping, Damping::Time(3.5e-3));
     let tension = table(&[0.0, 0.01, 0.01], &[4.0, 0.0, 0.5]);
     assert_eq!(motion.cables, [(0, CableCourse::Tension(tension))]);
@@ -82,6 +89,8 @@ fn what_is_written_is_read_as_the_same() {
         "[motion]\nduration = 2\nstep = 0.005\nmethod = \"energy\"\ninitial = \"rest\"\ntolerance = 1e-4\noutput = { every = 0.1 }\n",
         "[motion]\nduration = 2\n[[motion.commands]]\ncable = \"left\"\ntension = 2\n[[motion.commands]]\ncable = \"right\"\nshortening = [[0, \"1 %\"], [1, \"-3 %\"]]\n",
         "[motion]\nduration = 2\n[[motion.commands]]\ncable = \"left\"\nshortening = [[0, 0], [1, \"3 mm\"]]\n[[motion.commands]]\nmotor = \"bend\"\nangle = [[0, 0], [1, 2]]\n[[motion.loads]]\nfactor = [[0, 1], [0, 0]]\nfollower = true\ntip_moment = [0, 0, 1e-3]\n[[motion.loads.point]]\nat = 0.09\nforce = [0, 0.1, 0]\n",
+        "[motion]\nduration = 2\nelements = 12\ndrag = { across = \"500 mN*s/m^2\" }\n[motion.base]\nvelocity = [0, \"1 cm/s\", [[0, 0], [\"0.5 s\", \"20 mm/s\"]]]\nangular_velocity = [0, \"90 deg/s\", 0]\n",
+        "[motion]\nduration = 2\n[motion.initial]\nstrains = [[0, 0, 1, 0, 0.5, 0]]\nvelocities = [[0, 0, 0, 0, 0, 0], [0, 0.25, 0, 0, 0, 0]]\ntensions = [1, 2]\nmotor_outputs = [0.1]\n",
     ];
     let dampings = [
         "",
@@ -178,4 +187,86 @@ fn what_cannot_be_is_refused_with_its_place() {
     let skew = "damping = { matrix = [[5, 1, 0, 0, 0, 0], [0, 5, 0, 0, 0, 0], [0, 0, 9, 0, 0, 0], [0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 1, 0], [0, 0, 0, 0, 0, 1]] }\n";
     let error = parse(&robot(skew, ""), "robot.toml").unwrap_err().to_string();
     assert!(error.contains("must be symmetric"), "{error}");
+}
+
+#[test]
+fn surroundings_and_base_are_read() {
+    let tail = "[motion]\nduration = 1\nelements = 9\ndrag = { across = \"0.5 N*s/m^2\", along = \"200 mPa*s\" }\n\
+                [motion.base]\nvelocity = [0, \"2 cm/s\", [[0, 0], [\"100 ms\", \"0.5 m/s\"]]]\nangular_velocity = [\"180 deg/s\", 0, 0]\n";
+    let options = read(&robot("", tail)).motion.options();
+    assert_eq!((options.elements, options.drag), (9, Drag { across: 0.5, along: 0.2 }));
+    let still = || Course::constant(0.0);
+    let base = BaseMotion {
+        velocity: [still(), Course::constant(0.02), table(&[0.0, 0.1], &[0.0, 0.5])],
+        angular_velocity: [Course::constant(core::f64::consts::PI), still(), still()],
+    };
+    assert_eq!(options.base, Some(base));
+    let plain = read(&robot("", MOTION)).motion.options();
+    assert_eq!((plain.elements, plain.base), (MotionOptions::ELEMENTS, None));
+    for (tail, message) in [
+        ("drag = { across = \"-1 N*s/m^2\" }\n", "must not be negative"),
+        ("drag = { across = \"1 N\" }\n", "drag per length"),
+        ("base = { velocity = [0, 0] }\n", "3"),
+        ("base = { velocity = [0, 0, \"1 m\"] }\n", "speed"),
+        ("base = { velocity = [0, 0, 0], csv = \"a.csv\" }\n", "csv"),
+        ("base = { csv = \"none.csv\" }\n", "none.csv"),
+        ("elements = 0\n", "elements"),
+        ("initial = \"sleeping\"\n", "neither `equilibrium` nor `rest`"),
+    ] {
+        let refused = refused(&format!("{MOTION}{tail}"));
+        assert!(refused.contains(message), "{tail}: {refused}");
+    }
+}
+
+#[test]
+fn a_base_is_read_from_a_table_and_a_start_from_a_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "poses.csv",
+        "t [ms],x [mm],y [mm],z [mm],qw,qx,qy,qz\n0,1,2,3,1,0,0,0\n500,1,2,13,0,0,0,2\n",
+    );
+    write("places.csv", "t,x,y,z\n0,0,0,0\n1,0,0,0.5\n");
+    let load_with = |tail: &str| {
+        write("robot.toml", &robot("damping = { time = 0.01 }\nmaterial = \"steel\"\n", tail));
+        load(folder.path().join("robot.toml"))
+    };
+    let of = |name: &str, base: &str| {
+        let tail = format!("{base}{MOTION}base = {{ csv = \"{name}\" }}\n");
+        load_with(&tail).unwrap().motion.base.unwrap()
+    };
+    let half_turn = UnitQuaternion::from_wxyz([0.0, 0.0, 0.0, 1.0]).unwrap();
+    let to = Pose { position: Vec3::new(1e-3, 2e-3, 0.013), rotation: half_turn };
+    let from = Pose { position: Vec3::new(1e-3, 2e-3, 3e-3), rotation: UnitQuaternion::IDENTITY };
+    let expected = BaseMotion::through(&[(0.0, from), (0.5, to)]).unwrap();
+    assert_eq!(of("poses.csv", ""), expected);
+    assert!((expected.angular_velocity[2].after(0.2).abs() - core::f64::consts::TAU).abs() < 1e-12);
+    // Positions alone are in the world, in which the base lies on its side.
+    let side = "[base]\nrotation = { axis = [1, 0, 0], angle = \"90 deg\" }\n";
+    let velocity = of("places.csv", side).velocity;
+    assert!((velocity[1].after(0.5) - 0.5).abs() < 1e-12 && velocity[2].after(0.5).abs() < 1e-12);
+
+    let moving = load_with("[motion]\nduration = 0.05\n[[motion.commands]]\ncable = \"left\"\ntension = [[0, 3], [0, 1]]\n").unwrap();
+    let commands = moving.motion.commands(&moving.robot, &moving.case);
+    let options = moving.motion.options();
+    let simulation = Simulation::with_commands(&moving.robot, &moving.case, &commands, options);
+    let trajectory = simulation.unwrap().run(&commands, 0.01, 1, 5).unwrap();
+    let json = motion_json("first", &moving.robot, &trajectory).unwrap();
+    write("first.json", &json.to_string());
+    let second = load_with(&format!("{MOTION}initial = \"first.json\"\n")).unwrap();
+    let last = trajectory.states.last().unwrap().start();
+    assert_eq!(second.motion.initial, Some(Initial::State(Box::new(last))));
+    let text =
+        second.with_numbers_of(&second.robot, &second.case, Vec3::ZERO, std::path::Path::new("/"));
+    assert!(text.unwrap().text.contains("first.json"));
+    for (text, message) in [
+        ("nonsense", "not JSON"),
+        ("{}", "no `states`"),
+        ("{\"states\": []}", "no states"),
+        ("{\"states\": [{\"velocities\": [[1, 2]]}]}", "no `velocities` of six numbers"),
+    ] {
+        write("first.json", text);
+        let refused = load_with(&format!("{MOTION}initial = \"first.json\"\n")).unwrap_err();
+        assert!(refused.to_string().contains(message), "{text}: {refused}");
+    }
 }

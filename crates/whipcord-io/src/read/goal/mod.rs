@@ -18,8 +18,8 @@ use crate::schema::ANGLE_TOLERANCE;
 use crate::source::Sources;
 use crate::units::Dimension;
 
-pub(super) use points::shape;
 pub use points::{load_path, load_shape};
+pub(super) use points::{path, shape};
 
 /// What is to be reached, within which limits.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -79,7 +79,7 @@ pub fn load_path(path: &Path) -> Result<Vec<PathPoint>, FileError> {
 }
 
 /// The points of a path in a file that another one may name at `named`.
-pub(super) fn path(
+pub(in crate::read) fn path(
     path: &Path,
     named: Option<Span>,
     sources: &mut Sources,

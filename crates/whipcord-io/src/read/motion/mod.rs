@@ -1,12 +1,15 @@
 //! `[motion]` and `[backbone.damping]`.
 
+mod base;
 mod command;
+mod initial;
 mod table;
 
 use whipcord::robot::limits::{FORCE, LENGTH, Range};
-use whipcord::{Case, LoadFrame, Loads, Robot, RobotError};
+use whipcord::{Case, LoadFrame, Loads, Robot, RobotError, UnitQuaternion};
 use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions,
+    BaseMotion, CableDrive, Commands, Course, Damping, Drag, Initial, LoadCourse, Method,
+    MotionOptions,
 };
 
 use crate::check::Fields;
@@ -14,7 +17,7 @@ use crate::error::{FileProblem, Problems};
 use crate::node::Node;
 use crate::read::loads;
 use crate::read::table::problem;
-use crate::schema::{DURATION, LENGTH_OF_TIME};
+use crate::schema::{DURATION, LENGTH_OF_TIME, LINE_DRAG};
 use crate::source::{Sources, quoted};
 use crate::units::Dimension;
 
@@ -38,8 +41,14 @@ pub struct Motion {
     pub tolerance: Option<f64>,
     /// Where the motion starts.
     pub initial: Option<Initial>,
+    /// Least number of elements along the backbone.
+    pub elements: Option<usize>,
     /// Damping of the backbone.
     pub damping: Damping,
+    /// Drag of the surroundings.
+    pub drag: Drag,
+    /// How the base moves.
+    pub base: Option<BaseMotion>,
     /// What cables are told over time: the number of each from 0.
     pub cables: Vec<(usize, CableCourse)>,
     /// What motors are told over time: the number of each from 0, and its angles in rad or travels in m.
@@ -69,9 +78,12 @@ impl Motion {
         MotionOptions {
             method: self.method.unwrap_or_default(),
             tolerance: self.tolerance,
-            initial: self.initial.unwrap_or_default(),
+            initial: self.initial.clone().unwrap_or_default(),
+            elements: self.elements.unwrap_or(MotionOptions::ELEMENTS),
             damping: self.damping.clone(),
+            drag: self.drag,
             loads: self.loads.clone(),
+            base: self.base.clone(),
             ..MotionOptions::default()
         }
     }
@@ -95,6 +107,7 @@ impl Motion {
             loads,
             initial: Initial::Equilibrium,
             tolerance: None,
+            base: None,
             ..self.options()
         };
         let commands = match time {
@@ -162,11 +175,22 @@ fn scaled(course: &Course, factor: f64) -> Course {
     }
 }
 
-/// Reads the tables, for a robot with these cables and motors and a backbone of this length.
+/// What the tables are read for.
+pub(crate) struct Moved<'a> {
+    /// Cables and motors.
+    pub driven: Driven<'a>,
+    /// Length of the backbone in m.
+    pub length: f64,
+    /// Frame of the loads.
+    pub frame: LoadFrame,
+    /// Orientation of the base at the start.
+    pub base: UnitQuaternion,
+}
+
+/// Reads the tables.
 pub(crate) fn motion(
     fields: &Fields,
-    driven: &Driven<'_>,
-    (length, frame): (f64, LoadFrame),
+    Moved { driven, length, frame, base }: &Moved<'_>,
     document: &Node,
     sources: &mut Sources,
     problems: &mut Problems,
@@ -181,10 +205,16 @@ pub(crate) fn motion(
     motion.step = reader.number(table, "motion", "step", LENGTH_OF_TIME);
     motion.tolerance = reader.number(table, "motion", "tolerance", LENGTH);
     motion.method = table.text("method").and_then(Method::named);
-    motion.initial = table.text("initial").map(|name| match name {
-        "rest" => Initial::Rest,
-        _ => Initial::Equilibrium,
-    });
+    motion.initial = initial::initial(table, sources, &mut reader);
+    motion.elements = table.count("elements");
+    if let Some(drag) = table.table("drag") {
+        let along =
+            |key: &str| reader.number(drag, "motion.drag", key, LINE_DRAG).unwrap_or_default();
+        let [across, along] = ["across", "along"].map(along);
+        motion.drag = Drag { across, along };
+    }
+    motion.base =
+        table.table("base").and_then(|table| base::base(table, *base, sources, &mut reader));
     if let Some(output) = table.table("output") {
         motion.every = reader.number(output, "motion.output", "every", LENGTH_OF_TIME);
     }
@@ -197,7 +227,7 @@ pub(crate) fn motion(
         let rows = entry.list("factor").unwrap_or_default();
         let factor = command::course(rows, &path, Dimension::Ratio, &|_| FACTOR, &mut reader);
         let factor = factor.map(|(factor, _)| factor);
-        let loads = Loads { frame, ..loads(entry, length) };
+        let loads = Loads { frame: *frame, ..loads(entry, *length) };
         motion.loads.extend(factor.map(|factor| LoadCourse { loads, factor }));
     }
     motion
