@@ -5,16 +5,16 @@ use whipcord_numerics::Twist;
 use crate::energy::Power;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::rod::Rod;
-use crate::stage::Scheme;
+use crate::stage::{Scheme, Stage};
 use crate::state::State;
 
-const STAGES: usize = 5;
+pub(crate) const STAGES: usize = 5;
 /// The diagonal of the method, `γ`.
-const GAMMA: f64 = 0.25;
+pub(crate) const GAMMA: f64 = 0.25;
 
 /// Coefficients `a_ij` below the diagonal; the last row is that of the end (Hairer and Wanner, *Solving ordinary differential equations II*,
 /// table 6.5).
-const A: [[f64; STAGES]; STAGES] = [
+pub(crate) const A: [[f64; STAGES]; STAGES] = [
     [GAMMA, 0.0, 0.0, 0.0, 0.0],
     [0.5, GAMMA, 0.0, 0.0, 0.0],
     [17.0 / 50.0, -1.0 / 25.0, GAMMA, 0.0, 0.0],
@@ -22,7 +22,7 @@ const A: [[f64; STAGES]; STAGES] = [
     [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0, GAMMA],
 ];
 /// Times of the stages.
-const C: [f64; STAGES] = [0.25, 0.75, 0.55, 0.5, 1.0];
+pub(crate) const C: [f64; STAGES] = [0.25, 0.75, 0.55, 0.5, 1.0];
 /// Weights of the embedded method of order 3.
 const EMBEDDED: [f64; STAGES] = [59.0 / 48.0, -17.0 / 96.0, 225.0 / 32.0, -85.0 / 12.0, 0.0];
 
@@ -113,6 +113,15 @@ impl Accurate {
             }
         }
         Ok(work)
+    }
+
+    /// Puts a stage of the last step, which began in a state, into the stage of a solver.
+    pub fn stage(&self, i: usize, from: &State, h: f64, stage: &mut Stage) {
+        stage.start.copy_from_slice(&from.strains);
+        combine(&mut stage.velocity_history, &from.velocities, &self.velocities, h, &A[i][..i]);
+        combine(&mut stage.strain_history, &from.strains, &self.strains, h, &A[i][..i]);
+        combine(&mut stage.velocities, &from.velocities, &self.velocities, h, &A[i][..=i]);
+        combine(&mut stage.strains, &from.strains, &self.strains, h, &A[i][..=i]);
     }
 
     /// Rates of velocities and strains at the end.

@@ -21,6 +21,15 @@ impl Block {
         }
     }
 
+    /// `selfᵀ x`.
+    #[inline]
+    pub fn apply_transposed(&self, x: &Twist) -> Twist {
+        Twist {
+            linear: self.a.transpose_mul(x.linear) + self.c.transpose_mul(x.angular),
+            angular: self.b.transpose_mul(x.linear) + self.d.transpose_mul(x.angular),
+        }
+    }
+
     /// `self b`.
     #[inline]
     pub fn times(&self, b: &Self) -> Self {

@@ -114,6 +114,38 @@ impl Elimination {
             x[2 * e + 1] = factors.middle.apply(&middle);
         }
     }
+
+    /// The same with the transposed matrix: first with that of the upper factor, then with that of the lower one.
+    pub fn solve_transposed(&self, x: &mut [Twist]) {
+        x[0] = Twist::default();
+        for (e, factors) in self.factors.iter().enumerate() {
+            x[2 * e + 1] = factors.middle.apply_transposed(&x[2 * e + 1]);
+        }
+        for (e, factors) in self.factors.iter().enumerate() {
+            let matrix = &self.elements[e];
+            let mut right = x[2 * e + 2] - matrix[1][2].apply_transposed(&x[2 * e + 1]);
+            if let Some(next) = self.elements.get(e + 1) {
+                right = right - next[1][0].apply_transposed(&x[2 * e + 3]);
+            }
+            if e > 0 {
+                right = right - matrix[0][2].apply_transposed(&x[2 * e]);
+            }
+            x[2 * e + 2] = factors.end.apply_transposed(&right);
+        }
+        for (e, factors) in self.factors.iter().enumerate().rev() {
+            let right = x[2 * e + 2];
+            if e > 0 {
+                x[2 * e] = x[2 * e] - factors.from_left.apply_transposed(&right);
+            }
+        }
+        for (e, factors) in self.factors.iter().enumerate() {
+            let mut middle = x[2 * e + 1] - factors.to_ends[1].apply_transposed(&x[2 * e + 2]);
+            if e > 0 {
+                middle = middle - factors.to_ends[0].apply_transposed(&x[2 * e]);
+            }
+            x[2 * e + 1] = middle;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -178,26 +210,41 @@ mod tests {
                     }
                 }
             }
+            let mut transposed = vec![0.0; n * n];
+            for i in 0..n {
+                for j in 0..n {
+                    transposed[i * n + j] = dense[j * n + i];
+                }
+            }
             let mut x: Vec<Twist> = (0..2 * elements + 1)
                 .map(|i| Twist {
                     linear: Vec3::new(entry(i), entry(i + 7), entry(i + 9)),
                     angular: Vec3::new(entry(i + 2), entry(i + 5), entry(i + 4)),
                 })
                 .collect();
-            let mut b: Vec<f64> = x[1..]
+            let right: Vec<f64> = x[1..]
                 .iter()
                 .flat_map(|t| [t.linear.to_array(), t.angular.to_array()].concat())
                 .collect();
+            let mut b = right.clone();
             let mut lu = DenseLu::default();
             lu.factor(n, &dense).unwrap();
             lu.solve(&mut b);
             elimination.factor().unwrap();
+            let mut of_transposed = x.clone();
             elimination.solve(&mut x);
-            let got =
-                x[1..].iter().flat_map(|t| [t.linear.to_array(), t.angular.to_array()].concat());
-            assert_eq!(x[0], Twist::default());
-            for (got, expected) in got.zip(b) {
-                assert!((got - expected).abs() < 1e-12, "{elements}: {got} {expected}");
+            elimination.solve_transposed(&mut of_transposed);
+            let mut c = right.clone();
+            lu.factor(n, &transposed).unwrap();
+            lu.solve(&mut c);
+            for (x, expected) in [(x, b), (of_transposed, c)] {
+                let got = x[1..]
+                    .iter()
+                    .flat_map(|t| [t.linear.to_array(), t.angular.to_array()].concat());
+                assert_eq!(x[0], Twist::default());
+                for (got, expected) in got.zip(expected) {
+                    assert!((got - expected).abs() < 1e-12, "{elements}: {got} {expected}");
+                }
             }
         }
     }

@@ -106,6 +106,15 @@ pub enum MotionError {
         tolerance: f64,
     },
 
+    /// The linearisation of a step, or of the equilibrium to start from, is singular.
+    #[error(
+        "no gradient: the linearisation of the step at {time:.6} s is singular, or its dead loads are too large for it; use a shorter step or other commands"
+    )]
+    NoGradient {
+        /// Time at the beginning of the step in s.
+        time: f64,
+    },
+
     /// No natural vibrations were found.
     #[error(
         "no natural vibrations: the stiffness of the robot in this state is singular; use another state or give the cables other tensions"

@@ -6,6 +6,7 @@
 //! This crate opens no files, reads no clocks and starts no threads.
 
 mod accurate;
+mod adjoint;
 mod analysis;
 mod block;
 mod commands;
@@ -16,6 +17,7 @@ mod elimination;
 mod energy;
 mod equilibrium;
 mod error;
+mod gradient;
 mod iteration;
 mod lengths;
 mod linear;
@@ -32,9 +34,11 @@ mod stage;
 mod state;
 mod trajectory;
 
+pub use adjoint::Factors;
 pub use commands::{CableDrive, Commands};
 pub use course::Course;
 pub use error::MotionError;
+pub use gradient::{Gradient, Record, Seed};
 pub use linear::Linearized;
 pub use modes::Mode;
 pub use options::{BaseMotion, Damping, Drag, Initial, LoadCourse, Method, MotionOptions, Start};

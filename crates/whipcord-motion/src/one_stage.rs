@@ -19,6 +19,19 @@ pub(crate) struct OneStage {
     conserves: bool,
 }
 
+/// What derivatives behind a step are multiplied by on their way back.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Backwards {
+    /// From the end to the stage.
+    pub stage_by_end: f64,
+    /// From the rates at the end to the stage.
+    pub stage_by_rate: f64,
+    /// From the history of the stage to the rates at the start.
+    pub carried: f64,
+    /// From the rates at the end to those at the start.
+    pub rate_by_rate: f64,
+}
+
 impl OneStage {
     /// The midpoint rule, with the discrete gradients of what has an energy.
     pub const MIDPOINT: Self = Self { rate_place: 0.5, place: 0.5, gamma: 0.5, conserves: true };
@@ -39,8 +52,23 @@ impl OneStage {
         from + self.place * h
     }
 
+    /// How the state behind a step of length `h` and its rates depend on the stage and on those before.
+    pub fn backwards(&self, scheme: &Scheme, h: f64) -> Backwards {
+        Backwards {
+            stage_by_end: 1.0 / self.place,
+            stage_by_rate: 1.0 / (self.rate_place * scheme.g),
+            carried: self.carried(h),
+            rate_by_rate: 1.0 - 1.0 / self.rate_place,
+        }
+    }
+
+    /// How much of the rates before is in the history of a stage.
+    fn carried(&self, h: f64) -> f64 {
+        self.place * h * (1.0 - self.gamma / self.rate_place)
+    }
+
     /// The scheme of a step of length `h`.
-    fn scheme(&self, h: f64) -> Scheme {
+    pub fn scheme(&self, h: f64) -> Scheme {
         let g = self.place * self.gamma / self.rate_place * h;
         Scheme { place: self.place, conserves: self.conserves, ..Scheme::at_end(g) }
     }
@@ -58,7 +86,7 @@ impl OneStage {
         let Mechanics { rod, loads } = mechanics;
         let scheme = self.scheme(h);
         solver.is_linearised = false;
-        let carried = self.place * h * (1.0 - self.gamma / self.rate_place);
+        let carried = self.carried(h);
         let ahead = if control.predicts && from.has_rates { self.place * h } else { 0.0 };
         let stage = &mut solver.stage;
         loads.at(self.time(from.time, h), &mut stage.loads);

@@ -8,16 +8,21 @@ use crate::one_stage::OneStage;
 use crate::options::Method;
 use crate::pose;
 use crate::simulation::Simulation;
-use crate::state::CableMotion;
+use crate::state::{CableMotion, State};
 
 /// ρ of [`Method::Robust`].
-const RHO: f64 = 0.5;
+pub(crate) const RHO: f64 = 0.5;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
 
 impl Simulation {
-    /// Goes on to a time, up to which nothing jumps.
-    pub(crate) fn advance(&mut self, commands: &Commands, goal: f64) -> Result<(), MotionError> {
+    /// Goes on to a time, up to which nothing jumps. `taken` gets the state before each part, its length and whether its iteration began with a prediction.
+    pub(crate) fn advance(
+        &mut self,
+        commands: &Commands,
+        goal: f64,
+        taken: &mut dyn FnMut(&State, f64, bool),
+    ) -> Result<(), MotionError> {
         let total = goal - self.state.time;
         if self.has_jumped(commands) {
             self.state.has_rates = false;
@@ -36,6 +41,7 @@ impl Simulation {
                     if h == left {
                         self.next.time = goal;
                     }
+                    taken(&self.state, h, !cold);
                     self.next.diagnostics.error += error;
                     self.next.diagnostics.parts += 1;
                     core::mem::swap(&mut self.state, &mut self.next);
@@ -107,7 +113,12 @@ impl Simulation {
     }
 
     /// Takes a part of a step, into [`Self::next`]; returns its estimated error in m.
-    fn attempt(&mut self, commands: &Commands, h: f64, warm: bool) -> Result<f64, Stalled> {
+    pub(crate) fn attempt(
+        &mut self,
+        commands: &Commands,
+        h: f64,
+        warm: bool,
+    ) -> Result<f64, Stalled> {
         self.set_lengths(commands, self.state.time + h);
         let by_length = !self.solver.lengths.cables.is_empty();
         let method = if by_length { Method::Robust } else { self.options.method };

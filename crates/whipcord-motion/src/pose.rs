@@ -1,5 +1,6 @@
 //! Poses of the nodes from the strains, and what dead forces exert on the strains.
 
+use whipcord::Wrench;
 use whipcord_numerics::{GAUSS_2, Pose, Twist, Vec3};
 
 use crate::block::{dot, transposed_bracket};
@@ -23,12 +24,13 @@ pub(crate) fn work(poses: &[Pose], force: impl Fn(usize) -> Vec3) -> f64 {
     poses.iter().enumerate().map(|(a, pose)| force(a).dot(pose.position)).sum()
 }
 
-/// The gradient of that work by the strains: the force on the strain of each point, times its weight, eq. (17) of the page on motion.
+/// The gradient by the strains of the work of forces and moments on the nodes, in the frame that the poses are given in: the force on the strain of each
+/// point, times its weight, eq. (17) of the page on motion.
 pub(crate) fn work_gradient(
     rod: &Rod,
     strains: &[Twist],
     poses: &[Pose],
-    force: impl Fn(usize) -> Vec3,
+    wrench: impl Fn(usize) -> Wrench,
     out: &mut [Twist],
 ) {
     let [from, to] = GAUSS_2.nodes;
@@ -41,7 +43,9 @@ pub(crate) fn work_gradient(
         let change = (points[1] - points[0]) * slope;
         let mut gradient = [Twist::default(); POINTS];
         for (node, place) in [(2 * e + 2, 0.75), (2 * e + 1, 0.25)] {
-            sum += force(node);
+            let of_node = wrench(node);
+            sum += of_node.force;
+            moment += of_node.moment;
             let turn = poses[node].rotation.conjugate();
             let wrench = Twist { linear: turn.rotate(sum), angular: turn.rotate(moment) };
             let middle = strain_at(points, place);

@@ -63,6 +63,8 @@ pub struct Simulation {
     pub(crate) whole: State,
     /// The state before these.
     pub(crate) start_of_part: State,
+    /// The cables that are driven by their lengths in the equilibrium to start from.
+    pub(crate) start_lengths: Vec<usize>,
 }
 
 impl Simulation {
@@ -129,6 +131,7 @@ impl Simulation {
             next: state.clone(),
             whole: state.clone(),
             start_of_part: state.clone(),
+            start_lengths: Vec::new(),
             state,
         };
         simulation.start(case, commands)?;
@@ -197,6 +200,16 @@ impl Simulation {
     /// # Errors
     /// [`MotionError`]; the state is then that before the step.
     pub fn step(&mut self, commands: &Commands, dt: f64) -> Result<&State, MotionError> {
+        self.step_in_parts(commands, dt, &mut |_, _, _| ())
+    }
+
+    /// The same; `taken` gets the state before each part of the step, its length and whether its iteration began with a prediction.
+    pub(crate) fn step_in_parts(
+        &mut self,
+        commands: &Commands,
+        dt: f64,
+        taken: &mut dyn FnMut(&State, f64, bool),
+    ) -> Result<&State, MotionError> {
         if !(dt > 0.0 && dt.is_finite()) {
             let need = "it must be a positive time in s";
             return Err(MotionError::Option { what: "step", value: dt, need });
@@ -213,7 +226,7 @@ impl Simulation {
                 (a, b) => a.or(b),
             };
             let goal = jump.unwrap_or(end);
-            if let Err(error) = self.advance(commands, goal) {
+            if let Err(error) = self.advance(commands, goal, taken) {
                 self.state.copy_from(&self.before);
                 return Err(error);
             }
@@ -285,6 +298,7 @@ impl Simulation {
             Initial::Equilibrium => {
                 self.set_lengths(commands, 0.0);
                 self.set_tensions(commands, 0.0);
+                self.start_lengths.clone_from(&self.solver.lengths.cables);
                 let statics = self.statics(case, commands)?;
                 let Self { robot, rod, loads, solver, .. } = self;
                 equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;

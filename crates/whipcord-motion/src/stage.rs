@@ -1,5 +1,6 @@
 //! The equations of one implicit stage and their linearisation, section "One stage" of the page on motion.
 
+use whipcord::Wrench;
 use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 
 use crate::block::{Block, dot, skew_times, times_skew, transposed_bracket};
@@ -117,6 +118,11 @@ impl PointTangent {
         };
         (slope, transposed_bracket(&self.strain, &slope))
     }
+
+    /// Transpose of what a change of the strain adds to the wrench: `Tᵀ` of the slope, and `P₂ᵀ` of the value.
+    pub fn transposed_wrench_change(&self, slope: &Twist, value: &Twist) -> (Twist, Twist) {
+        (self.wrench.apply_transposed(slope), self.turned.apply_transposed(value))
+    }
 }
 
 impl Stage {
@@ -179,7 +185,8 @@ impl Stage {
         const LEAST_CHANGE: f64 = 1e-12;
         let Self { base, loads, dead, poses, other_poses, end, start, strains, .. } = self;
         let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
-        pose::work_gradient(rod, strains, poses, force, dead);
+        let of_node = |a: usize| Wrench { force: force(a), moment: Vec3::ZERO };
+        pose::work_gradient(rod, strains, poses, of_node, dead);
         pose::nodes(rod, *base, start, other_poses);
         let mut work = -pose::work(other_poses, force);
         for ((end, start), strain) in end.iter_mut().zip(&*start).zip(&*strains) {

@@ -228,7 +228,10 @@ fn a_base_is_read_from_a_table_and_a_start_from_a_motion() {
     );
     write("places.csv", "t,x,y,z\n0,0,0,0\n1,0,0,0.5\n");
     let load_with = |tail: &str| {
-        write("robot.toml", &robot("damping = { time = 0.01 }\nmaterial = \"steel\"\n", tail));
+        write(
+            "robot.toml",
+            &robot("damping = { time = 0.01 }\nmaterial = \"spring steel\"\n", tail),
+        );
         load(folder.path().join("robot.toml"))
     };
     let of = |name: &str, base: &str| {

@@ -4,6 +4,7 @@
 
 mod allocation;
 mod energy;
+mod gradient;
 mod invariance;
 mod lengths;
 mod order;

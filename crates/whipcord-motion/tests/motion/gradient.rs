@@ -1,0 +1,320 @@
+//! Gradients over motions against central differences.
+
+use whipcord::robot::Motor;
+use whipcord::{
+    Backbone, Cable, Case, Disks, Loads, Material, Robot, Section, Shortening, Twist, Vec3,
+};
+use whipcord_motion::{
+    BaseMotion, CableDrive, Commands, Course, Damping, Drag, Gradient, Initial, LoadCourse, Method,
+    MotionError, MotionOptions, Seed, Simulation, State,
+};
+
+use super::robots::{helix, straight};
+
+const DT: f64 = 8e-3;
+const STEPS: usize = 6;
+
+/// A robot with factors on stiffness and mass.
+fn robot(stiffness: f64, mass: f64, cables: Vec<Cable>) -> Robot {
+    let backbone = Backbone {
+        section: Some(Section::circle(0.003)),
+        material: Material {
+            young_modulus: Some(1.1e9 * stiffness),
+            poisson_ratio: Some(0.3),
+            density: Some(1040.0 * mass),
+            ..Material::default()
+        },
+        ..Backbone::new(0.18)
+    };
+    let disks = Disks {
+        mass: 1e-3 * mass,
+        outer_radius: Some(0.01),
+        thickness: Some(1e-3),
+        ..Disks::equally_spaced(0.18, 5, 0.008)
+    };
+    Robot::new(backbone, disks, cables).unwrap()
+}
+
+/// A motion and a number of it.
+struct Problem {
+    robot: Robot,
+    case: Case,
+    options: MotionOptions,
+    commands: Vec<Commands>,
+}
+
+fn weight(k: usize) -> f64 {
+    (0.7 * k as f64 + 0.3).sin()
+}
+
+fn vector(k: usize) -> Vec3 {
+    Vec3::new(weight(k), weight(k + 5), weight(k + 11))
+}
+
+/// What the number depends on: positions, velocities and strains of all states with some weights.
+fn seed(state: &State, k: usize) -> Seed {
+    let twist =
+        |i: usize, by: f64| Twist { linear: vector(i) * by, angular: vector(i + 3) * (0.01 * by) };
+    Seed {
+        positions: (0..state.poses.len()).map(|a| vector(a + 17 * k)).collect(),
+        turns: Vec::new(),
+        velocities: (0..state.velocities.len()).map(|a| twist(a + 7 * k, 0.1)).collect(),
+        strains: (0..state.strains.len()).map(|q| twist(q + 3 * k, 0.2)).collect(),
+    }
+}
+
+fn number(states: &[State]) -> f64 {
+    let mut sum = 0.0;
+    let dot = |a: &Twist, b: &Twist| a.linear.dot(b.linear) + a.angular.dot(b.angular);
+    for (k, state) in states.iter().enumerate() {
+        let seed = seed(state, k);
+        sum +=
+            state.poses.iter().zip(&seed.positions).map(|(p, w)| p.position.dot(*w)).sum::<f64>();
+        // That of the base is given.
+        let velocities = state.velocities.iter().zip(&seed.velocities).skip(1);
+        sum += velocities.map(|(v, w)| dot(v, w)).sum::<f64>();
+        sum += state.strains.iter().zip(&seed.strains).map(|(x, w)| dot(x, w)).sum::<f64>();
+    }
+    sum
+}
+
+impl Problem {
+    fn simulation(&self) -> Simulation {
+        Simulation::new(&self.robot, &self.case, self.options.clone()).unwrap()
+    }
+
+    fn number(&self) -> f64 {
+        number(&self.simulation().record(&self.commands, DT).unwrap().states)
+    }
+
+    fn gradient(&self) -> Gradient {
+        let mut simulation = self.simulation();
+        let record = simulation.record(&self.commands, DT).unwrap();
+        let seeds: Vec<Seed> =
+            record.states.iter().enumerate().map(|(k, state)| seed(state, k)).collect();
+        let before = simulation.state().clone();
+        let gradient = simulation.gradient(&record, &seeds).unwrap();
+        assert_eq!(*simulation.state(), before);
+        gradient
+    }
+}
+
+fn close(found: f64, expected: f64, scale: f64, what: &str) {
+    let apart = (found - expected).abs() / scale.max(expected.abs());
+    assert!(apart < 1e-6, "{what}: {found:e} against {expected:e} by differences ({apart:.1e})");
+}
+
+/// By Richardson's extrapolation of central differences.
+fn difference(h: f64, at: impl Fn(f64) -> f64) -> f64 {
+    let central = |h: f64| (at(h) - at(-h)) / (2.0 * h);
+    (4.0 * central(0.5 * h) - central(h)) / 3.0
+}
+
+fn options() -> MotionOptions {
+    let factor = Course::table(vec![0.0, 0.03], vec![0.2, 1.0]).unwrap();
+    let loads = Loads {
+        tip_force: Vec3::new(0.0, 0.03, -0.02),
+        tip_moment: Vec3::new(1e-3, 0.0, 5e-4),
+        ..Loads::default()
+    };
+    MotionOptions {
+        damping: Damping::Time(2e-3),
+        drag: Drag { across: 0.05, along: 0.02 },
+        elements: 4,
+        loads: vec![LoadCourse { loads, factor }],
+        iteration_tolerance: 1e-13,
+        ..MotionOptions::default()
+    }
+}
+
+fn gravity() -> Loads {
+    Loads { gravity: Some(Vec3::new(4.0, -7.0, 3.0)), ..Loads::default() }
+}
+
+fn by_tensions(method: Method, stiffness: f64, mass: f64, damping: f64) -> Problem {
+    let commands = (0..STEPS).map(|k| Commands::tensions(&[2.0 + weight(k), 1.5 - weight(k)]));
+    Problem {
+        robot: robot(stiffness, mass, vec![helix(), straight("b", 2.0, 0.008)]),
+        case: Case { loads: gravity(), ..Case::with_tensions(&[1.0, 0.5]) },
+        // The damping is a time, of the stiffness.
+        options: MotionOptions {
+            method,
+            damping: Damping::Time(2e-3 * damping / stiffness),
+            ..options()
+        },
+        commands: commands.collect(),
+    }
+}
+
+#[test]
+fn gradients_by_tensions_and_properties_are_those_of_differences() {
+    for method in [Method::Accurate, Method::Robust] {
+        let gradient = by_tensions(method, 1.0, 1.0, 1.0).gradient();
+        let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+        assert!(scale > 1e-3);
+        for k in 0..STEPS {
+            for i in 0..2 {
+                let expected = difference(1e-2, |by| {
+                    let mut problem = by_tensions(method, 1.0, 1.0, 1.0);
+                    let tension = problem.commands[k].cables[i].course().before(0.0) + by;
+                    problem.commands[k].set_tension(i, tension);
+                    problem.number()
+                });
+                close(gradient.cables[k][i], expected, scale, &format!("{method:?}: {k} {i}"));
+            }
+        }
+        let factors = gradient.factors;
+        let of = |at: &dyn Fn(f64) -> Problem| difference(1e-3, |by| at(1.0 + by).number());
+        let stiffness = of(&|x| by_tensions(method, x, 1.0, 1.0));
+        close(factors.stiffness, stiffness, 0.1, "stiffness");
+        close(factors.mass, of(&|x| by_tensions(method, 1.0, x, 1.0)), 0.1, "mass");
+        close(factors.damping, of(&|x| by_tensions(method, 1.0, 1.0, x)), 0.1, "damping");
+    }
+}
+
+/// A state to start from, on a base that moves.
+#[test]
+fn gradients_by_the_start_are_those_of_differences() {
+    for method in [Method::Accurate, Method::Robust] {
+        let mut problem = by_tensions(method, 1.0, 1.0, 1.0);
+        let mut start = problem.simulation().state().start();
+        for (a, velocity) in start.velocities.iter_mut().enumerate().skip(1) {
+            *velocity = Twist { linear: vector(a) * 0.05, angular: vector(a + 1) };
+        }
+        let of = |problem: &Problem, start: &whipcord_motion::Start| {
+            let mut base = BaseMotion::default();
+            base.velocity[1] = Course::table(vec![0.0, 0.02, 0.02], vec![0.1, 0.3, 0.0]).unwrap();
+            base.angular_velocity[0] = Course::constant(2.0);
+            MotionOptions {
+                initial: Initial::State(Box::new(start.clone())),
+                base: Some(base),
+                ..problem.options.clone()
+            }
+        };
+        problem.options = of(&problem, &start);
+        let gradient = problem.gradient();
+        for component in 0..6 {
+            let part = |twist: &mut Twist, by: f64| {
+                let of = if component < 3 { &mut twist.linear } else { &mut twist.angular };
+                of[component % 3] += by;
+            };
+            let value = |twist: &Twist| {
+                let of = if component < 3 { twist.linear } else { twist.angular };
+                of[component % 3]
+            };
+            let unit = if component < 3 { 1e-4 } else { 1e-2 };
+            let differ = |change: &dyn Fn(&mut whipcord_motion::Start, f64)| {
+                difference(unit, |by| {
+                    let mut moved = start.clone();
+                    change(&mut moved, by);
+                    let options = of(&problem, &moved);
+                    Problem { options, ..by_tensions(method, 1.0, 1.0, 1.0) }.number()
+                })
+            };
+            let velocity = differ(&|start, by| part(&mut start.velocities[3], by));
+            close(value(&gradient.velocities[3]), velocity, 1e-2, &format!("velocity {component}"));
+            let strain = differ(&|start, by| part(&mut start.strains[5], by));
+            close(value(&gradient.strains[5]), strain, 1e-2, &format!("strain {component}"));
+        }
+    }
+}
+
+/// Cables that are driven by their lengths, some of which go slack.
+#[test]
+fn gradients_by_lengths_are_those_of_differences() {
+    let problem = |k: usize, i: usize, by: f64| {
+        let cables = (0..3).map(|i| Cable {
+            axial_stiffness: (i == 0).then_some(9000.0),
+            ..straight(&format!("{i}"), 2.1 * f64::from(i), 0.008)
+        });
+        let told = |step: usize| {
+            let mut drives: Vec<f64> = vec![1e-3 * (1.0 + step as f64), -4e-3, 4e-4];
+            if step == k {
+                drives[i] += by;
+            }
+            let shortening = |by: f64| CableDrive::Shortening(Course::constant(by));
+            let mut drives: Vec<CableDrive> = drives.into_iter().map(shortening).collect();
+            // One by its tension beside them.
+            let tension = if step == k && i == 2 { 0.8 + 100.0 * by } else { 0.8 };
+            drives[2] = CableDrive::Tension(Course::constant(tension));
+            Commands::new(drives)
+        };
+        let shortenings =
+            [Shortening::Length(1e-3), Shortening::Length(0.0), Shortening::Length(0.0)];
+        Problem {
+            robot: robot(1.0, 1.0, cables.collect()),
+            case: Case { loads: gravity(), ..Case::with_shortenings(&shortenings) },
+            options: options(),
+            commands: (0..STEPS).map(told).collect(),
+        }
+    };
+    let of = problem(STEPS, 0, 0.0);
+    let record = of.simulation().record(&of.commands, DT).unwrap();
+    assert!(record.states.iter().skip(1).any(|state| state.cables[0].tension > 0.0));
+    assert!(record.states.iter().skip(1).any(|state| state.cables[1].tension == 0.0));
+    let gradient = of.gradient();
+    let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+    for k in 0..STEPS {
+        for i in 0..3 {
+            let unit = if i == 2 { 100.0 } else { 1.0 };
+            let expected = difference(2e-6, |by| problem(k, i, by).number());
+            let found = gradient.cables[k][i] * unit;
+            assert!(
+                (found - expected).abs() < 1e-5 * scale,
+                "{k} {i}: {found:e} against {expected:e}"
+            );
+        }
+    }
+}
+
+/// Motors with play: a command within the play moves nothing.
+#[test]
+fn gradients_by_motors_are_those_of_differences() {
+    let angles = [0.3, 0.5, 0.48, 0.49, 0.2, 0.6];
+    let problem = |k: usize, by: f64| {
+        let cables = vec![straight("a", 0.0, 0.008), straight("b", 3.0, 0.008)];
+        let motor = Motor {
+            stiffness: Some(5e3),
+            backlash: 0.1,
+            ..Motor::spool("bend", [(0, 0.01), (1, -0.01)])
+        };
+        let robot = robot(1.0, 1.0, cables).with_motors(vec![motor]).unwrap();
+        let case = Case::with_motors(&robot, &[0.1]).unwrap();
+        let commands = (0..STEPS).map(|step| {
+            let angle = angles[step] + if step == k { by } else { 0.0 };
+            Commands::of_case(&robot, &Case::with_motors(&robot, &[angle]).unwrap())
+        });
+        let commands = commands.collect();
+        Problem { robot, case, options: options(), commands }
+    };
+    let gradient = problem(STEPS, 0.0).gradient();
+    let scale = gradient.motors.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+    // From 0.5 back to 0.48 and on to 0.49 the drive keeps its place.
+    assert_eq!(gradient.motors[2][0], 0.0);
+    for k in 0..STEPS {
+        let expected = difference(1e-4, |by| problem(k, by).number());
+        let found = gradient.motors[k][0];
+        assert!((found - expected).abs() < 1e-5 * scale, "{k}: {found:e} against {expected:e}");
+    }
+}
+
+#[test]
+fn what_has_no_gradient_is_refused() {
+    let problem = by_tensions(Method::Energy, 1.0, 1.0, 1.0);
+    let refused = problem.simulation().record(&problem.commands, DT);
+    assert!(matches!(refused, Err(MotionError::Unsupported { .. })));
+    let mut problem = by_tensions(Method::Robust, 1.0, 1.0, 1.0);
+    problem.options.tolerance = Some(1e-4);
+    let refused = problem.simulation().record(&problem.commands, DT);
+    assert!(matches!(refused, Err(MotionError::Unsupported { .. })));
+    let problem = by_tensions(Method::Accurate, 1.0, 1.0, 1.0);
+    let mut simulation = problem.simulation();
+    let record = simulation.record(&problem.commands, DT).unwrap();
+    let none = vec![Seed::default(); STEPS + 1];
+    let zero = simulation.gradient(&record, &none).unwrap();
+    assert!(zero.cables.iter().flatten().all(|x| *x == 0.0));
+    assert!(matches!(simulation.gradient(&record, &none[1..]), Err(MotionError::Count { .. })));
+    let mut short = none;
+    short[0].positions = vec![Vec3::ZERO];
+    assert!(matches!(simulation.gradient(&record, &short), Err(MotionError::Count { .. })));
+}
