@@ -191,3 +191,22 @@ def test_single_precision_is_refused_with_the_remedy() -> None:
     jax.config.update("jax_enable_x64", False)
     with pytest.raises(whipcord.InputError, match="jax_enable_x64"):
         solve(TENSION)
+
+
+def test_motions_have_the_gradients_of_their_steps() -> None:
+    plain = whipcord.Motions(whipcord.load("examples/released-arm.toml"), "5 ms", initial="rest")
+    motions = whipcord.jax.Motions(plain)
+    commands = np.random.default_rng(5).uniform(0.5, 1.5, (3, 4, 2))
+
+    def number(given: jax.Array) -> jax.Array:
+        motion = motions(given)
+        return (motion.tip**2).sum() + 1e-2 * (motion.velocity**2).sum() + (motion.strain[..., 3:] ** 2).sum()
+
+    batch = plain(commands)
+    assert np.array_equal(motions(commands).position, batch.position)
+    seeds = {"position": np.zeros_like(batch.position), "velocity": 2e-2 * batch.velocity}
+    seeds["position"][..., -1, :] = 2 * batch.tip
+    seeds["strain"] = 2 * batch.strain * np.array([0, 0, 0, 1, 1, 1])
+    expected = plain.pull_back(commands, **seeds).command
+    for gradient in (jax.grad(number), jax.jit(jax.grad(number)), jax.vmap(jax.grad(number))):
+        np.testing.assert_allclose(gradient(commands), expected, rtol=1e-12, atol=1e-14)

@@ -218,3 +218,64 @@ def test_a_motion_goes_on_from_a_state(arm: whipcord.Case, tmp_path: Path) -> No
     assert np.array_equal(again.tip, first.tip[-1])
     with pytest.raises(InputError, match="initial"):
         arm.simulate("0.1 s", initial=3)  # type: ignore[arg-type]
+
+
+def test_many_motions_are_those_of_each(arm: whipcord.Case) -> None:
+    motions = whipcord.Motions(arm, "5 ms")
+    rows = np.random.default_rng(1).uniform(0.2, 2.0, (3, 2, 8, 2))
+    batch = motions(rows)
+    assert batch.position.shape == (3, 2, 9, *batch.position.shape[3:]) and batch.ok.all() and not batch.errors
+    simulation = whipcord.Simulation(arm)
+    for k, tension in enumerate(rows[1, 1]):
+        simulation.step("5 ms", tension=tension)
+        assert np.array_equal(batch.position[1, 1, k + 1], simulation.position)
+        assert np.array_equal(batch.strain[1, 1, k + 1], simulation.state.strain)
+    for threads in (1, 2, 5):
+        assert np.array_equal(motions(rows, threads=threads).position, batch.position)
+    # A cable without a command keeps its own.
+    own = motions(np.full((4, 2), np.nan))
+    assert np.allclose(own.tip, arm.simulate("20 ms", step="5 ms", every="5 ms").tip, atol=1e-12)
+    for wrong in (rows[..., :1], rows[0, 0, 0], -rows, rows * np.inf):
+        with pytest.raises(InputError):
+            motions(wrong)
+    with pytest.raises(InputError, match="threads"):
+        motions(rows, threads=0)
+
+
+def test_a_motion_that_fails_is_flagged(arm: whipcord.Case) -> None:
+    motions = whipcord.Motions(arm, "5 ms", initial="rest")
+    rows = np.ones((3, 6, 2))
+    rows[1] = 1e9
+    with pytest.raises(whipcord.errors.MotionError):
+        motions(rows)
+    batch = motions(rows, on_failure="flag")
+    assert batch.ok.tolist() == [True, False, True] and list(batch.errors) == [(1,)]
+    assert np.isnan(batch.position[1]).all() and np.isfinite(batch.position[[0, 2]]).all()
+    seed = np.ones_like(batch.position)
+    gradient = motions.pull_back(rows, position=seed, on_failure="flag")
+    assert not gradient.command[1].any() and gradient.command[0].any()
+
+
+@pytest.mark.parametrize("actuation", ["tension", "shortening"])
+def test_gradients_of_motions_are_those_of_differences(arm: whipcord.Case, actuation: Any) -> None:
+    motions = whipcord.Motions(arm, "5 ms", actuation=actuation, initial="rest", drag=0.1)
+    size = 1.0 if actuation == "tension" else 1e-3
+    commands = size * np.random.default_rng(2).uniform(1.0, 2.0, (6, 2))
+    weights = np.random.default_rng(3).normal(size=motions(commands).position.shape)
+
+    def number(at: Any) -> float:
+        return float((weights * motions(at).position).sum())
+
+    found = motions.pull_back(commands, position=weights)
+    largest = abs(found.command).max()
+    for index in np.ndindex(commands.shape):
+        step = np.zeros_like(commands)
+        step[index] = 1e-4 * size
+        difference = (number(commands + step) - number(commands - step)) / (2e-4 * size)
+        assert found.command[index] == pytest.approx(difference, abs=1e-4 * largest)
+    assert np.isfinite([found.stiffness, found.damping, found.mass]).all() and found.stiffness != 0.0
+    with pytest.raises(InputError, match="position"):
+        motions.pull_back(commands, position=weights[1:])
+    energy = whipcord.Motions(arm, "5 ms", method="energy")
+    with pytest.raises(ModelError, match="energy"):
+        energy.pull_back(np.ones((2, 2)))

@@ -114,3 +114,17 @@ def test_what_cannot_be_is_refused() -> None:
     ):
         with pytest.raises(whipcord.InputError, match=says):
             solve(given)
+
+
+def test_motions_have_the_gradients_of_their_steps() -> None:
+    plain = whipcord.Motions(whipcord.load("examples/released-arm.toml"), "5 ms", initial="rest")
+    commands = np.random.default_rng(5).uniform(0.5, 1.5, (3, 4, 2))
+    given = wanted(commands)
+    motion = whipcord.torch.Motions(plain)(given)
+    batch = plain(commands)
+    assert np.array_equal(motion.position.detach().numpy(), batch.position)
+    (motion.tip[..., 0].sum() + motion.velocity.square().sum()).backward()
+    position = np.zeros_like(batch.position)
+    position[..., -1, 0] = 1.0
+    expected = plain.pull_back(commands, position=position, velocity=2 * batch.velocity).command
+    np.testing.assert_allclose(given.grad.numpy(), expected, rtol=1e-12, atol=1e-14)

@@ -71,6 +71,7 @@ from .robot import (
     SectionStiffness,
 )
 from .scoring import CaseScore, Measures, ModelScore, RowScore, Score, score
+from .motions import MotionBatch, MotionGradient, Motions
 from .simulating import Linearized, Modes, Motion, Simulation, State
 from .solution import (
     Branches,
@@ -161,7 +162,10 @@ __all__ = [
     "ModelScore",
     "Modes",
     "Motion",
+    "MotionBatch",
     "MotionError",
+    "MotionGradient",
+    "Motions",
     "Motor",
     "MotorState",
     "ObjectContact",

@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
-from .errors import InputError, SolveError
+from .errors import InputError, SolveError, WhipcordError
 
 _Array = npt.NDArray[np.float64]
 # Code, message, help, and path, line and column of a warning.
@@ -20,6 +20,7 @@ __all__ = [
     "Derivatives",
     "Fitted",
     "Model",
+    "Motions",
     "Outcomes",
     "Photo",
     "Scored",
@@ -230,6 +231,26 @@ class Simulation:
 
 @final
 class SimulationState: ...
+
+_FailedRows = list[tuple[int, WhipcordError]]
+
+@final
+class Motions:
+    def __new__(cls, setup: Setup, dt: float) -> Motions: ...
+    def arc_length(self) -> _Array: ...
+    def sizes(self) -> tuple[int, int]: ...
+    def run(
+        self, actuation: str, commands: _Array, threads: int | None = None
+    ) -> tuple[dict[str, Any], _FailedRows]: ...
+    def gradient(
+        self,
+        actuation: str,
+        commands: _Array,
+        position: _Array,
+        velocity: _Array,
+        strain: _Array,
+        threads: int | None = None,
+    ) -> tuple[dict[str, Any], _FailedRows]: ...
 
 @final
 class Board:

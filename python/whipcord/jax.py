@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -35,7 +35,10 @@ except ImportError as error:
 from ._differentiable import Problem, SolverBase
 from .errors import InputError
 
-__all__ = ["Answer", "Solver"]
+if TYPE_CHECKING:
+    import whipcord
+
+__all__ = ["Answer", "Motion", "Motions", "Solver"]
 
 
 class Answer(NamedTuple):
@@ -101,13 +104,7 @@ class Solver(SolverBase):
             (..., p) values of the parameters; those of the case by default. Leading dimensions are broadcast.
             Rows with the same parameters are solved as one batch: prefer (p,) to many copies of it.
         """
-        if not jax.config.jax_enable_x64:  # type: ignore[attr-defined]
-            message = (
-                "whipcord.jax computes in float64, which JAX has not switched on: call "
-                'jax.config.update("jax_enable_x64", True) before anything else'
-            )
-            raise InputError(message, path="commands")
-        commands = jnp.asarray(commands, dtype=jnp.float64)
+        commands = _commands(commands)
         given = self._problem.values if parameters is None else parameters
         parameters = jnp.asarray(given, dtype=jnp.float64)
         self._problem.check(commands.shape, parameters.shape)
@@ -116,6 +113,97 @@ class Solver(SolverBase):
             return Answer(*map(jnp.asarray, self._problem.solve(commands, parameters)))
         rowwise = jnp.vectorize(partial(_solve, self._problem), signature="(m),(p)->(n,i),(n,j,k),(c),(c),()")
         return Answer(*rowwise(commands, parameters))
+
+
+class Motion(NamedTuple):
+    """What :class:`Motions` returns, with the leading dimensions of its commands: a row for each state, the first of them at the start."""
+
+    position: jax.Array
+    """(..., N + 1, n, 3) positions of the nodes in m, in the world."""
+    velocity: jax.Array
+    """(..., N + 1, n, 6) velocities of the nodes in their own frames, in m/s and rad/s."""
+    strain: jax.Array
+    """(..., N + 1, q, 6) strains at the two points of each element, of translation and in 1/m."""
+    tension: jax.Array
+    """(..., N + 1, c) tensions of the cables in N; without gradients."""
+    length: jax.Array
+    """(..., N + 1, c) lengths of the cables inside the robot in m; without gradients."""
+
+    @property
+    def tip(self) -> jax.Array:
+        """(..., N + 1, 3) positions of the tip in m."""
+        return self.position[..., -1, :]
+
+
+class Motions:
+    """How a robot moves, as a function of its commands, which are constant in each step.
+
+    Parameters
+    ----------
+    motions
+        The robot in motion.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> jax.config.update("jax_enable_x64", True)
+    >>> motions = Motions(whipcord.Motions(whipcord.load("examples/released-arm.toml"), "10 ms"))
+    >>> slope = jax.grad(lambda tension: motions(tension).tip[-1, 0])(jnp.full((10, 2), 1.0))
+    >>> slope.shape
+    (10, 2)
+    """
+
+    def __init__(self, motions: whipcord.Motions) -> None:
+        self._motions = motions
+
+    def __call__(self, commands: Any) -> Motion:
+        """Simulates.
+
+        Parameters
+        ----------
+        commands
+            (..., N, c) command of each cable in each step, or (..., N, m) of each motor.
+        """
+        move = jnp.vectorize(partial(_move, self._motions), signature="(s,c)->(t,n,i),(t,n,j),(t,q,j),(t,k),(t,k)")
+        return Motion(*move(_commands(commands)))
+
+
+def _commands(commands: Any) -> jax.Array:
+    if not jax.config.jax_enable_x64:  # type: ignore[attr-defined]
+        message = (
+            "whipcord.jax computes in float64, which JAX has not switched on: call "
+            'jax.config.update("jax_enable_x64", True) before anything else'
+        )
+        raise InputError(message, path="commands")
+    return jnp.asarray(commands, dtype=jnp.float64)
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(0,))
+def _move(motions: whipcord.Motions, commands: jax.Array) -> Any:
+    def simulate(given: Any) -> Any:
+        found = motions(given)
+        return found.position, found.velocity, found.strain, found.tension, found.length
+
+    return _ask(simulate, tuple(map(_floats, motions.shapes(commands.shape[-2]))), commands)
+
+
+def _forward_motion(motions: whipcord.Motions, commands: jax.Array) -> Any:
+    return _move(motions, commands), commands
+
+
+def _backward_motion(motions: whipcord.Motions, commands: jax.Array, weights: Any) -> Any:
+    def pull_back(given: Any, position: Any, velocity: Any, strain: Any) -> Any:
+        arrays = [np.asarray(array) for array in (given, position, velocity, strain)]
+        # What is not mapped has one row where the others have many.
+        inner = (2, 3, 3, 3)
+        lead = np.broadcast_shapes(*(array.shape[: array.ndim - k] for array, k in zip(arrays, inner)))
+        whole = [np.broadcast_to(a, (*lead, *a.shape[a.ndim - k :])) for a, k in zip(arrays, inner)]
+        return motions.pull_back(whole[0], position=whole[1], velocity=whole[2], strain=whole[3]).command
+
+    return (_ask(pull_back, _floats(commands.shape), commands, *weights[:3]),)
+
+
+_move.defvjp(_forward_motion, _backward_motion)
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))

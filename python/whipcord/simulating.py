@@ -292,7 +292,7 @@ class Simulation:
         motors: Courses | None = None,
         loads: LoadsOverTime | None = None,
     ) -> None:
-        setup = _setup(
+        setup = setup_of(
             case,
             method=method,
             tolerance=tolerance,
@@ -464,7 +464,7 @@ def simulate(
     **options: Any,
 ) -> Motion:
     """See :meth:`whipcord.Case.simulate`."""
-    setup = _setup(case, duration=duration, **options)
+    setup = setup_of(case, duration=duration, **options)
     values, failed = _core.simulate(setup, seconds(timeout))
     names = tuple(cable.name for cable in case.robot.cables)
     motion = Motion(cables=names, ok=failed is None, **values)
@@ -488,7 +488,7 @@ def _count(count: int) -> int:
     return number
 
 
-def _setup(
+def setup_of(
     case: Case,
     *,
     duration: Quantity | None = None,

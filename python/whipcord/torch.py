@@ -18,7 +18,7 @@ torch.Size([1])
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,10 @@ except ImportError as error:
 
 from ._differentiable import Problem, SolverBase
 
-__all__ = ["Answer", "Solver"]
+if TYPE_CHECKING:
+    import whipcord
+
+__all__ = ["Answer", "Motion", "Motions", "Solver"]
 
 
 class Answer(NamedTuple):
@@ -121,3 +124,79 @@ class _Solve(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
             torch.from_numpy(gradient).sum_to_size(of.shape) for gradient, of in zip(gradients, kept)
         )
         return None, by_commands, by_parameters
+
+
+class Motion(NamedTuple):
+    """What :class:`Motions` returns, with the leading dimensions of its commands: a row for each state, the first of them at the start."""
+
+    position: torch.Tensor
+    """(..., N + 1, n, 3) positions of the nodes in m, in the world."""
+    velocity: torch.Tensor
+    """(..., N + 1, n, 6) velocities of the nodes in their own frames, in m/s and rad/s."""
+    strain: torch.Tensor
+    """(..., N + 1, q, 6) strains at the two points of each element, of translation and in 1/m."""
+    tension: torch.Tensor
+    """(..., N + 1, c) tensions of the cables in N; without gradients."""
+    length: torch.Tensor
+    """(..., N + 1, c) lengths of the cables inside the robot in m; without gradients."""
+
+    @property
+    def tip(self) -> torch.Tensor:
+        """(..., N + 1, 3) positions of the tip in m."""
+        return self.position[..., -1, :]
+
+
+class Motions:
+    """How a robot moves, as a function of its commands, which are constant in each step.
+
+    Parameters
+    ----------
+    motions
+        The robot in motion.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> motions = Motions(whipcord.Motions(whipcord.load("examples/released-arm.toml"), "10 ms"))
+    >>> tension = torch.ones((10, 2), dtype=torch.float64, requires_grad=True)
+    >>> motions(tension).tip[-1, 0].backward()
+    >>> tension.grad.shape
+    torch.Size([10, 2])
+    """
+
+    def __init__(self, motions: whipcord.Motions) -> None:
+        self._motions = motions
+
+    def __call__(self, commands: torch.Tensor) -> Motion:
+        """Simulates.
+
+        Parameters
+        ----------
+        commands
+            (..., N, c) command of each cable in each step, or (..., N, m) of each motor.
+        """
+        given = torch.as_tensor(commands)
+        motion = _Move.apply(self._motions, given.to("cpu", torch.float64))
+        return Motion(*(part.to(given.device) for part in motion))
+
+
+class _Move(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
+    @staticmethod
+    def forward(ctx: Any, motions: whipcord.Motions, commands: torch.Tensor) -> Any:
+        found = motions(commands.detach().numpy())
+        arrays = (found.position, found.velocity, found.strain, found.tension, found.length)
+        parts = tuple(torch.from_numpy(array.copy()) for array in arrays)
+        ctx.motions = motions
+        ctx.save_for_backward(commands)
+        ctx.mark_non_differentiable(*parts[3:])
+        return parts
+
+    @staticmethod
+    @once_differentiable  # type: ignore[untyped-decorator]
+    def backward(ctx: Any, *weights: torch.Tensor) -> Any:
+        (commands,) = ctx.saved_tensors
+        position, velocity, strain = (weight.detach().numpy() for weight in weights[:3])
+        found = ctx.motions.pull_back(
+            commands.detach().numpy(), position=position, velocity=velocity, strain=strain
+        )
+        return None, torch.from_numpy(found.command.copy())

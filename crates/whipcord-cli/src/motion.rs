@@ -15,6 +15,7 @@ pub fn failure(file: &CaseFile, error: &MotionError) -> Failure {
         MotionError::Unbalanced { .. }
         | MotionError::NotConverged { .. }
         | MotionError::Tolerance { .. }
+        | MotionError::NoGradient { .. }
         | MotionError::NoModes => Failure::Solve(text),
         _ => Failure::Input(text),
     }

@@ -400,7 +400,9 @@ pub fn motion(py: Python<'_>, error: &MotionError) -> PyErr {
             input(py, what, message)
         }
         MotionError::Course { .. } => input(py, "motion.commands", message),
-        MotionError::NotConverged { time, .. } | MotionError::Tolerance { time, .. } => {
+        MotionError::NotConverged { time, .. }
+        | MotionError::NoGradient { time }
+        | MotionError::Tolerance { time, .. } => {
             failed(Some(*time))
         }
         MotionError::Unbalanced { .. } | MotionError::NoModes => failed(None),

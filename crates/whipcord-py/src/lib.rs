@@ -19,6 +19,7 @@ mod inverse;
 mod measurement;
 mod model;
 mod motion;
+mod motion_batch;
 mod notice;
 mod object_state;
 mod overlay;
@@ -82,6 +83,8 @@ mod _core {
     use super::model::Model;
     #[pymodule_export]
     use super::motion::{Simulation, SimulationState, modes, simulate};
+    #[pymodule_export]
+    use super::motion_batch::Motions;
     #[pymodule_export]
     use super::overlay::overlay;
     #[pymodule_export]
