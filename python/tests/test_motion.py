@@ -277,5 +277,6 @@ def test_gradients_of_motions_are_those_of_differences(arm: whipcord.Case, actua
     with pytest.raises(InputError, match="position"):
         motions.pull_back(commands, position=weights[1:])
     energy = whipcord.Motions(arm, "5 ms", method="energy")
+    assert energy(np.ones((2, 2))).ok
     with pytest.raises(ModelError, match="energy"):
         energy.pull_back(np.ones((2, 2)))

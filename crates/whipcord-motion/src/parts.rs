@@ -12,8 +12,24 @@ use crate::state::{CableMotion, State};
 
 /// ρ of [`Method::Robust`].
 pub(crate) const RHO: f64 = 0.5;
+/// Energy that a part of a step by [`Method::Accurate`] may gain by the integration, as a part of that of motion and strains. The method is stable for
+/// linear equations; a violent motion without damping can grow by steps that are too long for it.
+const GREATEST_GAIN: f64 = 5e-3;
+/// Halvings for the sake of the energy.
+const HALVINGS_FOR_ENERGY: i32 = 3;
+/// Steps without rates behind a jump, where cables are driven by their lengths.
+const AFTER_IMPACT: usize = 2;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
+
+/// A part of a step that has been solved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Attempt {
+    /// Its estimated error in m.
+    error: f64,
+    /// Whether the integration has added more energy than it should.
+    gains: bool,
+}
 
 impl Simulation {
     /// Goes on to a time, up to which nothing jumps. `taken` gets the state before each part, its length and whether its iteration began with a prediction.
@@ -26,6 +42,7 @@ impl Simulation {
         let total = goal - self.state.time;
         if self.has_jumped(commands) {
             self.state.has_rates = false;
+            self.state.without_rates = 0;
         }
         let mut halvings = 0;
         let mut cold = false;
@@ -37,7 +54,10 @@ impl Simulation {
             let attempt = self.attempt(commands, h, !cold);
             let limit = self.options.tolerance.map(|tolerance| tolerance * h / total);
             match attempt {
-                Ok(error) if limit.is_none_or(|limit| error <= limit) => {
+                Ok(Attempt { error, gains })
+                    if limit.is_none_or(|limit| error <= limit)
+                        && !(gains && halvings < HALVINGS_FOR_ENERGY) =>
+                {
                     if h == left {
                         self.next.time = goal;
                     }
@@ -56,7 +76,7 @@ impl Simulation {
                     cold = true;
                     continue;
                 }
-                Ok(error) if halvings >= MOST_HALVINGS => {
+                Ok(Attempt { error, .. }) if halvings >= MOST_HALVINGS => {
                     let tolerance = self.options.tolerance.unwrap_or_default();
                     return Err(MotionError::Tolerance {
                         time: self.state.time,
@@ -112,13 +132,13 @@ impl Simulation {
             || matches!(commands.cables[cable], CableDrive::Shortening(_))
     }
 
-    /// Takes a part of a step, into [`Self::next`]; returns its estimated error in m.
+    /// Takes a part of a step, into [`Self::next`].
     pub(crate) fn attempt(
         &mut self,
         commands: &Commands,
         h: f64,
         warm: bool,
-    ) -> Result<f64, Stalled> {
+    ) -> Result<Attempt, Stalled> {
         self.set_lengths(commands, self.state.time + h);
         let by_length = !self.solver.lengths.cables.is_empty();
         let method = if by_length { Method::Robust } else { self.options.method };
@@ -134,7 +154,11 @@ impl Simulation {
         };
         self.next.diagnostics.iterations += self.solver.iterations;
         self.next.diagnostics.factorisations += self.solver.factorisations;
-        Ok(error)
+        let energy = &self.next.energy;
+        let gained = energy.defect() - self.state.energy.defect();
+        let gains = method == Method::Accurate
+            && gained > GREATEST_GAIN * (energy.kinetic + energy.elastic);
+        Ok(Attempt { error, gains })
     }
 
     /// How the stages of a step of length `h` are iterated. A change of the strains in a short step is a large one of the velocities, and many short
@@ -304,6 +328,10 @@ impl Simulation {
                 .sum::<f64>();
         }
         next.time = time;
-        next.has_rates = true;
+        // Behind a jump of a length the rates of the first step are those of an impact, which do not last.
+        next.without_rates = if state.has_rates { 0 } else { state.without_rates + 1 };
+        next.has_rates = solver.lengths.cables.is_empty()
+            || state.has_rates
+            || next.without_rates >= AFTER_IMPACT;
     }
 }

@@ -96,6 +96,8 @@ pub struct State {
     pub energy: EnergyBalance,
     /// How the last step was computed.
     pub diagnostics: StepDiagnostics,
+    /// Parts of steps that were taken since the rates were lost.
+    pub(crate) without_rates: usize,
     /// What each cable was told last: a tension in N, or a shortening in m.
     pub(crate) commanded: Vec<f64>,
 }
@@ -133,8 +135,10 @@ impl State {
             motor_outputs,
             energy,
             diagnostics,
+            without_rates,
             commanded,
         } = self;
+        *without_rates = other.without_rates;
         (*time, *base, *has_rates) = (other.time, other.base, other.has_rates);
         (*energy, *diagnostics) = (other.energy, other.diagnostics);
         velocities.clone_from(&other.velocities);

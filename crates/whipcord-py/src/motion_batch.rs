@@ -7,9 +7,7 @@ use numpy::{PyReadonlyArray3, PyReadonlyArray4};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::{Twist, Vec3, jobs};
-use whipcord_motion::{
-    CableDrive, Commands, Course, Gradient, MotionError, Record, Seed, Simulation,
-};
+use whipcord_motion::{CableDrive, Commands, Course, Gradient, MotionError, Seed, Simulation};
 
 use crate::convert::{array, flat, twist};
 use crate::errors;
@@ -100,7 +98,6 @@ impl Asked {
     }
 }
 
-type Rolled = Result<Record, MotionError>;
 type Given<'py> = PyReadonlyArray3<'py, f64>;
 
 impl Motions {
@@ -144,9 +141,9 @@ impl Motions {
         &self,
         py: Python<'_>,
         asked: Asked,
-        work: impl Fn(&mut Simulation, Rolled, usize) -> T + Send + Sync + 'static,
+        work: impl Fn(&mut Simulation, &[Commands], usize) -> T + Send + Sync + 'static,
     ) -> PyResult<Vec<T>> {
-        let (start, own, dt) = (Arc::clone(&self.start), self.own.clone(), self.dt);
+        let (start, own) = (Arc::clone(&self.start), self.own.clone());
         let limit = Limit::default();
         let cancel = limit.cancel.clone();
         let found = within(py, &limit, move || {
@@ -159,8 +156,7 @@ impl Motions {
                 |(row, out), simulation| {
                     // A clone begins at the start; what another row left is put back.
                     simulation.clone_from(&start);
-                    let rolled = simulation.record(&asked.commands(&own, row), dt);
-                    *out = Some(work(simulation, rolled, row));
+                    *out = Some(work(simulation, &asked.commands(&own, row), row));
                     !cancel.is_cancelled()
                 },
             );
@@ -211,7 +207,14 @@ impl Motions {
         let (rows, steps) = (asked.rows, asked.steps);
         let start = self.start.state();
         let (nodes, points, cables) = (start.poses.len(), start.strains.len(), start.cables.len());
-        let rolled = self.each(py, asked, |_, rolled, _| rolled.map(|record| record.states))?;
+        let dt = self.dt;
+        let rolled = self.each(py, asked, move |simulation, commands, _| {
+            let mut states = vec![simulation.state().clone()];
+            for commands in commands {
+                states.push(simulation.step(commands, dt)?.clone());
+            }
+            Ok::<_, MotionError>(states)
+        })?;
         if rolled.len() < rows {
             return Err(errors::timed_out(py, "the motions were ended".to_owned(), None));
         }
@@ -281,8 +284,9 @@ impl Motions {
                 return Err(errors::input(py, name, message));
             }
         }
-        let found = self.each(py, asked, move |simulation, rolled, row| {
-            let record = rolled?;
+        let dt = self.dt;
+        let found = self.each(py, asked, move |simulation, commands, row| {
+            let record = simulation.record(commands, dt)?;
             let twist = |of: &numpy::ndarray::Array4<f64>, k: usize, a: usize| {
                 let at = |i: usize| of[[row, k, a, i]];
                 Twist {

@@ -11,4 +11,5 @@ mod order;
 mod references;
 mod refusals;
 mod robots;
+mod study;
 mod vibrations;
