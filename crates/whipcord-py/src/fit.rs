@@ -169,7 +169,7 @@ impl Fitted {
             let arc_length = seen.place.arc_length(cases[residual.experiment].robot.disks());
             let camera = match seen.seen {
                 whipcord_estimation::Seen::Pixel { camera, .. } => Some(camera),
-                whipcord_estimation::Seen::Position(_) => None,
+                _ => None,
             };
             (residual.experiment, seen.step, arc_length, camera)
         };
@@ -220,7 +220,8 @@ fn experiment(py: Python<'_>, path: &str, setup: &Setup) -> PyResult<Experiment>
     Ok(Experiment {
         case: (*setup.case).clone(),
         cameras: measured.cameras.iter().map(|of| of.camera).collect(),
-        observations: measured.observations.clone(),
+        observations: measured.fitted(),
+        body: measured.body,
         alignment: measured.alignment,
         frame: Pose::IDENTITY,
         labels: setup.file_data.file.as_ref().map(|file| file.row_labels()).unwrap_or_default(),

@@ -104,6 +104,8 @@ fn seeing(of: &Observation) -> Seeing {
     let (position, camera, pixel) = match of.seen {
         Seen::Position(position) => (Some(position.to_array()), None, None),
         Seen::Pixel { camera, pixel } => (None, Some(camera), Some(pixel)),
+        // Orientations are kept beside what was seen.
+        Seen::Rotation { .. } => (None, None, None),
     };
     (of.step, disk, arc_length, of.offset.to_array(), position, camera, pixel, of.deviation)
 }

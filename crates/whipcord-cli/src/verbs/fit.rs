@@ -305,7 +305,8 @@ fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
     Ok(Experiment {
         case: file.case.clone(),
         cameras: measured.cameras.iter().map(|of| of.camera).collect(),
-        observations: measured.observations.clone(),
+        observations: measured.fitted(),
+        body: measured.body,
         alignment: measured.alignment,
         frame: Pose::IDENTITY,
         labels: file.row_labels(),

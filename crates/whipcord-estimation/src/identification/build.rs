@@ -80,7 +80,8 @@ pub(super) fn case(
             | Quantity::Gain { .. }
             | Quantity::MarkerOffset { .. }
             | Quantity::MeasuredPosition { .. }
-            | Quantity::MeasuredTurn { .. } => {}
+            | Quantity::MeasuredTurn { .. }
+            | Quantity::BodyTurn { .. } => {}
         }
     }
     built.base.rotation = turned(built.base.rotation, turn);
@@ -204,7 +205,8 @@ pub(super) fn present(quantity: &Quantity, robot: &Robot, case: &Case) -> Result
         // Of the frame of a measurement, `Forward::start` knows more.
         Quantity::MarkerOffset { .. }
         | Quantity::MeasuredPosition { .. }
-        | Quantity::MeasuredTurn { .. } => Ok(0.0),
+        | Quantity::MeasuredTurn { .. }
+        | Quantity::BodyTurn { .. } => Ok(0.0),
         Quantity::BasePosition { axis } => Ok(case.base.position[axis]),
         Quantity::BaseTurn { .. } => Ok(0.0),
     }

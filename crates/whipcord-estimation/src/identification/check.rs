@@ -65,7 +65,7 @@ pub(super) fn check_observations(
             })?;
             count += 1;
             deviations += usize::from(seen.deviation.is_some());
-            positions += usize::from(matches!(seen.seen, Seen::Position(_)));
+            positions += usize::from(!seen.seen.is_in_image());
         }
     }
     if count == 0 {
@@ -112,6 +112,15 @@ fn misfit(robot: &Robot, experiment: &Experiment, seen: &Observation) -> Result<
             }
             for coordinate in pixel {
                 number("a pixel", coordinate)?;
+            }
+        }
+        Seen::Rotation { rotation, arm } => {
+            for part in rotation.wxyz() {
+                number("a part of the orientation", part)?;
+            }
+            if !(arm.is_finite() && arm > 0.0) {
+                let (what, must) = ("the arm of the orientation", "greater than zero");
+                return Err(Misfit::Number { what, must, value: arm });
             }
         }
     }
@@ -213,7 +222,7 @@ impl Observation {
     /// How many numbers it is.
     pub(super) const fn numbers(&self) -> usize {
         match self.seen {
-            Seen::Position(_) => 3,
+            Seen::Position(_) | Seen::Rotation { .. } => 3,
             Seen::Pixel { .. } => 2,
         }
     }

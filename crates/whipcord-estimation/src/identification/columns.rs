@@ -62,6 +62,7 @@ impl Solver<'_, '_> {
         let view = forward.view(experiment, x);
         let turn = forward.turn(experiment, x);
         let measured_turn = forward.measured_turn(experiment, x);
+        let body_turn = forward.body_turn(experiment, x);
         let frame = view.frame;
         for (step, (solution, derivatives)) in answers.iter().enumerate() {
             let commands = case.before.get(step).unwrap_or(&case.commands);
@@ -114,6 +115,9 @@ impl Solver<'_, '_> {
                             let axis = turning_axis(axis, measured_turn);
                             Motion::MeasuredTurn(frame.rotation.conjugate().rotate(axis))
                         }
+                        (DerivativeMethod::BodyTurn { axis }, _) => {
+                            Motion::BodyTurn(turning_axis(axis, body_turn))
+                        }
                         (DerivativeMethod::Move { axis }, _) => Motion::Move(AXES[axis]),
                         (DerivativeMethod::Turn { axis }, _) => {
                             Motion::Turn(turning_axis(axis, turn), case.base.position)
@@ -133,12 +137,15 @@ impl Solver<'_, '_> {
                 let first = found.columns.len();
                 found.columns.resize(first + count * unknowns, 0.0);
                 let columns = &mut found.columns[first..];
-                let in_image = seen.seen.is_in_image();
+                let (in_image, turns) = (seen.seen.is_in_image(), seen.seen.is_rotation());
                 for (j, motion) in motions.iter().enumerate() {
                     if motion.is_empty() {
                         continue;
                     }
-                    let of = |motion: &Motion| motion.of(marker, in_image, |v| base.rotate(v));
+                    let of = |motion: &Motion| match turns {
+                        true => motion.turn(marker, |v| base.rotate(v)),
+                        false => motion.of(marker, in_image, |v| base.rotate(v)),
+                    };
                     let velocity = motion.iter().fold(Vec3::ZERO, |sum, motion| sum + of(motion));
                     for (i, by_point) in marker.by_point[..count].iter().enumerate() {
                         columns[i * unknowns + j] = by_point.dot(velocity);
@@ -219,6 +226,14 @@ impl Forward<'_> {
         })
     }
 
+    /// The angles by which tracked bodies are turned in the frames at their places.
+    fn body_turn(&self, experiment: usize, x: &[f64]) -> [f64; 3] {
+        self.three(experiment, x, |quantity| match quantity {
+            Quantity::BodyTurn { axis } => Some(axis),
+            _ => None,
+        })
+    }
+
     /// The values of three unknowns of an experiment, zero of those that are known.
     fn three(
         &self,
@@ -246,6 +261,8 @@ enum Motion {
     MeasuredMove(Vec3),
     /// The same about this axis through the origin of the world.
     MeasuredTurn(Vec3),
+    /// Tracked bodies about this, in the frames at their places.
+    BodyTurn(Vec3),
     /// All of it along this.
     Move(Vec3),
     /// All of it about this axis through this point.
@@ -266,8 +283,21 @@ impl Motion {
                 (to_world(linear) + to_world(angular).cross(arm)) * *by
             }
             Self::Marker(along) => marker.pose.rotation.rotate(*along),
+            Self::BodyTurn(_) => Vec3::ZERO,
             Self::Move(along) => *along,
             Self::Turn(axis, centre) => axis.cross(marker.point - *centre),
+        }
+    }
+
+    /// Angular velocity of a tracked body in the world, as it is seen in the frame of the measurement.
+    fn turn(&self, marker: &Marker, to_world: impl Fn(Vec3) -> Vec3) -> Vec3 {
+        match self {
+            Self::Change(change, by) => {
+                to_world(change.twist(Place::Station(marker.station)).angular) * *by
+            }
+            Self::MeasuredTurn(axis) | Self::Turn(axis, _) => *axis,
+            Self::BodyTurn(axis) => marker.pose.rotation.rotate(*axis),
+            Self::Marker(_) | Self::MeasuredMove(_) | Self::Move(_) => Vec3::ZERO,
         }
     }
 }

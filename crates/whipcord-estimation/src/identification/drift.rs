@@ -27,7 +27,7 @@ pub fn drift(experiments: &[Experiment], found: &Identified) -> Option<Drift> {
     let mut rows: BTreeMap<Row, ([f64; 3], f64)> = BTreeMap::new();
     for residual in &found.residuals {
         let seen = &experiments[residual.experiment].observations[residual.observation];
-        if seen.seen.is_in_image() {
+        if !seen.seen.is_position() {
             continue;
         }
         let row = Row { experiment: residual.experiment, step: seen.step };

@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::observation::Observation;
 use crate::registration::Alignment;
 use whipcord::case::Case;
-use whipcord_numerics::Pose;
+use whipcord_numerics::{Pose, UnitQuaternion};
 
 /// A case, and what was seen of the robot in it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +23,8 @@ pub struct Experiment {
     pub alignment: Alignment,
     /// Where the world is in the frame of the positions that were measured.
     pub frame: Pose,
+    /// The rotation of tracked bodies in the frames at their places; [`registered`](super::registered) estimates it where it is `None`.
+    pub body: Option<UnitQuaternion>,
 }
 
 /// What is known of the measurement of a step.

@@ -1,6 +1,6 @@
 //! What a model says would be seen.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use core::num::NonZero;
 
@@ -61,6 +61,8 @@ pub(super) struct View {
     marker_offset: Vec3,
     /// Where the world is in the frame of the positions that were measured.
     pub(super) frame: Pose,
+    /// How tracked bodies are turned in the frames at their places.
+    pub(super) body: UnitQuaternion,
 }
 
 /// A marker in one answer: where it is, in the world, and what is seen of it.
@@ -70,7 +72,7 @@ pub(super) struct Marker {
     pub(super) station: usize,
     pub(super) point: Vec3,
     pub(super) numbers: [f64; 3],
-    /// How each number changes with the point.
+    /// How each number changes with the point, or for a rotation with a turn about the axes of the world.
     pub(super) by_point: [Vec3; 3],
 }
 
@@ -256,7 +258,9 @@ impl<'a> Forward<'a> {
                 | Quantity::MarkerOffset { .. }
                 | Quantity::MeasuredPosition { .. }
                 | Quantity::BasePosition { .. } => 0.1 * length,
-                Quantity::BaseTurn { .. } | Quantity::MeasuredTurn { .. } => 1.0,
+                Quantity::BaseTurn { .. }
+                | Quantity::MeasuredTurn { .. }
+                | Quantity::BodyTurn { .. } => 1.0,
             };
             if unknown.is_positive() && *start > 0.0 { *start } else { size.max(start.abs()) }
         };
@@ -293,18 +297,21 @@ impl<'a> Forward<'a> {
 
     /// How an experiment is looked at with these values.
     pub(super) fn view(&self, experiment: usize, x: &[f64]) -> View {
-        let mut view =
-            View { marker_offset: Vec3::ZERO, frame: self.experiments[experiment].frame };
-        let mut turn = [0.0; 3];
+        let Experiment { frame, body, .. } = &self.experiments[experiment];
+        let body = body.unwrap_or(UnitQuaternion::IDENTITY);
+        let mut view = View { marker_offset: Vec3::ZERO, frame: *frame, body };
+        let (mut turn, mut body_turn) = ([0.0; 3], [0.0; 3]);
         for (quantity, value) in self.numbers(experiment, x) {
             match quantity {
                 Quantity::MarkerOffset { axis } => view.marker_offset[axis] = value,
                 Quantity::MeasuredPosition { axis } => view.frame.position[axis] = value,
                 Quantity::MeasuredTurn { axis } => turn[axis] = value,
+                Quantity::BodyTurn { axis } => body_turn[axis] = value,
                 _ => {}
             }
         }
         view.frame.rotation = build::turned(view.frame.rotation, turn);
+        view.body = build::turned(view.body, body_turn);
         view
     }
 
@@ -321,7 +328,7 @@ impl<'a> Forward<'a> {
         for &Sight { observation, station, row, .. } in self.sights(experiment, step) {
             let (pose, seen) = (solution.shape.poses[station], &observations[observation]);
             let offset = seen.offset + view.marker_offset;
-            let marker = marker((pose, station), offset, seen, (cameras, &view.frame))
+            let marker = marker((pose, station), offset, seen, (cameras, view))
                 .map_err(|error| NoAnswerReason::View { observation, error })?;
             each(self.first_rows[experiment] + row, seen, &marker);
         }
@@ -329,13 +336,14 @@ impl<'a> Forward<'a> {
     }
 }
 
-/// Equations (i1) and (i2).
+/// Equations (i1), (i2) and (i2b).
 fn marker(
     (pose, station): (Pose, usize),
     offset: Vec3,
     seen: &Observation,
-    (cameras, frame): (&[Camera], &Pose),
+    (cameras, view): (&[Camera], &View),
 ) -> Result<Marker, crate::camera::ViewError> {
+    let frame = &view.frame;
     let point = pose.position + pose.rotation.rotate(offset);
     Ok(match seen.seen {
         Seen::Position(_) => {
@@ -350,6 +358,17 @@ fn marker(
             let (numbers, by_point) = ([column, row, 0.0], [by_column, by_row, Vec3::ZERO]);
             Marker { pose, station, point, numbers, by_point }
         }
+        Seen::Rotation { rotation, arm } => {
+            let apart = (frame.rotation * pose.rotation * view.body * rotation.conjugate()).log();
+            // The transpose of J_l⁻¹(φ) is J_l⁻¹(−φ), which takes the translation of a motion to that of its twist.
+            let back = UnitQuaternion::exp(-apart);
+            let to_world = frame.rotation.conjugate();
+            let by_point = build::AXES.map(|axis| {
+                let twist = Pose { position: axis, rotation: back }.log();
+                to_world.rotate(twist.linear) * arm
+            });
+            Marker { pose, station, point, numbers: (apart * arm).to_array(), by_point }
+        }
     })
 }
 
@@ -358,5 +377,7 @@ pub(super) fn measured(seen: &Observation) -> [f64; 3] {
     match seen.seen {
         Seen::Position(position) => position.to_array(),
         Seen::Pixel { pixel: [column, row], .. } => [column, row, 0.0],
+        // The numbers of a model are what its body is turned from this.
+        Seen::Rotation { .. } => [0.0; 3],
     }
 }

@@ -23,6 +23,8 @@ pub(super) enum DerivativeMethod {
     MeasuredMove { axis: usize },
     /// Exactly: the world is turned in the frame of the measurement.
     MeasuredTurn { axis: usize },
+    /// Exactly: tracked bodies are turned about an axis of the frames at their places.
+    BodyTurn { axis: usize },
     /// Exactly: the robot is moved along an axis of the world.
     Move { axis: usize },
     /// Exactly: the robot is turned, with its loads, about an axis of the world.
@@ -97,6 +99,7 @@ impl DerivativeMethod {
             Quantity::MarkerOffset { axis } => Self::Marker { axis },
             Quantity::MeasuredPosition { axis } => Self::MeasuredMove { axis },
             Quantity::MeasuredTurn { axis } => Self::MeasuredTurn { axis },
+            Quantity::BodyTurn { axis } => Self::BodyTurn { axis },
             Quantity::Parameter(parameter) if is_exact => Self::Parameter(parameter),
             Quantity::Friction { cable } if is_exact => {
                 Self::Parameter(Parameter::Friction { cable })

@@ -57,6 +57,12 @@ pub enum Quantity {
         /// Axis.
         axis: usize,
     },
+    /// A turn of tracked bodies in the frames at their places from how they are mounted, or from how the fit found them at the start, about an axis
+    /// of these frames, in rad: about x first, then y, then z.
+    BodyTurn {
+        /// Axis.
+        axis: usize,
+    },
     /// A coordinate of the base in the world, in m.
     BasePosition {
         /// Component.
@@ -94,6 +100,7 @@ impl fmt::Display for Quantity {
             Self::MarkerOffset { axis } => write!(f, "measured.offset[{axis}]"),
             Self::MeasuredPosition { axis } => write!(f, "measured.position[{axis}]"),
             Self::MeasuredTurn { axis } => write!(f, "measured.turn[{axis}]"),
+            Self::BodyTurn { axis } => write!(f, "measured.body_turn[{axis}]"),
             Self::BasePosition { axis } => write!(f, "base.position[{axis}]"),
             Self::BaseTurn { axis } => write!(f, "base.turn[{axis}]"),
         }
@@ -125,6 +132,7 @@ impl FromStr for Quantity {
             ("measured.offset[]", &[axis @ 0..3]) => Self::MarkerOffset { axis },
             ("measured.position[]", &[axis @ 0..3]) => Self::MeasuredPosition { axis },
             ("measured.turn[]", &[axis @ 0..3]) => Self::MeasuredTurn { axis },
+            ("measured.body_turn[]", &[axis @ 0..3]) => Self::BodyTurn { axis },
             ("base.position[]", &[axis @ 0..3]) => Self::BasePosition { axis },
             ("base.turn[]", &[axis @ 0..3]) => Self::BaseTurn { axis },
             _ => match path.parse() {
@@ -259,7 +267,7 @@ impl Quantity {
             | Self::MarkerOffset { .. }
             | Self::MeasuredPosition { .. }
             | Self::BasePosition { .. } => "m",
-            Self::BaseTurn { .. } | Self::MeasuredTurn { .. } => "rad",
+            Self::BaseTurn { .. } | Self::MeasuredTurn { .. } | Self::BodyTurn { .. } => "rad",
         }
     }
 
@@ -298,6 +306,7 @@ impl Quantity {
             | Self::MarkerOffset { .. }
             | Self::MeasuredPosition { .. }
             | Self::MeasuredTurn { .. }
+            | Self::BodyTurn { .. }
             | Self::BasePosition { .. }
             | Self::BaseTurn { .. } => true,
         }

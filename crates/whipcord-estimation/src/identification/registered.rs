@@ -1,6 +1,6 @@
 //! Measurements in a frame of their own: the rigid motion of each is estimated with the other unknowns.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Mat3, Pose, UnitQuaternion, Vec3};
 
 use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
@@ -8,7 +8,7 @@ use super::forward::Forward;
 use super::quantity::Quantity;
 use super::settings::Settings;
 use crate::observation::Seen;
-use crate::registration::{Alignment, align};
+use crate::registration::{Alignment, align, nearest_rotation};
 use whipcord::robot::Robot;
 
 /// Whether an unknown says where the frame of a measurement is, in this experiment.
@@ -24,6 +24,11 @@ fn is_of_frame(unknown: &Unknown, experiment: usize) -> bool {
 }
 
 impl Experiment {
+    /// Whether it has rotations of bodies that are mounted nobody knows how.
+    fn needs_body(&self) -> bool {
+        self.body.is_none() && self.observations.iter().any(|seen| seen.seen.is_rotation())
+    }
+
     /// Whether its measurement is to be moved, and nothing that is estimated moves it or the base.
     #[must_use]
     pub fn needs_registration(&self, number: usize, unknowns: &[Unknown]) -> bool {
@@ -48,14 +53,23 @@ pub fn registered(
     let of_frames: Vec<usize> = (0..experiments.len())
         .filter(|e| experiments[*e].needs_registration(*e, unknowns))
         .collect();
-    if of_frames.is_empty() {
+    let of_bodies: Vec<usize> =
+        (0..experiments.len()).filter(|e| experiments[*e].needs_body()).collect();
+    if of_frames.is_empty() && of_bodies.is_empty() {
         return Ok((experiments.to_vec(), unknowns.to_vec()));
     }
+    let mut all = experiments.to_vec();
     let forward = Forward::new(robot, experiments, unknowns, settings)?;
     let x = forward.start()?;
-    let mut all = experiments.to_vec();
     place(&forward, &x, &of_frames, one_frame, &mut all)?;
+    let placed = all.clone();
+    let forward = Forward::new(robot, &placed, unknowns, settings)?;
+    mount(&forward, &x, &of_bodies, true, &mut all)?;
     let mut found = unknowns.to_vec();
+    let turns = |quantity: &Quantity| matches!(quantity, Quantity::BodyTurn { .. });
+    if !of_bodies.is_empty() && !unknowns.iter().any(|unknown| turns(&unknown.quantity)) {
+        found.extend((0..3).map(|axis| Unknown::new(Quantity::BodyTurn { axis })));
+    }
     let mut add = |experiment: Option<usize>| {
         let quantities = (0..3)
             .map(|axis| Quantity::MeasuredPosition { axis })
@@ -82,12 +96,57 @@ pub(super) fn placed(
         .filter(|e| experiments[*e].needs_registration(*e, unknowns))
         .filter(|e| !experiments[*e].observations.is_empty())
         .collect();
+    let of_bodies: Vec<usize> =
+        (0..experiments.len()).filter(|e| experiments[*e].needs_body()).collect();
     let mut all = experiments.to_vec();
     if !of_frames.is_empty() {
         let forward = Forward::new(robot, experiments, unknowns, settings)?;
         place(&forward, values, &of_frames, false, &mut all)?;
     }
+    if !of_bodies.is_empty() {
+        let placed = all.clone();
+        let forward = Forward::new(robot, &placed, unknowns, settings)?;
+        mount(&forward, values, &of_bodies, false, &mut all)?;
+    }
     Ok(all)
+}
+
+/// Sets how the tracked bodies of these experiments are mounted, one rotation for all of them or one for each, by the answers with these values: the rotation nearest to
+/// those of all rows.
+fn mount(
+    forward: &Forward<'_>,
+    x: &[f64],
+    of_bodies: &[usize],
+    one_body: bool,
+    into: &mut [Experiment],
+) -> Result<(), IdentifyError> {
+    let mut sums: Vec<(Mat3, UnitQuaternion)> = Vec::new();
+    for &e in of_bodies {
+        let (solutions, mut refused) = forward.answers(e, x);
+        let view = forward.view(e, x);
+        let mut sum = Mat3::ZERO;
+        for (step, solution) in &solutions {
+            let seen = forward.see(e, *step, solution, &view, |_, seen, marker| {
+                if let Seen::Rotation { rotation, .. } = seen.seen {
+                    let there = view.frame.rotation * marker.pose.rotation;
+                    sum = sum + (there.conjugate() * rotation).to_matrix();
+                }
+            });
+            // What cameras do not see has no place in their images; bodies have a rotation.
+            let _ = seen;
+        }
+        if sum == Mat3::ZERO && !refused.is_empty() {
+            return Err(IdentifyError::no_answer(e, refused.swap_remove(0).reason));
+        }
+        // What the unknown turns add to a body is not counted twice.
+        sums.push((sum, view.body));
+    }
+    let all = sums.iter().fold(Mat3::ZERO, |sum, (of, _)| sum + *of);
+    for (&e, (own, turn)) in of_bodies.iter().zip(&sums) {
+        let mounted = nearest_rotation(if one_body { &all } else { own });
+        into[e].body = Some(turn.conjugate() * mounted);
+    }
+    Ok(())
 }
 
 /// Sets the frames of these experiments, one each or one for all, by the answers with these values.

@@ -149,7 +149,7 @@ pub fn worth_by_disk(worths: &[Worth]) -> Vec<Worth> {
 /// The usual deviation of a position.
 fn deviation(experiments: &[Experiment]) -> f64 {
     let all = experiments.iter().flat_map(|of| &of.observations);
-    let of = |seen: &Observation| seen.deviation.filter(|_| !seen.seen.is_in_image());
+    let of = |seen: &Observation| seen.deviation.filter(|_| seen.seen.is_position());
     let mut all: Vec<f64> = all.filter_map(of).collect();
     all.sort_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(1e-3)

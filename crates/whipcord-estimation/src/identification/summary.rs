@@ -65,7 +65,7 @@ pub(super) fn tell(
         let of = residuals.iter().filter(|residual| {
             let experiment = &forward.experiments[residual.experiment];
             let seen = experiment.observations[residual.observation].seen;
-            seen.is_in_image() == pixels
+            !seen.is_rotation() && seen.is_in_image() == pixels
         });
         let (sum, count) =
             of.fold((0.0, 0.0), |(sum, count), of| (sum + of.distance().powi(2), count + 1.0));

@@ -66,6 +66,10 @@ struct Misses([(f64, usize); 2]);
 
 impl Misses {
     fn add(&mut self, seen: &Observation, distance: f64) {
+        // Turns are no distances.
+        if seen.seen.is_rotation() {
+            return;
+        }
         let (sum, count) = &mut self.0[usize::from(seen.seen.is_in_image())];
         *sum += distance * distance;
         *count += 1;

@@ -124,7 +124,7 @@ pub(super) fn root_mean_square(values: impl Iterator<Item = f64>) -> Option<f64>
 pub fn in_space(observations: &[Observation]) -> impl Iterator<Item = (&Observation, Vec3)> {
     observations.iter().filter_map(|observation| match observation.seen {
         Seen::Position(position) => Some((observation, position)),
-        Seen::Pixel { .. } => None,
+        Seen::Pixel { .. } | Seen::Rotation { .. } => None,
     })
 }
 

@@ -1,6 +1,6 @@
 //! Markers that were seen of a robot.
 
-use whipcord_numerics::Vec3;
+use whipcord_numerics::{UnitQuaternion, Vec3};
 
 use whipcord::robot::Disks;
 
@@ -51,9 +51,29 @@ pub enum Seen {
         /// Column and row in pixels; the centre of the first pixel is (0, 0).
         pixel: [f64; 2],
     },
+    /// How a body at its place is turned: the rotation from the frame of the body to that of the measurement. A turn of 1 rad counts as much as a
+    /// distance of `arm` in m.
+    Rotation {
+        /// The rotation.
+        rotation: UnitQuaternion,
+        /// The distance in m.
+        arm: f64,
+    },
 }
 
 impl Seen {
+    /// Whether it is a position.
+    #[must_use]
+    pub const fn is_position(self) -> bool {
+        matches!(self, Self::Position(_))
+    }
+
+    /// Whether it is how a body is turned.
+    #[must_use]
+    pub const fn is_rotation(self) -> bool {
+        matches!(self, Self::Rotation { .. })
+    }
+
     /// Whether it is a place in an image.
     #[must_use]
     pub const fn is_in_image(self) -> bool {

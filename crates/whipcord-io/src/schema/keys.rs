@@ -420,6 +420,12 @@ static MEASURED: Table = Table {
             r#"{ axis = [0, 0, 1], angle = "90 deg" }"#,
             "The same rotation about an axis; instead of `orientation`.",
         ),
+        key(
+            "orientation_arm",
+            LENGTH,
+            r#""50 mm""#,
+            "Has a fit take orientations into account: a turn of 1 rad counts as much as this distance, so that it is the deviation of a position over that of an orientation in rad. By default orientations are scored but not fitted.",
+        ),
         key("markers", Kind::Tables(&MARKER), MARKER.title, MARKER.doc),
         key(
             "unit",

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use whipcord::{Pose, Shortening, Vec3};
+use whipcord::{Pose, Shortening, UnitQuaternion, Vec3};
 use whipcord_estimation::{Place, Seen};
 use whipcord_io::{CaseFile, Commanded, describe, load, parse, toml};
 
@@ -123,7 +123,7 @@ fn measurements_find_their_rows() {
         let measured = file.measured.unwrap();
         let found = measured.observations.iter().map(|of| match of.seen {
             Seen::Position(at) => (of.step, of.place, of.offset, at),
-            Seen::Pixel { .. } => panic!("no pixels"),
+            _ => panic!("only positions"),
         });
         (found.collect::<Vec<_>>(), measured.rotations)
     };
@@ -150,6 +150,27 @@ fn measurements_find_their_rows() {
     assert_eq!((rotations.len(), rotations[1].step), (2, 2));
     // Rounded to two decimals.
     assert_eq!(rotations[1].rotation.wxyz(), [0.0, 0.0, 0.0, 1.0]);
+}
+
+/// Orientations are fitted where their arm is given, with the deviation of the position beside them.
+#[test]
+fn orientations_are_fitted_where_their_arm_is_given() {
+    let rows = b"pan [deg],up [N],x,y,z,qw,qx,qy,qz,deviation\n1,2,0,0,0.2,1,0,0,0,1e-4\n2,2,0,0,0.1,,,,,2e-4\n3,2,0.01,0,0.19,0,0,0,1,3e-4\n";
+    let tail = |keys: &str| {
+        format!("[commands]\ntable = \"log.csv\"\n[measured]\ntable = \"log.csv\"\n{keys}")
+    };
+    let of = |keys: &str| read(&tail(keys), &[("log.csv", rows)]).measured.unwrap();
+    let plain = of("");
+    assert_eq!(plain.fitted(), plain.observations);
+    let measured = of("orientation_arm = \"50 mm\"\n");
+    let fitted = measured.fitted();
+    assert_eq!((fitted.len(), &fitted[..3]), (5, &measured.observations[..]));
+    let turned: Vec<_> = fitted[3..].iter().map(|of| (of.step, of.seen, of.deviation)).collect();
+    let seen =
+        |wxyz| Seen::Rotation { rotation: UnitQuaternion::from_wxyz(wxyz).unwrap(), arm: 0.05 };
+    let expected =
+        [(0, seen([1.0, 0.0, 0.0, 0.0]), Some(1e-4)), (2, seen([0.0, 0.0, 0.0, 1.0]), Some(3e-4))];
+    assert_eq!(turned, expected);
 }
 
 #[test]

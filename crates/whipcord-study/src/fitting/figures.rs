@@ -131,7 +131,7 @@ pub fn figures(fit: &Fit) -> Result<Vec<Figure>, PlotError> {
                 let of = &fit.experiments[residual.experiment].observations;
                 (residual, &of[residual.observation])
             })
-            .filter(|(_, seen)| seen.seen.is_in_image() == pixels)
+            .filter(|(_, seen)| !seen.seen.is_rotation() && seen.seen.is_in_image() == pixels)
             .collect();
         if residuals.is_empty() {
             continue;

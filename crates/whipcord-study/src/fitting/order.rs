@@ -36,7 +36,7 @@ fn is_any_reversed(kind: ModelKind, file: &CaseFile) -> bool {
         let pairs = || seen.iter().zip(&there);
         let in_space = pairs().filter_map(|(seen, there)| match seen.seen {
             Seen::Position(at) => Some((arc_length(seen), at.to_array(), there.to_array())),
-            Seen::Pixel { .. } => None,
+            Seen::Pixel { .. } | Seen::Rotation { .. } => None,
         });
         let in_image = |number: usize| {
             let pixels = pairs().filter_map(|(seen, there)| match seen.seen {

@@ -376,8 +376,21 @@ fn camera_name(file: &CaseFile, camera: usize) -> Cell {
 
 /// What is left of every marker, in m or pixels: the model less what was seen.
 pub fn residuals_csv(fit: &Fit) -> CsvTable {
-    let mut csv =
-        CsvTable::new(["case", "step", "arc_length", "camera", "x", "y", "z", "u", "v", "weight"]);
+    let mut csv = CsvTable::new([
+        "case",
+        "step",
+        "arc_length",
+        "camera",
+        "x",
+        "y",
+        "z",
+        "u",
+        "v",
+        "weight",
+        "rx",
+        "ry",
+        "rz",
+    ]);
     for residual in &fit.found.residuals {
         let seen = &fit.experiments[residual.experiment].observations[residual.observation];
         let [x, y, z] = residual.difference.map(Cell::from);
@@ -388,6 +401,7 @@ pub fn residuals_csv(fit: &Fit) -> CsvTable {
         ];
         row.extend(match seen.seen {
             Seen::Position(_) => [Cell::Empty, x, y, z, Cell::Empty, Cell::Empty],
+            Seen::Rotation { .. } => [(); 6].map(|()| Cell::Empty),
             Seen::Pixel { camera, .. } => {
                 let none = || Cell::Empty;
                 let name = camera_name(&fit.cases[residual.experiment], camera);
@@ -395,6 +409,10 @@ pub fn residuals_csv(fit: &Fit) -> CsvTable {
             }
         });
         row.push(Cell::from(residual.weight));
+        row.extend(match seen.seen {
+            Seen::Rotation { arm, .. } => residual.difference.map(|turn| Cell::from(turn / arm)),
+            _ => [(); 3].map(|()| Cell::Empty),
+        });
         csv.push(row);
     }
     csv

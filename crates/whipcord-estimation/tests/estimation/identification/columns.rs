@@ -7,14 +7,14 @@ use crate::identification::synthetic::{
 };
 use whipcord::robot::BendingFriction;
 use whipcord::{
-    Backbone, Cable, Case, LoadFrame, Loads, ModelKind, Pose, Robot, Shortening, UnitQuaternion,
-    Vec3,
+    Backbone, Cable, Case, LoadFrame, Loads, ModelKind, Pose, Robot, Shortening, Statics,
+    UnitQuaternion, Vec3,
 };
-use whipcord_estimation::Seen;
 use whipcord_estimation::identification::{
-    Asked, Experiment, Settings, Unknown, analyse, identify, registered,
+    Asked, Experiment, Quantity, Settings, Unknown, analyse, identify, registered,
 };
 use whipcord_estimation::registration::Alignment;
+use whipcord_estimation::{Observation, Place, Seen};
 
 /// Fits the unknowns, started off by these factors or sums, to what the robot with the true ones shows;
 /// asserts that they are found, in at most so many evaluations.
@@ -249,5 +249,57 @@ fn of_friction_against_bending_through_the_steps() {
         // By offsets of commands, which change what the steps before left.
         let offsets = [at("backbone.yield_moment", 5.5e-3), at("cables[1].tension_offset", 0.02)];
         found(kind, &robot, &seen, &offsets, &[6e-3, 0.0], 20);
+    }
+}
+
+/// Positions and orientations of two tracked bodies that are mounted nobody knows how, in the frame of a tracker: frame, mounting and the
+/// numbers of the robot are found together, exactly and with the derivatives of all models that have them.
+#[test]
+fn orientations_of_bodies_are_fitted() {
+    let robot = paper_robot(vec![straight(0.0), helix(90.0, 0.4)]);
+    let cases: Vec<Case> = [[2.0, 0.5], [0.3, 2.5], [1.0, 1.5], [0.0, 0.8]]
+        .map(|tensions| Case::with_tensions(&tensions))
+        .to_vec();
+    let tracker = Pose {
+        position: Vec3::new(0.4, -0.2, 0.1),
+        rotation: UnitQuaternion::exp(Vec3::new(0.5, -1.0, 0.8)),
+    };
+    let body = UnitQuaternion::exp(Vec3::new(1.0, 2.0, -0.5));
+    for kind in [ModelKind::Cosserat, ModelKind::PiecewiseConstantCurvature] {
+        let mut seen = experiments(&model(kind), &robot, &cases);
+        for (experiment, case) in seen.iter_mut().zip(&cases) {
+            let solution = model(kind).solve(&robot, case).unwrap();
+            experiment.alignment = Alignment::Rigid;
+            // Of the positions two are left.
+            experiment.observations.retain(|seen| matches!(seen.place, Place::Disk(5 | 9)));
+            let mut turned = Vec::new();
+            for of in &mut experiment.observations {
+                let Place::Disk(disk) = of.place else { unreachable!() };
+                if let Seen::Position(position) = &mut of.seen {
+                    *position = tracker.transform(*position);
+                }
+                let rotation = tracker.rotation * solution.disks.poses[disk].rotation * body;
+                turned.push(Observation { seen: Seen::Rotation { rotation, arm: 0.05 }, ..*of });
+            }
+            experiment.observations.extend(turned);
+        }
+        let unknowns = [at("backbone.young_modulus", 1.5e9), at("cables[1].routing.radius", 0.006)];
+        let settings = Settings::new(model(kind));
+        let (seen, all) = registered(&robot, &seen, &unknowns, true, &settings).unwrap();
+        assert_eq!(all.len(), 2 + 6 + 3, "{kind}");
+        let found = identify(&robot, &seen, &all, &settings).unwrap();
+        assert!(found.status.is_converged(), "{kind}: {:?}", found.status);
+        assert!((found.estimates[0].value / 1.1e9 - 1.0).abs() < 1e-6, "{kind}");
+        assert!((found.estimates[1].value / 0.008 - 1.0).abs() < 1e-6, "{kind}");
+        assert!(found.evaluations < 30, "{kind}: {}", found.evaluations);
+        // What is left is nothing, of turns as well.
+        assert!(found.residuals.iter().all(|residual| residual.distance() < 1e-8), "{kind}");
+        assert!(found.estimates.iter().all(|estimate| !estimate.by_differences), "{kind}");
+
+        // Where the mounting is known no turn of it is added, and a wrong one shows.
+        let mut known = seen.clone();
+        known.iter_mut().for_each(|of| of.body = Some(body));
+        let (_, all) = registered(&robot, &known, &unknowns, true, &settings).unwrap();
+        assert!(all.iter().all(|of| !matches!(of.quantity, Quantity::BodyTurn { .. })), "{kind}");
     }
 }

@@ -115,6 +115,10 @@ pub fn disturb(experiments: &mut [Experiment], normal: &mut Normal, [metres, pix
                     *coordinate += pixels * normal.next();
                 }
             }
+            Seen::Rotation { rotation, arm } => {
+                let turn = [0; 3].map(|_| metres / *arm * normal.next());
+                *rotation = UnitQuaternion::exp(Vec3::from(turn)) * *rotation;
+            }
         }
     }
 }

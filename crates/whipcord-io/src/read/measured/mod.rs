@@ -6,6 +6,7 @@ mod rows;
 
 use std::path::{Path, PathBuf};
 
+use whipcord::robot::limits::LENGTH;
 use whipcord::{Disks, Problem, Robot, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::Camera;
 use whipcord_estimation::registration::Alignment;
@@ -30,6 +31,8 @@ pub struct Measured {
     pub rotations: Vec<MeasuredRotation>,
     /// Rotation from the frame of the tracked body to that of its place on the robot, where the file gives it.
     pub body: Option<UnitQuaternion>,
+    /// Distance in m that counts as much as a turn of 1 rad in a fit; orientations are not fitted where it is `None`.
+    pub orientation_arm: Option<f64>,
     /// The centres of disks whose positions were measured in the last step, in ascending order.
     pub disks: Vec<MeasuredDisk>,
     /// The cameras that saw them, in the order in which observations number them.
@@ -46,6 +49,30 @@ pub struct Measured {
     pub path: PathBuf,
     /// Whether its lines are of the rows of a table of commands, without which they say nothing.
     pub is_of_commands: bool,
+}
+
+impl Measured {
+    /// What a fit compares: positions and pixels, and with [`Self::orientation_arm`] orientations. Those have the deviation of what else was
+    /// seen at their place.
+    #[must_use]
+    pub fn fitted(&self) -> Vec<Observation> {
+        let mut all = self.observations.clone();
+        let Some(arm) = self.orientation_arm else { return all };
+        all.extend(self.rotations.iter().map(|of| {
+            let beside = self.observations.partition_point(|seen| seen.step < of.step);
+            let beside = self.observations[beside..].iter().take_while(|seen| seen.step == of.step);
+            let there =
+                beside.clone().find(|seen| seen.place == of.place).or(beside.clone().next());
+            Observation {
+                step: of.step,
+                place: of.place,
+                offset: Vec3::ZERO,
+                seen: Seen::Rotation { rotation: of.rotation, arm },
+                deviation: there.map_or(self.deviation, |seen| seen.deviation),
+            }
+        }));
+        all
+    }
 }
 
 /// A camera that saw the robot.
@@ -203,6 +230,15 @@ pub(crate) fn read(
         same_file: robot.rows.is_some_and(|rows| same_file(&rows.path, &path)),
     };
     let Known { unit, deviation, .. } = known;
+    let orientation_arm = fields.number("orientation_arm");
+    if let Some(arm) = orientation_arm
+        && let Some(found) = LENGTH.problem(arm)
+    {
+        let path = "measured.orientation_arm".to_owned();
+        let span = node.locate("orientation_arm").span;
+        problems.push(span, || FileProblem::Physical { path, problem: found });
+        return None;
+    }
     let asked = fields.text("registration");
     let alignment = Alignment::ALL.into_iter().find(|way| asked == Some(way.name()));
     let alignment = alignment.unwrap_or_default();
@@ -221,6 +257,7 @@ pub(crate) fn read(
         observations,
         rotations,
         body,
+        orientation_arm,
         disks,
         cameras,
         alignment,

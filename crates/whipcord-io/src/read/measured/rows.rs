@@ -73,8 +73,8 @@ pub(super) fn observations(
             let Some(observation) = reader.row(row, step) else { continue };
             let offset = observation.offset.to_array().map(f64::to_bits);
             let camera = match observation.seen {
-                Seen::Position(_) => None,
                 Seen::Pixel { camera, .. } => Some(camera),
+                _ => None,
             };
             let key = (observation.step, order(observation.place).to_bits(), offset, camera);
             if let Some(first) = first.get(&key) {
@@ -275,7 +275,9 @@ impl Reader<'_> {
     /// Standard deviation in m or pixels.
     fn deviation(&mut self, row: &Row, seen: Option<Seen>) -> Option<f64> {
         let (given, usual, unit) = match seen? {
-            Seen::Position(_) => (self.length(row, Column::Deviation), self.known.deviation, "m"),
+            Seen::Position(_) | Seen::Rotation { .. } => {
+                (self.length(row, Column::Deviation), self.known.deviation, "m")
+            }
             Seen::Pixel { .. } => {
                 let given = self.number(row, Column::Deviation, PIXELS);
                 (given, self.known.pixel_deviation, "pixels")
