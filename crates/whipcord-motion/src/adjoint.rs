@@ -146,7 +146,7 @@ impl StageAdjoint {
         self.histories(mechanics, stage, scheme, strains, factors);
         self.velocities = multipliers;
         for (velocity, node) in self.velocities.iter_mut().zip(&rod.nodes) {
-            velocity.linear = velocity.linear * (node.mass * scheme.inertia);
+            velocity.linear *= node.mass * scheme.inertia;
             velocity.angular = node.inertia.scale(velocity.angular) * scheme.inertia;
         }
         Ok(())

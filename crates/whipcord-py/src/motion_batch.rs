@@ -98,6 +98,8 @@ impl Asked {
     }
 }
 
+/// Arrays by their names, and the numbers of rows that failed with why.
+type Found<'py> = (Bound<'py, PyDict>, Vec<(usize, PyErr)>);
 type Given<'py> = PyReadonlyArray3<'py, f64>;
 
 impl Motions {
@@ -202,7 +204,7 @@ impl Motions {
         actuation: &str,
         commands: Given<'py>,
         threads: Option<usize>,
-    ) -> PyResult<(Bound<'py, PyDict>, Vec<(usize, PyErr)>)> {
+    ) -> PyResult<Found<'py>> {
         let asked = self.asked(py, actuation, &commands, threads)?;
         let (rows, steps) = (asked.rows, asked.steps);
         let start = self.start.state();
@@ -266,7 +268,7 @@ impl Motions {
         velocity: PyReadonlyArray4<'py, f64>,
         strain: PyReadonlyArray4<'py, f64>,
         threads: Option<usize>,
-    ) -> PyResult<(Bound<'py, PyDict>, Vec<(usize, PyErr)>)> {
+    ) -> PyResult<Found<'py>> {
         let asked = self.asked(py, actuation, &commands, threads)?;
         let (rows, steps, width, actuation) =
             (asked.rows, asked.steps, asked.width, asked.actuation);

@@ -129,7 +129,7 @@ fn mount(
             let seen = forward.see(e, *step, solution, &view, |_, seen, marker| {
                 if let Seen::Rotation { rotation, .. } = seen.seen {
                     let there = view.frame.rotation * marker.pose.rotation;
-                    sum = sum + (there.conjugate() * rotation).to_matrix();
+                    sum += (there.conjugate() * rotation).to_matrix();
                 }
             });
             // What cameras do not see has no place in their images; bodies have a rotation.
