@@ -233,6 +233,7 @@ fn run(seed: u64, tally: &mut Tally) {
     }
 }
 
+#[allow(clippy::print_stdout, reason = "the study is read")]
 fn report(count: u64, first: u64) -> Tally {
     let mut tally = Tally::default();
     for seed in first..first + count {
