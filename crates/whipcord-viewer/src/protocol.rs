@@ -5,12 +5,16 @@
 //!
 //! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
 
+mod course;
 mod inverse;
+mod loads;
 
 use serde::{Deserialize, Serialize};
 use whipcord::{ModelKind, ModelPreset};
 
+pub use course::{Course, CourseChoice, Moment, PlayRequest, Track};
 pub use inverse::{Cloud, MetLimit, Reach};
+pub use loads::{Load, Pull};
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -29,6 +33,10 @@ pub enum FromPage {
     Survey(Request),
     /// To end a survey that goes on.
     EndSurvey,
+    /// To solve a course of the file, beside all other requests. It replaces a course that goes on.
+    Play(PlayRequest),
+    /// To end a course that goes on.
+    EndPlay,
 }
 
 /// What the sliders say.
@@ -53,6 +61,9 @@ pub struct Request {
     /// A place in m for the tip: commands are sought that bring it there, from those given, and the models answer for these.
     #[serde(default)]
     pub target: Option<[f64; 3]>,
+    /// A force at a place of the backbone, beside the loads of the file.
+    #[serde(default)]
+    pub pull: Option<Pull>,
 }
 
 /// What one cable or motor is told.
@@ -92,6 +103,8 @@ pub enum ToPage {
     Frame(Frame),
     /// Where the tip can go.
     Cloud(Cloud),
+    /// A part of a course.
+    Track(Track),
     /// A survey that has no answer.
     NoCloud {
         /// Number of its request.
@@ -141,8 +154,12 @@ pub struct Scene {
     pub loads_in_base: bool,
     /// Whether tip force and tip moment are those of the frame of the tip instead, and turn with it.
     pub tip_follower: bool,
-    /// What loads the file has that no slider moves, in words.
+    /// What loads the file has that no slider moves.
+    pub loads: Vec<Load>,
+    /// The same in words.
     pub other_loads: Vec<String>,
+    /// What can be played.
+    pub courses: Vec<CourseChoice>,
     /// Where the real robot's disks and markers were measured, in m, in the world.
     pub measured: Vec<[f64; 3]>,
     /// What stands in the robot's way.
@@ -361,8 +378,12 @@ pub struct Solved {
     pub positions: Vec<[f64; 3]>,
     /// How the cross-section is turned at each station.
     pub orientations: Vec<[f64; 4]>,
-    /// Between each two stations: curvature of bending, twist, both in 1/m, and stretch, as means.
-    pub strains: Vec<[f64; 3]>,
+    /// Between each two stations, as means in the frame of the cross-section: bending about x and y, twist, in 1/m, shear along x and y,
+    /// stretch.
+    pub strains: Vec<[f64; 6]>,
+    /// The moments in N·m of the backbone itself that belong to these strains: bending about x and y, torsion; none where its stiffness
+    /// is not known.
+    pub moments: Option<Vec<[f64; 3]>>,
     /// What became of each cable.
     pub cables: Vec<CableState>,
     /// Where it touches obstacles.
@@ -506,7 +527,10 @@ pub enum Malformed {
 pub fn read(text: &str) -> Result<FromPage, Malformed> {
     let message: FromPage =
         serde_json::from_str(text).map_err(|error| Malformed::Json(error.to_string()))?;
-    let (FromPage::Solve(request) | FromPage::Survey(request)) = &message else {
+    let (FromPage::Solve(request)
+    | FromPage::Survey(request)
+    | FromPage::Play(PlayRequest { request, .. })) = &message
+    else {
         return Ok(message);
     };
     if request.id > MOST_ID {

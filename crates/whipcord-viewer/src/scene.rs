@@ -11,7 +11,9 @@ use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::{CableCourse, plates_of};
 
 use crate::error::ViewError;
+use crate::loads::loads;
 use crate::obstacles;
+use crate::play;
 use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene, Slider};
 use crate::ranges::{motor_reach, ranges};
 use crate::stations::Places;
@@ -51,7 +53,9 @@ pub fn scene(file: &CaseFile) -> Scene {
         initial,
         loads_in_base: case.loads.frame == LoadFrame::Base,
         tip_follower: case.loads.tip_follower,
+        loads: loads(&case.loads, robot.backbone().length),
         other_loads: other_loads(file),
+        courses: play::choices(file),
         measured: measured(file, first),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
         warnings: warnings(file),
@@ -167,7 +171,7 @@ fn motors(file: &CaseFile, ranges: &protocol::Ranges) -> Vec<protocol::Motor> {
 
 /// Lengths of the cables before actuation in m, by the first model that takes the robot; the lengths of their courses
 /// along a straight backbone where none does.
-fn initial_lengths(robot: &Robot, places: &Places) -> Vec<f64> {
+pub fn initial_lengths(robot: &Robot, places: &Places) -> Vec<f64> {
     let at_rest = whipcord::at_rest(robot, whipcord::Pose::IDENTITY, &Stations::Disks);
     if let Some(solution) = at_rest {
         return solution.cables.iter().map(|cable| cable.initial_length).collect();
@@ -207,6 +211,7 @@ fn initial(file: &CaseFile, sliders: &[Slider], initial_lengths: &[f64]) -> Requ
         models: Vec::new(),
         compliance: false,
         target: None,
+        pull: None,
     }
 }
 

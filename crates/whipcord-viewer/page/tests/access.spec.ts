@@ -15,7 +15,7 @@ for (const [name, width, colorScheme] of [["wide", 1400, "light"], ["wide-dark",
     // Nothing sticks out, and no row lies on another.
     expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
     const overlaps = await page.evaluate(() => {
-      const all = [...document.querySelectorAll("header > *, #actions > *, .quantity > *, .choice > *, #readout td, #readout th, #readout dt, #readout dd")];
+      const all = [...document.querySelectorAll("header > *, #actions > *, #looks > *, .quantity > *, .choice > *, #readout td, #readout th, #readout dt, #readout dd")];
       const boxes = all.map((item) => ({ item, box: item.getBoundingClientRect() })).filter(({ box }) => box.width > 0);
       return boxes.flatMap(({ item, box: a }, i) =>
         boxes
@@ -37,8 +37,8 @@ test("every control is reached by Tab, and is seen to be", async ({ page, viewer
   // Those of a menu that is shut are not reached, and of a group of radio buttons the arrow keys reach those that are not chosen.
   const all = await page.evaluate(() => {
     const every = [...document.querySelectorAll("*")];
-    const controls = [...document.querySelectorAll("button:enabled, input:enabled, select, summary, canvas")];
-    return controls.filter((item) => !item.matches("#save button, input[type=radio]:not(:checked)")).map((item) => String(every.indexOf(item)));
+    const controls = [...document.querySelectorAll("button:enabled, input:enabled, select, summary, canvas, [tabindex='0']")];
+    return controls.filter((item) => !item.matches("#save button, #save input, #refused input, dialog *, [hidden], [hidden] *, input[type=radio]:not(:checked)")).map((item) => String(every.indexOf(item)));
   });
   const count = all.length;
   const seen = new Set<string>();
