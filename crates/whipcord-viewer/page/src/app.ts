@@ -148,7 +148,7 @@ export class App {
       return new Live(url.href, listener);
     }, {
       scene: (scene) => this.#open(scene),
-      frame: (frame) => this.#receive(frame),
+      frame: (frame, came) => this.#receive(frame, came),
       cloud: (cloud, words) => this.#cloud(cloud, words),
       course: (course, moments, complete, message) => {
         this.#timeline.receive(course, moments, complete);
@@ -225,7 +225,7 @@ export class App {
     this.#connection.ask(() => this.#store.state, () => this.#dragging.target ?? null);
   }
 
-  #receive(frame: Frame): void {
+  #receive(frame: Frame, came: number): void {
     const { state } = this.#store;
     if (!state) return;
     this.#live = frame.answers;
@@ -241,7 +241,10 @@ export class App {
     this.#controls?.solvable(frame.answers[0]?.status === "failed" ? this.#solvable : undefined, state);
     if (!this.#timeline.isActive) this.#answers = frame.answers;
     this.#dragging.answered(frame);
-    if (!this.#timeline.isActive) this.#dress();
+    if (!this.#timeline.isActive) {
+      this.#dress();
+      this.#stage.drawAtOnce(came);
+    }
     this.#catchUp();
   }
 

@@ -39,7 +39,7 @@ export function compare(scene: Scene, answers: readonly Answer[], reference: Ref
     }
     const tip = answer.positions.at(-1)!;
     const off = norm(subtract(tip, to.solved.positions.at(-1)!));
-    const isReference = to.solved === answer;
+    const isReference = !reference && to.solved === answer;
     return row(model, colourOf(model), [
       tip.map((c) => fixed(1e3 * c, 1)).join(", "),
       ...(isReference ? ["reference", "", ""] : [mm(off), significant((100 * off) / scene.length, 3), mm(rootMeanSquare(scene, answer.positions, to.solved.positions))]),

@@ -6,8 +6,8 @@ import { toRequest, type State } from "./state";
 
 export interface Hearer {
   scene(scene: Scene): void;
-  /** The answer to the latest request that has one, once for each picture of the display. */
-  frame(frame: Frame): void;
+  /** The answer to the latest request that has one, once for each picture of the display; it came at this time in ms. */
+  frame(frame: Frame, came: number): void;
   /** What is known of where the tip can go: a cloud, or in words what keeps it. */
   cloud(cloud: Cloud | undefined, words: string): void;
   /** The shapes of a course so far. */
@@ -28,6 +28,8 @@ export class Connection {
   #outdated = 0;
   #drawn = 0;
   #scheduled = false;
+  /** Whether a request has gone out since the last picture of the display. */
+  #hasAsked = false;
   #patience = 0;
   #frame: Frame | undefined;
   #connected = false;
@@ -82,18 +84,23 @@ export class Connection {
     return lines.filter((line) => line !== undefined);
   }
 
-  /** Asks for the shape of a state: once for each picture of the display, for what the state then is. */
+  /** Asks for the shape of a state: at once, and then once for each picture of the display, for what the state then is. */
   ask(state: () => State | undefined, target: () => Request["target"]): void {
     if (this.#scheduled) return;
     this.#scheduled = true;
-    requestAnimationFrame(() => {
+    const send = (): void => {
       this.#scheduled = false;
       const now = state();
       if (!now) return;
+      this.#hasAsked = true;
+      requestAnimationFrame(() => (this.#hasAsked = false));
       this.#source.ask(toRequest(now, ++this.#asked, target()));
       // Most answers come at once; who waits is told that it goes on.
       if (this.#connected) this.#patience ||= window.setTimeout(() => this.#wait(true), PATIENCE);
-    });
+    };
+    // What changes the state may change more of it.
+    if (this.#hasAsked) requestAnimationFrame(send);
+    else queueMicrotask(send);
   }
 
   /** Whether what is shown is the answer to the latest request. */
@@ -145,12 +152,13 @@ export class Connection {
     const waiting = this.#frame !== undefined;
     this.#frame = frame;
     if (waiting) return;
+    const came = performance.now();
     requestAnimationFrame(() => {
       const latest = this.#frame;
       this.#frame = undefined;
       if (!latest) return;
       this.#drawn = latest.id;
-      this.#hearer.frame(latest);
+      this.#hearer.frame(latest, came);
     });
   }
 

@@ -301,14 +301,23 @@ export class Stage {
     this.#asked = true;
     const asked = performance.now();
     requestAnimationFrame(() => {
-      this.#asked = false;
-      if (!this.#filmed) {
-        this.#sharpen(this.#sharpness.moving(asked, performance.now()));
-        window.clearTimeout(this.#resting);
-        this.#resting = window.setTimeout(() => this.drawFinely(), REST);
-      }
-      this.#drawNow();
+      if (this.#asked) this.#drawMoving(asked);
     });
+  }
+
+  /** Draws for the picture of the display that is being made, what was asked for at this time in ms. */
+  drawAtOnce(asked: number): void {
+    this.#drawMoving(asked);
+  }
+
+  #drawMoving(asked: number): void {
+    this.#asked = false;
+    if (!this.#filmed) {
+      this.#sharpen(this.#sharpness.moving(asked, performance.now()));
+      window.clearTimeout(this.#resting);
+      this.#resting = window.setTimeout(() => this.drawFinely(), REST);
+    }
+    this.#drawNow();
   }
 
   /** Draws what rests. */

@@ -52,6 +52,7 @@ test("a spring pulls at the tip: its end stays under the pointer, and its force 
     await expect(page.locator("#labels .label", { hasText: /^[\d.]+ m?N$/ })).toBeVisible();
     await page.screenshot({ path: `${ARTEFACTS}/spring.png` });
   });
+  await expect.poll(() => page.url()).toContain("force=");
   const given = force(page, "force");
   // All of the slider for half of the length.
   const range = Number(await page.locator('input[type="range"][data-name="force-x"]').getAttribute("max"));
@@ -89,6 +90,7 @@ test("a spring pulls at any place of the backbone, and the force stays when it i
     expect(spring).toBeDefined();
     await page.screenshot({ path: `${ARTEFACTS}/pulled-inside.png` });
   });
+  await expect.poll(() => page.url()).toContain("pull=");
   const [s, ...given] = force(page, "pull") as [number, number, number, number];
   expect(s).toBeGreaterThan(0.1);
   expect(s).toBeLessThan(0.2);
