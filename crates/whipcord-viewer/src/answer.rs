@@ -5,9 +5,24 @@ use whipcord::warning::of_answer;
 use whipcord::{Case, ModelPreset, Obstacle, Robot, Shape, Solution, Vec3, Warning};
 use whipcord_io::CaseFile;
 
-use crate::bench::{Found, Refusal};
+use crate::convert::{array, pose};
 use crate::protocol::{self, Answer, CableState, Compliance, Contact, Grasp, PlacedObject, Solved};
-use crate::scene::{array, pose};
+
+/// Why a model has no answer, as the page shows it.
+pub type Refusal = String;
+
+/// What a model found.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The answer.
+    pub solution: Solution,
+    /// How long it took in s.
+    pub solve_time: f64,
+    /// What was asked of the model.
+    pub case: Case,
+    /// The model whose cable lengths drove it.
+    pub driven_by: Option<ModelPreset>,
+}
 
 /// What the page is told of what a model found, or why it found nothing.
 pub fn answer(

@@ -10,10 +10,11 @@ use whipcord::{
 };
 use whipcord_io::CaseFile;
 
-use crate::answer::answer;
+use crate::answer::{Found, Refusal, answer};
+use crate::convert::array;
 use crate::inverse::TipSolver;
 use crate::protocol::{Answer, Command, Compliance, Frame, Malformed, Reach, Request, Slider};
-use crate::scene::{array, model, sliders};
+use crate::scene::{model, sliders};
 use crate::stations::Places;
 
 /// Tips that are nearer to one another than this, relative to the length, are of one shape: places at which an answer
@@ -40,22 +41,6 @@ struct Ready {
     model: Model,
     prepared: Prepared,
     last: Option<Solution>,
-}
-
-/// Why a model has no answer, as the page shows it.
-pub type Refusal = String;
-
-/// What a model found.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// The answer.
-    pub solution: Solution,
-    /// How long it took in s.
-    pub solve_time: f64,
-    /// What was asked of the model.
-    case: Case,
-    /// The model whose cable lengths drove it.
-    pub driven_by: Option<ModelPreset>,
 }
 
 impl Bench {

@@ -8,6 +8,8 @@ mod answer;
 mod background;
 mod bench;
 mod connection;
+mod convert;
+mod courses;
 mod error;
 mod export;
 mod grid;

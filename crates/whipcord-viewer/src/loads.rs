@@ -2,8 +2,8 @@
 
 use whipcord::{DistributedLoad, Loads, Vec3};
 
+use crate::convert::array;
 use crate::protocol::Load;
-use crate::scene::array;
 
 /// Places along a load that is spread over the whole backbone.
 const PLACES: f64 = 16.0;

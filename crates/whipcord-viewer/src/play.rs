@@ -7,44 +7,21 @@ use whipcord::{Cancel, Case, ModelKind, ModelPreset, Shape};
 use whipcord_io::CaseFile;
 use whipcord_motion::{MotionError, Simulation, State};
 
-use crate::answer::{moments, strains};
+use crate::answer::{Refusal, moments, strains};
 use crate::background::Tell;
-use crate::bench::{Bench, Refusal};
+use crate::bench::Bench;
+use crate::convert::array;
+use crate::courses::intervals;
 use crate::protocol::{
-    Answer, CableState, Course, CourseChoice, Moment, PlayRequest, Request, Solved, ToPage, Track,
+    Answer, CableState, Course, Moment, PlayRequest, Request, Solved, ToPage, Track,
 };
-use crate::scene::{array, initial_lengths};
+use crate::scene::initial_lengths;
 use crate::stations::Places;
 
 /// Shapes of a motion that are told of at once.
 const PART: usize = 16;
-/// Shapes of a motion at most: more are too many for the memory of a page.
-const MOST: usize = 2000;
 /// How long each model may take for all steps.
 const LIMIT: Duration = Duration::from_secs(600);
-
-/// The courses that a file has.
-pub fn choices(file: &CaseFile) -> Vec<CourseChoice> {
-    let steps = file.case.before.len();
-    let steps = (steps > 0).then_some(CourseChoice {
-        course: Course::Steps,
-        count: steps + 1,
-        duration: None,
-    });
-    let motion = intervals(file).map(|(every, _, rows)| CourseChoice {
-        course: Course::Motion,
-        count: rows + 1,
-        duration: Some(every * rows as f64),
-    });
-    steps.into_iter().chain(motion).collect()
-}
-
-/// Time between two shapes of the motion, steps from one to the next, and how many there are after the first.
-fn intervals(file: &CaseFile) -> Option<(f64, usize, usize)> {
-    let (every, steps, rows) = file.motion.rows()?;
-    let merged = rows.div_ceil(MOST).max(1);
-    Some((every * merged as f64, steps * merged, rows / merged))
-}
 
 /// Solves a course and tells of it; nothing more where it is cancelled.
 pub fn play(file: &Arc<CaseFile>, asked: &PlayRequest, cancel: &Cancel, tell: &Tell) {

@@ -10,11 +10,12 @@ use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::{CableCourse, plates_of};
 
+use crate::convert::{array, pose};
+use crate::courses;
 use crate::error::ViewError;
 use crate::loads::loads;
 use crate::obstacles;
-use crate::play;
-use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene, Slider};
+use crate::protocol::{self, Command, Disk, ModelChoice, Request, Scene, Slider};
 use crate::ranges::{motor_reach, ranges};
 use crate::stations::Places;
 
@@ -55,7 +56,7 @@ pub fn scene(file: &CaseFile) -> Scene {
         tip_follower: case.loads.tip_follower,
         loads: loads(&case.loads, robot.backbone().length),
         other_loads: other_loads(file),
-        courses: play::choices(file),
+        courses: courses::choices(file),
         measured: measured(file, first),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
         warnings: warnings(file),
@@ -97,14 +98,6 @@ pub fn begin_with(scene: &mut Scene, models: &[ModelPreset]) -> Result<(), ViewE
 pub fn model(preset: ModelPreset, places: &Places) -> Model {
     let stations = Stations::At(places.arc_lengths.clone());
     preset.model(stations, places.disks.len() - 1).with_stability(StabilityAnalysis::Eigenvalue)
-}
-
-pub fn array(vector: Vec3) -> [f64; 3] {
-    vector.to_array()
-}
-
-pub fn pose(pose: &whipcord::Pose) -> Pose {
-    Pose { position: array(pose.position), orientation: pose.rotation.wxyz() }
 }
 
 fn section(robot: &Robot, stations: &[f64]) -> protocol::Section {

@@ -84,7 +84,7 @@ function singles(scene: Scene, all: readonly Single[], ink: string, made: Acting
       const reach = scale(vector, (longest * Math.max(size / largest, SHORTEST)) / size);
       const [tail, head] = presses ? [add(at, scale(reach, -1)), at] : [at, add(at, reach)];
       made.arrows.push({ tail, head, colour: ink, heads: kind === "force" ? 1 : 2, hollow: follows, width: 1.6 });
-      made.labels.push({ text: words, at: add(at, scale(reach, presses ? -1.15 : 1.15)), weight: 3, colour: ink });
+      made.labels.push({ text: words, at: add(at, scale(reach, presses ? -1.2 : 1.25)), weight: 3, colour: ink });
     }
   }
 }

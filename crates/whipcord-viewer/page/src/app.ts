@@ -11,6 +11,7 @@ import { poseAt } from "./geometry";
 import { Help } from "./help";
 import { key, show, type Legend } from "./legend";
 import { Panel } from "./panel";
+import type { Said } from "./picture";
 import type { Answer, Cloud, Frame, Moment, Scene, Solved, Vector } from "./protocol";
 import { describe, Recorded, recordingInPage, type Recording } from "./recorded";
 import { ellipsoids, Robots, slackLabels } from "./robots";
@@ -20,7 +21,7 @@ import { Live } from "./source";
 import { gridSpacing, MEASURED, Stage } from "./stage";
 import { viewFromHash, viewToHash, type State } from "./state";
 import { Store } from "./store";
-import { Theme } from "./theme";
+import { PAPER, Theme, type Colours } from "./theme";
 import { Timeline } from "./timeline";
 import { Toolbar } from "./toolbar";
 import { MILLIMETRE, significant, toUnit } from "./units";
@@ -53,6 +54,8 @@ export class App {
   #solvable: State | undefined;
   #failure: string | undefined;
   #legend: Legend | undefined;
+  /** Of words and loads in the view. */
+  #ink = "";
   #whenShown: (() => void) | undefined;
   /** Whether the user looks from elsewhere than the page did, and whether the page is to look at the next shape. */
   #looks = false;
@@ -125,7 +128,7 @@ export class App {
     const saved = {
       name: () => this.#name,
       robots: () => this.#robots.answered,
-      said: () => ({ legend: this.#legend, ink: this.#theme.colours.ink }),
+      onPaper: <T>(take: (said: Said) => Promise<T>) => this.#onPaper(take),
       failed: (message: string | undefined) => {
         this.#failure = message;
         this.#tell();
@@ -200,6 +203,7 @@ export class App {
       byId("note").textContent = describe(this.#recording);
       byId("note").hidden = false;
     }
+    this.#ink = this.#theme.colours.ink;
     const looksAnew = this.#stage.surround(scene, this.#theme.colours);
     if (!before) this.#lookFrom(location.hash);
     else if (looksAnew) [this.#looks, this.#fits] = [false, true];
@@ -272,8 +276,7 @@ export class App {
     this.#stage.objects(solved[0]?.objects ?? []);
     this.#stage.marks(ellipsoids(scene, solved));
     const first = this.#first;
-    const { ink } = this.#theme.colours;
-    this.#stage.acting(acting(scene, state, this.#timeline.isActive ? undefined : first, solved, ink), [...this.#dragging.labels, ...slackLabels(scene, solved[0])]);
+    this.#stage.acting(acting(scene, this.#dragging.rest(state), this.#timeline.isActive ? undefined : first, solved, this.#ink), [...this.#dragging.labels, ...slackLabels(scene, solved[0])]);
     this.#stage.handles.tip(this.#recording || this.#timeline.isActive ? undefined : first?.positions.at(-1));
     this.#controls?.slack(solved[0]?.cables);
     const pinned = this.#robots.pinned;
@@ -287,11 +290,28 @@ export class App {
   }
 
   #redress(): void {
+    // Before there is a robot there is nothing to be shown in other colours.
+    if (!this.#store.scene) return;
+    this.#panel.redress();
+    this.#surround(this.#theme.colours);
+  }
+
+  /** Shows all in other colours. */
+  #surround(colours: Colours): void {
     const { scene } = this.#store;
     if (!scene) return;
-    this.#stage.surround(scene, this.#theme.colours);
-    this.#panel.redress();
+    this.#ink = colours.ink;
+    this.#stage.surround(scene, colours);
     this.#dress();
+  }
+
+  async #onPaper<T>(take: (said: Said) => Promise<T>): Promise<T> {
+    this.#surround(PAPER);
+    try {
+      return await take({ legend: this.#legend, ink: PAPER.ink });
+    } finally {
+      this.#surround(this.#theme.colours);
+    }
   }
 
   #cloud(cloud: Cloud | undefined, words: string): void {

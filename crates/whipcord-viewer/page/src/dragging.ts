@@ -53,6 +53,14 @@ export class Dragging {
     return this.#target && this.#limit !== "" ? [{ text: this.#limit, at: this.#beside(this.#target), weight: 9, colour: TOUCHING }] : [];
   }
 
+  /** The state without the force of the spring, which is drawn already. */
+  rest(state: State): State {
+    const spring = this.#spring;
+    if (!spring) return state;
+    const isTip = spring.station === (this.#store.scene?.stations.length ?? 0) - 1;
+    return isTip ? { ...state, tipForce: [0, 0, 0] } : { ...state, pull: null };
+  }
+
   #beside([x, y, z]: Vector): Vector {
     return [x, y, z + 0.06 * (this.#store.scene?.length ?? 0)];
   }
@@ -61,12 +69,12 @@ export class Dragging {
   grab(station: number): void {
     const { scene, state } = this.#store;
     const first = this.#of.first();
+    this.#stage.handles.hover(undefined);
     if (!scene || !state || !first || state.dragging === "reach") return;
     const at = first.positions[station]!;
     const isTip = station === first.positions.length - 1;
     const held = isTip ? rotate(this.#frame(scene, first), state.tipForce) : this.#pulledAt(scene, state, station);
     this.#spring = new Spring(station, at, held, scene.ranges.force, scene.length);
-    this.#stage.handles.hover(undefined);
     this.#draw(first);
   }
 

@@ -62,28 +62,34 @@ export class Labels {
   }
 
   render(space: Space, camera: Camera, size: { width: number; height: number }): void {
-    const seen = new Set(this.words(camera, size).map(({ label }) => label));
+    const seen = new Map(this.words(camera, size).map((word) => [word.label, word]));
     this.#objects.forEach((object, i) => {
       const label = this.#labels[i];
-      object.visible = label !== undefined && seen.has(label);
+      const word = label && seen.get(label);
+      object.visible = word !== undefined;
+      // What would stick out of the view is moved into it.
+      if (word) object.center.x = 0.5 - word.moved / (LETTER * word.text.length);
     });
     this.#renderer.render(space, camera);
   }
 
   /** What of the labels is seen by a camera that makes a picture of so many pixels. */
-  words(camera: Camera, { width, height }: { width: number; height: number }): (Word & { label: Label })[] {
+  words(camera: Camera, { width, height }: { width: number; height: number }): (Word & { label: Label; moved: number })[] {
     camera.updateMatrixWorld();
     const taken: [number, number, number, number][] = [];
-    const shown: (Word & { label: Label })[] = [];
+    const shown: (Word & { label: Label; moved: number })[] = [];
     for (const label of [...this.#labels].sort((a, b) => b.weight - a.weight)) {
       const { x, y, z } = new Vector3(...label.at).project(camera);
       if (z < -1 || z > 1) continue;
-      const [left, top] = [((x + 1) / 2) * width, ((1 - y) / 2) * height];
+      const [own, top] = [((x + 1) / 2) * width, ((1 - y) / 2) * height];
+      // What it belongs to is not seen.
+      if (own < 0 || own > width || top < 0 || top > height) continue;
       const half = (LETTER * label.text.length) / 2 + 3;
+      const left = Math.min(Math.max(own, half), Math.max(width - half, half));
       const box: [number, number, number, number] = [left - half, top - LINE / 2, left + half, top + LINE / 2];
       if (taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) continue;
       taken.push(box);
-      shown.push({ text: label.text, colour: label.colour, x: left, y: top, label });
+      shown.push({ text: label.text, colour: label.colour, x: left, y: top, label, moved: left - own });
     }
     return shown;
   }

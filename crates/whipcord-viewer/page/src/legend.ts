@@ -19,7 +19,8 @@ export const NEUTRAL = "#8c8c8c";
 
 const UNKNOWN: Key = { colour: NEUTRAL, label: "not known" };
 
-function coloursOf({ signed }: { signed?: boolean }): string[] {
+/** Of a ramp, evenly apart. */
+export function coloursOf({ signed }: { signed?: boolean }): string[] {
   return signed ? divergingColours() : rampColours();
 }
 

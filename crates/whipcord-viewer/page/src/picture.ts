@@ -1,12 +1,12 @@
 // Pictures for papers: at a chosen size and resolution, as PNG or SVG, without what only the page needs.
 
-import { Color, type Object3D } from "three";
+import { AmbientLight, Color, DirectionalLight, type Object3D, type Scene } from "three";
 import { SVGRenderer } from "three/addons/renderers/SVGRenderer.js";
 
+import { coloursOf, stamp, type Legend } from "./legend";
 import { scaleBar } from "./scale";
-import type { Legend } from "./legend";
-import { stamp } from "./legend";
 import type { Stage } from "./stage";
+import { significant } from "./units";
 
 export interface PictureOptions {
   format: "png" | "svg";
@@ -53,9 +53,12 @@ async function png(stage: Stage, options: PictureOptions, said: Said): Promise<B
   if (!context) throw new Error("this browser draws no pictures");
   // Pixels of the picture for those of a page in which letters have 13.
   const ratio = ((LETTERS / INCH) * options.resolution) / 13;
-  stage.picture(width, height, options, () => {
+  // Drawn larger where that goes, so that edges are smooth.
+  const finer = Math.max(width, height) <= MOST / 4 ? 2 : 1;
+  context.imageSmoothingQuality = "high";
+  stage.picture(finer * width, finer * height, options, () => {
     stage.renderer.render(stage.space, stage.cameras.camera);
-    context.drawImage(stage.canvas, 0, 0);
+    context.drawImage(stage.canvas, 0, 0, width, height);
     if (options.labels) write(context, stage, ratio, said.ink);
     if (options.bar) {
       const { pixels: long, words } = scaleBar(stage.cameras.scale(height), 0.25 * width);
@@ -150,9 +153,11 @@ function svg(stage: Stage, options: PictureOptions, said: Said): Blob {
     renderer.setClearColor(new Color("#ffffff"), 0);
     const { background } = stage.space;
     stage.space.background = null;
+    const back = dim(stage.space);
     try {
       renderer.render(stage.space, camera);
     } finally {
+      back();
       stage.space.background = background;
       for (const object of hidden) object.visible = true;
     }
@@ -163,7 +168,12 @@ function svg(stage: Stage, options: PictureOptions, said: Said): Blob {
     return { ratio, words, bar };
   });
   const { ratio, words, bar } = parts;
-  const paths = [...renderer.domElement.childNodes].map((node) => new XMLSerializer().serializeToString(node)).join("\n");
+  const paths = [...renderer.domElement.childNodes]
+    .map((node) => new XMLSerializer().serializeToString(node).replace(' xmlns="http://www.w3.org/2000/svg"', ""))
+    // Neighbours meet without a gap, and transparent ones do not overlap.
+    .map((path) => (/fill-opacity:0|fill-opacity:1e/.test(path) ? path : path.replace(' shape-rendering="crispEdges"', "")))
+    .map((path) => path.replace(/fill:(rgb\([^)]*\));fill-opacity:1"/, 'fill:$1;stroke:$1;stroke-width:0.15"'))
+    .join("\n");
   const centred = `${round(-width / 2)} ${round(-height / 2)} ${round(width)} ${round(height)}`;
   const text = (x: number, y: number, word: string, colour: string): string =>
     `<text x="${round(x - width / 2)}" y="${round(y - height / 2)}" fill="${colour}" text-anchor="middle" dominant-baseline="middle">${escaped(word)}</text>`;
@@ -179,12 +189,58 @@ function svg(stage: Stage, options: PictureOptions, said: Said): Blob {
     const path = points.map(([a, b]) => `${round(a! - width / 2)},${round(b! - height / 2)}`).join(" ");
     lines.push(`<polyline points="${path}" fill="none" stroke="${said.ink}" stroke-width="${round(2 * ratio)}"/>`, text(x + bar.pixels / 2, y - 12 * ratio, bar.words, said.ink));
   }
+  if (said.legend && options.labels) lines.push(legendMarkup(said.legend, said.ink, ratio, [-width / 2 + 12 * ratio, height / 2 - (options.bar ? 48 : 20) * ratio]));
   lines.push("</svg>");
   return new Blob([lines.join("\n")], { type: "image/svg+xml" });
 }
 
+/** Light as these polygons take it: a card divides it by π, and knows light from the sky, which here comes from everywhere. Puts it back. */
+function dim(space: Scene): () => void {
+  const everywhere = new AmbientLight(new Color(0.38, 0.38, 0.4));
+  const lights: DirectionalLight[] = [];
+  space.traverse((object) => {
+    if (object instanceof DirectionalLight) lights.push(object);
+  });
+  for (const light of lights) light.intensity /= Math.PI;
+  space.add(everywhere);
+  return () => {
+    for (const light of lights) light.intensity *= Math.PI;
+    space.remove(everywhere);
+  };
+}
+
 function round(value: number): string {
   return String(Number(value.toFixed(2)));
+}
+
+/** A legend from this place on, to the right. */
+function legendMarkup(legend: Legend, ink: string, ratio: number, [left, middle]: readonly [number, number]): string {
+  const size = 12 * ratio;
+  const parts: string[] = [];
+  let x = left;
+  const say = (words: string): void => {
+    parts.push(`<text x="${round(x)}" y="${round(middle)}" fill="${ink}" dominant-baseline="middle">${escaped(words)}</text>`);
+    x += (words.length * 7 + 10) * ratio;
+  };
+  const block = (fill: string, width: number): void => {
+    parts.push(`<rect x="${round(x)}" y="${round(middle - size / 2)}" width="${round(width)}" height="${round(size)}" fill="${fill}"/>`);
+    x += width + 6 * ratio;
+  };
+  if ("keys" in legend) {
+    for (const { colour, label } of legend.keys) {
+      block(colour, size);
+      say(label);
+    }
+    return parts.join("\n");
+  }
+  const colours = coloursOf(legend);
+  const stops = colours.map((colour, i) => `<stop offset="${round(i / (colours.length - 1))}" stop-color="${colour}"/>`).join("");
+  parts.push(`<defs><linearGradient id="ramp">${stops}</linearGradient></defs>`);
+  say(`${legend.title} in ${legend.unit}`);
+  say(significant(legend.least, 3));
+  block("url(#ramp)", 9 * size);
+  say(significant(legend.most, 3));
+  return parts.join("\n");
 }
 
 function escaped(words: string): string {

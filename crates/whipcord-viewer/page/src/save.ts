@@ -14,8 +14,8 @@ export interface Saved {
   name(): string;
   /** The robots whose shapes are answers. */
   robots(): Object3D[];
-  /** What their colours stand for, and the colour to write that in. */
-  said(): Said;
+  /** Takes a picture in the colours of paper: of what its colours stand for, and the colour to write that in. */
+  onPaper<T>(take: (said: Said) => Promise<T>): Promise<T>;
   /** Something could not be saved, and why. */
   failed(message: string | undefined): void;
 }
@@ -143,7 +143,7 @@ export function saving(stage: Stage, saved: Saved, recorder: Film): HTMLElement 
       bar: bar.checked,
       grid: grid.checked,
     };
-    download(`${saved.name()}.${format}`, await picture(stage, options, saved.said()));
+    download(`${saved.name()}.${format}`, await saved.onPaper((said) => picture(stage, options, said)));
   };
   return element(
     "details",

@@ -345,6 +345,8 @@ export class Stage {
     const { clientWidth: width, clientHeight: height } = this.#canvas;
     const { camera } = this.cameras;
     const scale = (at: Vector3): number => this.scaleAt(at, height);
+    // Each camera has its light, and the other one's would light from elsewhere.
+    for (const each of this.cameras.all) for (const light of each.children) light.visible = each === camera;
     this.handles.size(scale, width, height);
     this.#ink.resolution.set(width, height);
     this.renderer.render(this.space, camera);

@@ -37,7 +37,7 @@ test("every control is reached by Tab, and is seen to be", async ({ page, viewer
   // Those of a menu that is shut are not reached, and of a group of radio buttons the arrow keys reach those that are not chosen.
   await expect(page.locator("#charts .plot")).toHaveCount(3);
   const { all, count } = await page.evaluate(() => {
-    const controls = [...document.querySelectorAll<HTMLElement>("button:enabled, input:enabled, select, summary, canvas, [tabindex='0']")].filter(
+    const controls = [...document.querySelectorAll<HTMLElement>("button:enabled, input:enabled, select, summary, #canvas, [tabindex='0']")].filter(
       (item) => !item.matches("#save button, #save input, #refused input, dialog *, [hidden], [hidden] *, input[type=radio]:not(:checked)"),
     );
     // Parts of the page are made anew meanwhile: what is one control is known by what it is.

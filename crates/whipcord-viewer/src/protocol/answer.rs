@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Pose, Warning};
+use crate::protocol::common::{Pose, Warning};
 
 /// What a model says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Answer, Request};
+use crate::protocol::answer::Answer;
+use crate::protocol::request::Request;
 
 /// What can be played.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

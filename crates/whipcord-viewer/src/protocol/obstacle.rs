@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Pose;
+use crate::protocol::common::Pose;
 
 /// A body in the robot's way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -111,8 +111,7 @@ fn a_force_at_a_place_is_a_load_of_the_case_in_the_frame_of_the_world() {
     let path = example("two-segment-arm.toml");
     let text = fs::read_to_string(&path).unwrap();
     // On a wall: its frame of loads is not the world.
-    let text =
-        format!("{text}\n[base]\nrotation = {{ axis = [1, 0, 0], angle = \"45 deg\" }}\n");
+    let text = format!("{text}\n[base]\nrotation = {{ axis = [1, 0, 0], angle = \"45 deg\" }}\n");
     let file = Arc::new(parse(&text, &path).unwrap());
     let told = scene(&file);
     let pull = Pull { arc_length: told.stations[7], force: [0.2, -0.1, 0.05] };
