@@ -29,6 +29,8 @@ export interface Acting {
   backs: Vector[][];
   /** Where masses are carried. */
   masses: Vector[];
+  /** Places that what is drawn at the robot reaches to. */
+  ends: Vector[];
 }
 
 interface Single {
@@ -42,13 +44,14 @@ interface Single {
 
 /** The loads of the file and those of the sliders on one shape, and the contacts of all. */
 export function acting(scene: Scene, state: State, first: Solved | undefined, contacts: readonly Solved[], ink: string): Acting {
-  const made: Acting = { arrows: [], labels: [], backs: [], masses: [] };
+  const made: Acting = { arrows: [], labels: [], backs: [], masses: [], ends: [] };
   if (first) {
     singles(scene, single(scene, state, first), ink, made);
     spread(scene, first, ink, made);
-    weights(scene, state, first, ink, made);
   }
   touches(scene, contacts, made);
+  made.ends = made.arrows.flatMap(({ tail, head }) => [tail, head]);
+  if (first) weights(scene, state, first, ink, made);
   return made;
 }
 

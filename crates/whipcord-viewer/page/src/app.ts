@@ -56,6 +56,8 @@ export class App {
   #legend: Legend | undefined;
   /** Of words and loads in the view. */
   #ink = "";
+  /** Of the arrows beside the robot. */
+  #ends: readonly Vector[] = [];
   #whenShown: (() => void) | undefined;
   /** Whether the user looks from elsewhere than the page did, and whether the page is to look at the next shape. */
   #looks = false;
@@ -124,7 +126,8 @@ export class App {
       },
       film: (yes) => this.#film.record(yes),
     }, this.#film.isPossible);
-    byId("view").append(this.#toolbar.element, this.#timeline.element);
+    byId("space").append(this.#toolbar.element);
+    byId("view").append(this.#timeline.element);
     const saved = {
       name: () => this.#name,
       robots: () => this.#robots.answered,
@@ -276,7 +279,9 @@ export class App {
     this.#stage.objects(solved[0]?.objects ?? []);
     this.#stage.marks(ellipsoids(scene, solved));
     const first = this.#first;
-    this.#stage.acting(acting(scene, this.#dragging.rest(state), this.#timeline.isActive ? undefined : first, solved, this.#ink), [...this.#dragging.labels, ...slackLabels(scene, solved[0])]);
+    const acts = acting(scene, this.#dragging.rest(state), this.#timeline.isActive ? undefined : first, solved, this.#ink);
+    this.#ends = acts.ends;
+    this.#stage.acting(acts, [...this.#dragging.labels, ...slackLabels(scene, solved[0])]);
     this.#stage.handles.tip(this.#recording || this.#timeline.isActive ? undefined : first?.positions.at(-1));
     this.#controls?.slack(solved[0]?.cables);
     const pinned = this.#robots.pinned;
@@ -364,7 +369,7 @@ export class App {
     if (!scene) return;
     const shapes: Vector[] = this.#robots.shapes.flatMap(({ positions }) => positions);
     const ghost = this.#robots.pinned?.positions ?? [];
-    this.#stage.look([scene.base.position, ...shapes, ...ghost], side);
+    this.#stage.look([scene.base.position, ...shapes, ...ghost, ...this.#ends], side);
   }
 
   #key(event: KeyboardEvent): void {

@@ -16,8 +16,9 @@ export type Side = keyof typeof SIDES;
 
 /** Of the view in perspective, in degrees. */
 const ANGLE = 35;
-/** How much of the view what is looked at fills. */
-const FILLED = 0.8;
+/** How much of the view what is looked at fills, and how far below its middle it is, beside the buttons above: relative to half the view. */
+const FILLED = 0.76;
+const LOWER = 0.05;
 
 export class Cameras {
   readonly #perspective = new PerspectiveCamera(ANGLE, 1, 1e-3, 100);
@@ -101,6 +102,7 @@ export class Cameras {
     const depth = Math.max(...points.map((point) => new Vector3(...point).sub(middle).dot(way)), 0);
     const half = Math.max(extent(up), extent(right) / this.#aspect, 0.15 * length) / FILLED;
     const distance = half / Math.tan(MathUtils.degToRad(ANGLE / 2)) + (this.#isParallel ? 0 : depth);
+    middle.addScaledVector(up, LOWER * half);
     this.#orbit.target.copy(middle);
     camera.position.copy(middle).addScaledVector(way, distance);
     this.#parallel.zoom = 1 / half;

@@ -336,7 +336,7 @@ describe("what acts on the robot", () => {
     const { arrows, backs, labels, masses } = acting({ ...bare, loads }, { ...state, tipForce: [0, 0, 0] }, straight, [{ ...straight, contacts: [touch] }], "#000000");
     expect(backs).toHaveLength(1);
     expect(masses).toEqual([[0, 0, 0.05]]);
-    expect(labels.map(({ text }) => text)).toEqual(["load 2 N/m", "mass 20 g", "40 mN"]);
+    expect(labels.map(({ text }) => text)).toEqual(["load 2 N/m", "40 mN", "mass 20 g"]);
     // A contact pushes from within the obstacle.
     expect(arrows.at(-1)!.head).toEqual([0.1, 0, 0]);
     expect(arrows.at(-1)!.tail[0]).toBeLessThan(0.1);
