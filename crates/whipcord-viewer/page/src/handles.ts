@@ -75,7 +75,10 @@ export class Handles {
   spring(ends: readonly [Vector, Vector] | undefined): void {
     put(this.#hand, ends?.[1]);
     this.#line.visible = ends !== undefined;
-    if (ends) (this.#line.geometry as LineGeometry).setPositions(ends.flat());
+    if (!ends) return;
+    // Positions that are set anew would leave the buffers of those before.
+    this.#line.geometry.dispose();
+    this.#line.geometry = new LineGeometry().setPositions(ends.flat());
   }
 
   /** Sizes of the rings: so many pixels of the page, whatever the distance. */

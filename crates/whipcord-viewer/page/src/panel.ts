@@ -9,12 +9,17 @@ import { readout } from "./readout";
 
 /** Time in ms between two states of the numbers: faster than that nobody reads. */
 const READABLE = 100;
+/** The same of charts, which take longer to draw. */
+const SEEN = 220;
 
 export class Panel {
   readonly #charts: Charts;
   #waiting = 0;
   #writtenAt = -Infinity;
+  #drawing = 0;
+  #drawnAt = -Infinity;
   #next: (() => void) | undefined;
+  #draw: (() => void) | undefined;
 
   constructor(pointed: (arcLength: number | undefined) => void) {
     this.#charts = new Charts(modelColour, pointed);
@@ -29,6 +34,12 @@ export class Panel {
       this.#writtenAt = performance.now();
       this.#next?.();
     }, READABLE - (performance.now() - this.#writtenAt));
+    this.#draw = () => this.#charts.show(scene, answers.filter((answer) => answer.status === "solved"));
+    this.#drawing ||= window.setTimeout(() => {
+      this.#drawing = 0;
+      this.#drawnAt = performance.now();
+      this.#draw?.();
+    }, SEEN - (performance.now() - this.#drawnAt));
   }
 
   redress(): void {
@@ -40,7 +51,6 @@ export class Panel {
     const focused = document.activeElement?.closest("#compare .wide") !== null && document.activeElement !== null;
     byId("comparison").replaceChildren(...(table ? [table] : []));
     if (focused) document.querySelector<HTMLElement>("#compare .wide")?.focus();
-    this.#charts.show(scene, answers.filter((answer) => answer.status === "solved"));
     byId("answers").replaceChildren(...readout(scene, answers, modelColour));
   }
 }
