@@ -93,6 +93,7 @@ export class Charts {
   readonly element = element("section", { id: "charts", "aria-label": "Charts along the robot" });
   readonly #all: Chart[];
   readonly #chosen: Set<string>;
+  readonly #buttons: HTMLButtonElement[];
   readonly #plots = new Map<string, { plot: uPlot; lines: string; figure: HTMLElement }>();
   readonly #into = element("div", {});
   readonly #pointed: (arcLength: number | undefined) => void;
@@ -104,7 +105,7 @@ export class Charts {
     this.#all = charts(colourOf);
     this.#pointed = pointed;
     this.#chosen = new Set(FIRST);
-    const buttons = this.#all.map(({ name, title, unit, what }) => {
+    this.#buttons = this.#all.map(({ name, title, unit, what }) => {
       const button = element("button", { type: "button", class: "chip", "aria-pressed": String(this.#chosen.has(name)), title: `${title} in ${unit}: ${what}`, "data-chart": name }, title);
       button.addEventListener("click", () => {
         if (!this.#chosen.delete(name)) this.#chosen.add(name);
@@ -115,7 +116,7 @@ export class Charts {
     });
     this.element.append(
       element("h2", {}, "Along the robot"),
-      element("div", { class: "chips", role: "group", "aria-label": "Charts that are shown" }, ...buttons),
+      element("div", { class: "chips", role: "group", "aria-label": "Charts that are shown" }, ...this.#buttons),
       this.#into,
     );
     new ResizeObserver(() => {
@@ -150,9 +151,12 @@ export class Charts {
     const scene = this.#scene;
     if (!scene) return;
     for (const name of this.#plots.keys()) if (!this.#chosen.has(name)) this.#remove(name);
-    for (const chart of this.#all) {
-      if (!this.#chosen.has(chart.name)) continue;
+    for (const [i, chart] of this.#all.entries()) {
       const { places, lines, points } = chart.data(scene, this.#answers);
+      // What no model knows, as the moments of an exported page, has no chart.
+      this.#buttons[i]!.disabled = lines.length === 0;
+      if (lines.length === 0) this.#remove(chart.name);
+      if (!this.#chosen.has(chart.name) || lines.length === 0) continue;
       const key = JSON.stringify([scene.length, lines.map(({ label, colour }) => [label, colour])]);
       const known = this.#plots.get(chart.name);
       const data = [places, ...lines.map(({ values }) => values)] as uPlot.AlignedData;

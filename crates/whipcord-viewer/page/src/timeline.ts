@@ -18,6 +18,8 @@ export interface Playing {
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5] as const;
 /** How long a step is shown at the usual speed, in s. */
 const STEP = 0.5;
+/** How long the last shape is in a film, in ms. */
+const TAIL = 400;
 
 export class Timeline {
   readonly element = element("div", { id: "timeline", role: "group", "aria-label": "Timeline", hidden: true });
@@ -140,7 +142,8 @@ export class Timeline {
     this.#play.textContent = "Play";
     if (this.#films) {
       this.#films = false;
-      this.#playing.film(false);
+      // The last shape is seen for a while.
+      window.setTimeout(() => this.#playing.film(false), TAIL);
     }
   }
 

@@ -60,7 +60,8 @@ test.describe("a motion", () => {
     await expect.poll(at).toBeLessThan(states.length - 1);
     await page.screenshot({ path: `${ARTEFACTS}/motion.png` });
     await page.getByRole("button", { name: "Pause" }).click();
-    // A film of all of it.
+    // A film of all of it, slowly enough for a slow machine.
+    await page.getByLabel("Speed").selectOption("0.5");
     const waiting = page.waitForEvent("download");
     await page.getByRole("button", { name: "Film", exact: true }).click();
     const film = await waiting;
