@@ -98,11 +98,23 @@ async fn a_motion_is_that_of_the_simulation_and_comes_in_parts() {
         let cables = &solved(&moment.answers[0]).cables;
         assert_eq!(cables[0].tension, Some(state.cables[0].tension));
     }
-    // One that is ended says nothing more.
-    client.say(say(&FromPage::Play(asked.clone()))).await;
+}
+
+#[tokio::test]
+async fn a_motion_that_is_ended_says_nothing_more() {
+    // So long that it is not over before its end is asked for.
+    let text = fs::read_to_string(example("released-arm.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.toml");
+    fs::write(&path, text.replace("duration = \"2 s\"", "duration = \"2000 s\"")).unwrap();
+    let port = serve(&path).await;
+    let (mut client, scene) = Client::connect(port).await;
+    let request = Request { id: 5, ..scene.initial.clone() };
+    client.say(say(&FromPage::Play(PlayRequest { course: Course::Motion, request }))).await;
     client.say(say(&FromPage::EndPlay)).await;
     while let Ok(message) = tokio::time::timeout(Duration::from_secs(3), client.hear()).await {
-        assert!(matches!(message, ToPage::Track(Track { complete: false, .. })), "{message:?}");
+        let ToPage::Track(track) = message else { panic!("something else than a course") };
+        assert!(!track.complete, "{:?}", track.message);
     }
 }
 
