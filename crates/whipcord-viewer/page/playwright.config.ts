@@ -27,6 +27,8 @@ export default defineConfig({
         "--disable-component-update",
         "--disable-sync",
         "--no-first-run",
+        // A page that tests put in place of the server's (PAGE_BUILT) is for the browser not of this machine.
+        ...(process.env["PAGE_BUILT"] === undefined ? [] : ["--disable-features=LocalNetworkAccessChecks"]),
       ],
     },
   },

@@ -4,19 +4,17 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use whipcord::kinematics::principal_axes;
-use whipcord::warning::of_answer;
 use whipcord::{
     Actuation, CableCommand, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset,
-    Obstacle, Prepared, Robot, Shape, Shortening, Solution, SolveError, Vec3, Warning,
+    PointLoad, Prepared, Shortening, Solution, SolveError, Vec3,
 };
 use whipcord_io::CaseFile;
 
+use crate::answer::{Found, Refusal, answer};
+use crate::convert::array;
 use crate::inverse::TipSolver;
-use crate::protocol::{
-    self, Answer, CableState, Command, Compliance, Contact, Frame, Malformed, PlacedObject, Reach,
-    Request, Slider, Solved,
-};
-use crate::scene::{array, model, sliders};
+use crate::protocol::{Answer, Command, Compliance, Frame, Malformed, Reach, Request, Slider};
+use crate::scene::{model, sliders};
 use crate::stations::Places;
 
 /// Tips that are nearer to one another than this, relative to the length, are of one shape: places at which an answer
@@ -43,22 +41,6 @@ struct Ready {
     model: Model,
     prepared: Prepared,
     last: Option<Solution>,
-}
-
-/// Why a model has no answer, as the page shows it.
-pub type Refusal = String;
-
-/// What a model found.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// The answer.
-    pub solution: Solution,
-    /// How long it took in s.
-    solve_time: f64,
-    /// What was asked of the model.
-    case: Case,
-    /// The model whose cable lengths drove it.
-    driven_by: Option<ModelPreset>,
 }
 
 impl Bench {
@@ -105,17 +87,11 @@ impl Bench {
             Err(why) => presets.into_iter().map(|preset| (preset, Err(why.clone()))).collect(),
         };
         let answers = found.into_iter().map(|(preset, found)| {
-            let answer = found.and_then(|found| {
-                let compliance = request.compliance.then(|| self.compliance(preset, &found));
-                solved(&self.file, preset, &found, compliance).ok_or_else(|| {
-                    "the answer holds a number that is none; please report the robot file"
-                        .to_owned()
-                })
-            });
-            match answer {
-                Ok(solved) => Answer::Solved(Box::new(solved)),
-                Err(message) => Answer::Failed { model: preset.name().to_owned(), message },
-            }
+            let compliance = match &found {
+                Ok(found) if request.compliance => Some(self.compliance(preset, found)),
+                _ => None,
+            };
+            answer(&self.file, preset, found, compliance)
         });
         let answers = answers.collect();
         Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers, reach })
@@ -200,6 +176,12 @@ impl Bench {
         case.loads.tip_moment = Vec3::from(request.tip_moment);
         let gravity = Vec3::from(request.gravity);
         case.loads.gravity = (gravity != Vec3::ZERO).then_some(gravity);
+        if let Some(pull) = request.pull {
+            let to_frame = case.loads.to_world(case.base.rotation).conjugate();
+            let force = to_frame.rotate(Vec3::from(pull.force));
+            let at = pull.arc_length;
+            case.loads.points.push(PointLoad { at, force, ..PointLoad::default() });
+        }
         Ok(case)
     }
 
@@ -209,6 +191,10 @@ impl Bench {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
         let (cancel, limit) = (self.cancel.clone(), self.limit);
         let ready = self.ready(preset)?;
+        if !ready.prepared.takes_places_of(&case.loads) {
+            let prepared = ready.model.prepare(ready.prepared.robot(), &case.loads);
+            ready.prepared = prepared.map_err(|error| error.to_string())?;
+        }
         ready.prepared.set_cancel(&cancel);
         let has_friction = !case.before.is_empty()
             || case.obstacles.iter().any(|obstacle| obstacle.friction > 0.0)
@@ -226,6 +212,26 @@ impl Bench {
         let solution = outcome.map_err(|error| Self::refusal(limit, &error))?;
         ready.last = Some(solution.clone());
         Ok(Found { solution, solve_time, case: case.clone(), driven_by: None })
+    }
+
+    /// What a model answers to each step of a case.
+    ///
+    /// # Errors
+    /// Why it does not go through them.
+    pub fn steps(&mut self, preset: ModelPreset, case: &Case) -> Result<Vec<Answer>, Refusal> {
+        case.check(&self.file.robot).map_err(|error| error.to_string())?;
+        let (cancel, limit) = (self.cancel.clone(), self.limit);
+        let ready = self.ready(preset)?;
+        ready.prepared.set_cancel(&cancel);
+        let solved = ready.prepared.solve_all(case).map_err(|(step, error)| {
+            format!("step {}: {}", step + 1, Self::refusal(limit, &error))
+        })?;
+        let found =
+            |solution| Found { solution, solve_time: 0.0, case: case.clone(), driven_by: None };
+        let each = solved
+            .into_iter()
+            .map(|solution| answer(&self.file, preset, Ok(found(solution)), None));
+        Ok(each.collect())
     }
 
     fn ready(&mut self, preset: ModelPreset) -> Result<&mut Ready, Refusal> {
@@ -292,138 +298,4 @@ fn shortened(case: &Case, shares: &[f64]) -> Case {
         command.shortening = Some(Shortening::Fraction(share));
     }
     case
-}
-
-/// A solution as the page gets it; `None` where a number of it is none.
-fn solved(
-    file: &CaseFile,
-    preset: ModelPreset,
-    found: &Found,
-    compliance: Option<Compliance>,
-) -> Option<Solved> {
-    let Found { solution, solve_time, .. } = found;
-    let robot = &file.robot;
-    let shape = &solution.shape;
-    let diagnostics = &solution.diagnostics;
-    let cables = solution.cables.iter().zip(robot.cables()).map(|(cable, given)| CableState {
-        shortening: shortening(cable, given),
-        tension: cable.tension,
-        length: cable.length,
-        initial_length: cable.initial_length,
-        slack: cable.slack,
-        span_tensions: cable.span_tensions.clone(),
-    });
-    let contacts = solution.contacts.iter().map(|touch| Contact {
-        obstacle: touch.obstacle,
-        arc_length: touch.arc_length,
-        point: array(touch.point),
-        normal: array(touch.normal),
-        force: touch.force,
-        friction: touch.friction.map(array),
-        sticks: touch.sticks,
-    });
-    let solved = Solved {
-        model: preset.name().to_owned(),
-        positions: shape.positions().map(array).collect(),
-        orientations: shape.poses.iter().map(|pose| pose.rotation.wxyz()).collect(),
-        strains: strains(shape),
-        cables: cables.collect(),
-        contacts: contacts.collect(),
-        grasps: grasps(solution, &file.case.obstacles),
-        objects: solution
-            .objects
-            .iter()
-            .map(|state| PlacedObject {
-                obstacle: state.obstacle,
-                pose: crate::scene::pose(&state.pose),
-            })
-            .collect(),
-        residual: diagnostics.residual,
-        iterations: diagnostics.iterations,
-        stability: diagnostics.stability,
-        unstable: diagnostics.is_unstable(),
-        solve_time: *solve_time,
-        driven_by: found.driven_by.map(|model| model.name().to_owned()),
-        compliance,
-        warnings: warnings(robot, &file.case, solution),
-    };
-    solved.is_finite().then_some(solved)
-}
-
-/// What the robot exerts on each obstacle that it touches, where the model knows forces.
-fn grasps(solution: &Solution, obstacles: &[Obstacle]) -> Vec<protocol::Grasp> {
-    let all = whipcord::Grasp::all(solution, obstacles);
-    let known = |grasp: &whipcord::Grasp| {
-        let wrench = grasp.wrench?;
-        Some(protocol::Grasp {
-            obstacle: grasp.obstacle,
-            contacts: grasp.contacts,
-            sliding: grasp.sliding,
-            normal_force: grasp.normal_force?,
-            force: array(wrench.force),
-            moment: array(wrench.moment),
-            slip_margin: grasp.slip_margin,
-        })
-    };
-    all.iter().filter_map(known).collect()
-}
-
-/// Warnings about an answer, except those that the page has a field for.
-fn warnings(robot: &Robot, case: &Case, solution: &Solution) -> Vec<protocol::Warning> {
-    let others = of_answer(robot, case, solution).into_iter();
-    others
-        .filter(|warning| !matches!(warning, Warning::Unstable { .. }))
-        .map(|warning| protocol::Warning { message: warning.to_string(), help: warning.help() })
-        .collect()
-}
-
-/// The shortening in m that leads to this state of a cable: the path is as long as the cable at rest and its stretch.
-fn shortening(cable: &whipcord::CableState, given: &whipcord::Cable) -> f64 {
-    let stretch = given
-        .axial_stiffness
-        .map_or(0.0, |stiffness| cable.tension.unwrap_or(0.0) * cable.initial_length / stiffness);
-    cable.initial_length - cable.length + stretch
-}
-
-fn strains(shape: &Shape) -> Vec<[f64; 3]> {
-    let each = |strain: whipcord::Twist| {
-        let bending = strain.angular.x.hypot(strain.angular.y);
-        [bending, strain.angular.z, strain.linear.z - 1.0]
-    };
-    shape.strains().map(each).collect()
-}
-
-impl Solved {
-    /// Whether all its numbers are numbers: JSON has no others.
-    fn is_finite(&self) -> bool {
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        self.positions.iter().all(|p| finite(p))
-            && self.orientations.iter().all(|q| finite(q))
-            && self.strains.iter().all(|e| finite(e))
-            && self.cables.iter().all(|cable| {
-                finite(&[cable.length, cable.initial_length, cable.shortening])
-                    && cable.tension.is_none_or(f64::is_finite)
-                    && finite(&cable.span_tensions)
-            })
-            && self.contacts.iter().all(|touch| {
-                finite(&touch.point)
-                    && finite(&touch.normal)
-                    && touch.force.is_none_or(f64::is_finite)
-                    && touch.friction.is_none_or(|friction| finite(&friction))
-            })
-            && self.grasps.iter().all(|grasp| {
-                finite(&[grasp.normal_force])
-                    && finite(&grasp.force)
-                    && finite(&grasp.moment)
-                    && grasp.slip_margin.is_none_or(f64::is_finite)
-            })
-            && finite(&[self.residual, self.solve_time])
-            && self.stability.is_none_or(f64::is_finite)
-            && match &self.compliance {
-                Some(Compliance::Known { values, directions }) => {
-                    finite(values) && directions.iter().all(|d| finite(d))
-                }
-                _ => true,
-            }
-    }
 }

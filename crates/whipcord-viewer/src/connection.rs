@@ -12,10 +12,12 @@ use futures_util::{SinkExt as _, StreamExt as _};
 use tokio::sync::{mpsc, watch};
 use whipcord::Cancel;
 
+use crate::background::of_latest;
 use crate::bench::Bench;
 use crate::opened::{Opened, Usable};
-use crate::protocol::{self, FromPage, Malformed, Request, ToPage};
-use crate::survey::surveys;
+use crate::play::play;
+use crate::protocol::{self, FromPage, Malformed, PlayRequest, Request, ToPage};
+use crate::survey::survey;
 
 /// Messages that wait to be sent to a page that is slow to take them.
 const WAITING: usize = 4;
@@ -46,7 +48,8 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     let (mut out, mut incoming) = socket.split();
     let (send, mut messages) = mpsc::channel::<ToPage>(WAITING);
     let (ask, latest) = watch::channel::<Option<Arrived>>(None);
-    let (survey, latest_survey) = watch::channel::<Option<Arc<Request>>>(None);
+    let (ask_survey, latest_survey) = watch::channel::<Option<Arc<Request>>>(None);
+    let (ask_play, latest_play) = watch::channel::<Option<Arc<PlayRequest>>>(None);
     let writer = async move {
         while let Some(message) = messages.recv().await {
             // What is sent has been checked to hold numbers only, which is all that could fail.
@@ -56,7 +59,8 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
             }
         }
     };
-    let surveyor = surveys(shared.opened.clone(), latest_survey, send.clone());
+    let surveyor = of_latest(shared.opened.clone(), latest_survey, send.clone(), survey);
+    let player = of_latest(shared.opened.clone(), latest_play, send.clone(), play);
     let solver = solve(shared, latest, send.clone());
     let reader = async move {
         while let Some(Ok(message)) = incoming.next().await {
@@ -71,10 +75,16 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
                     ask.send_replace(Some((Arc::new(request), Instant::now())));
                 }
                 Ok(FromPage::Survey(request)) => {
-                    survey.send_replace(Some(Arc::new(request)));
+                    ask_survey.send_replace(Some(Arc::new(request)));
                 }
                 Ok(FromPage::EndSurvey) => {
-                    survey.send_replace(None);
+                    ask_survey.send_replace(None);
+                }
+                Ok(FromPage::Play(request)) => {
+                    ask_play.send_replace(Some(Arc::new(request)));
+                }
+                Ok(FromPage::EndPlay) => {
+                    ask_play.send_replace(None);
                 }
                 Err(error) => {
                     if send.send(ToPage::Error { message: error.to_string() }).await.is_err() {
@@ -88,6 +98,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
         () = writer => {}
         () = solver => {}
         () = surveyor => {}
+        () = player => {}
         () = reader => {}
     }
 }

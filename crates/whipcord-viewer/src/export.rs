@@ -9,12 +9,13 @@ use whipcord_inverse::Workspace;
 use whipcord_io::{CaseFile, load};
 
 use crate::bench::Bench;
+use crate::convert::pose;
 use crate::error::ViewError;
 use crate::grid::Grid;
 use crate::inverse::cloud;
 use crate::page::{Page, page};
 use crate::protocol::{Cloud, Command, Pose, Request, Scene};
-use crate::scene::{begin_with, pose, scene};
+use crate::scene::{begin_with, scene};
 
 /// Most bytes of an exported page.
 pub const MOST_BYTES: usize = 5_000_000;

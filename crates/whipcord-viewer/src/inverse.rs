@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use whipcord::{Cancel, Case, Model, ModelPreset, Stations, Vec3};
+use whipcord::{Cancel, Case, Model, ModelPreset, PointLoad, Stations, Vec3};
 use whipcord_inverse::{
     Actuator, CommandedBy, InverseError, InverseSolver, Limit, Preference, ReachOptions,
     ReachStatus, Reached, Target, Tolerance, Workspace, WorkspaceOptions,
@@ -29,6 +29,7 @@ pub struct TipSolver(Option<(Key, InverseSolver)>);
 struct Key {
     preset: ModelPreset,
     loads: [Vec3; 3],
+    points: Vec<PointLoad>,
     actuators: Vec<Actuator>,
 }
 
@@ -56,7 +57,8 @@ impl TipSolver {
             let actuators = actuators.map_err(words)?;
             let loads = &case.loads;
             let forces = [loads.tip_force, loads.tip_moment, loads.gravity.unwrap_or_default()];
-            let key = Key { preset, loads: forces, actuators };
+            let points = loads.points.clone();
+            let key = Key { preset, loads: forces, points, actuators };
             if self.0.as_ref().is_none_or(|(known, _)| *known != key) {
                 self.0 = Some((key, solver(file, preset, case, cancel)?));
             }

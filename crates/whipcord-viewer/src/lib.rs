@@ -4,15 +4,21 @@
 //! a WebSocket ([`protocol`]). The page is TypeScript in `page/`; built by Node, it is part of this crate's
 //! binary. Without it everything here compiles, and [`View::open`] says what to do.
 
+mod answer;
+mod background;
 mod bench;
 mod connection;
+mod convert;
+mod courses;
 mod error;
 mod export;
 mod grid;
 mod inverse;
+mod loads;
 mod obstacles;
 mod opened;
 mod page;
+mod play;
 pub mod protocol;
 mod ranges;
 mod scene;

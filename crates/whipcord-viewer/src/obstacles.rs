@@ -2,8 +2,8 @@
 
 use whipcord::obstacle::Bends;
 
+use crate::convert::{array, pose};
 use crate::protocol::{Form, Obstacle};
-use crate::scene::{array, pose};
 
 /// Points of a pipe's middle line at most: more cannot be told apart.
 const MOST_POINTS: usize = 400;

@@ -5,12 +5,24 @@
 //!
 //! Positions are in the world frame, in which the file gives the pose of the base; quaternions are (w, x, y, z).
 
+mod answer;
+mod common;
+mod course;
 mod inverse;
+mod loads;
+mod obstacle;
+mod request;
 
 use serde::{Deserialize, Serialize};
 use whipcord::{ModelKind, ModelPreset};
 
+pub use answer::{Answer, CableState, Compliance, Contact, Grasp, PlacedObject, Solved};
+pub use common::{Pose, Warning};
+pub use course::{Course, CourseChoice, Moment, PlayRequest, Track};
 pub use inverse::{Cloud, MetLimit, Reach};
+pub use loads::{Load, Pull};
+pub use obstacle::{Form, Obstacle};
+pub use request::{Command, Malformed, Request, Slider};
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -29,52 +41,10 @@ pub enum FromPage {
     Survey(Request),
     /// To end a survey that goes on.
     EndSurvey,
-}
-
-/// What the sliders say.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Request {
-    /// Number of the request, which the answer carries.
-    pub id: u64,
-    /// One for each slider ([`Scene::sliders`]).
-    pub commands: Vec<Command>,
-    /// Force at the tip in N.
-    pub tip_force: [f64; 3],
-    /// Moment at the tip in N·m.
-    pub tip_moment: [f64; 3],
-    /// Acceleration of gravity in m/s².
-    pub gravity: [f64; 3],
-    /// Names of the models that are to answer.
-    pub models: Vec<String>,
-    /// Whether the compliance of the tip is asked for.
-    #[serde(default)]
-    pub compliance: bool,
-    /// A place in m for the tip: commands are sought that bring it there, from those given, and the models answer for these.
-    #[serde(default)]
-    pub target: Option<[f64; 3]>,
-}
-
-/// What one cable or motor is told.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Command {
-    /// To pull with this tension in N.
-    Tension(f64),
-    /// To be shorter by this in m than before actuation.
-    Shortening(f64),
-    /// To go to this angle in rad, or travel in m: of a motor.
-    Motor(f64),
-}
-
-/// What a slider moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Slider {
-    /// A cable, by its number.
-    Cable(usize),
-    /// A motor, by its number.
-    Motor(usize),
+    /// To solve a course of the file, beside all other requests. It replaces a course that goes on.
+    Play(PlayRequest),
+    /// To end a course that goes on.
+    EndPlay,
 }
 
 /// What the server sends.
@@ -92,6 +62,8 @@ pub enum ToPage {
     Frame(Frame),
     /// Where the tip can go.
     Cloud(Cloud),
+    /// A part of a course.
+    Track(Track),
     /// A survey that has no answer.
     NoCloud {
         /// Number of its request.
@@ -141,23 +113,18 @@ pub struct Scene {
     pub loads_in_base: bool,
     /// Whether tip force and tip moment are those of the frame of the tip instead, and turn with it.
     pub tip_follower: bool,
-    /// What loads the file has that no slider moves, in words.
+    /// What loads the file has that no slider moves.
+    pub loads: Vec<Load>,
+    /// The same in words.
     pub other_loads: Vec<String>,
+    /// What can be played.
+    pub courses: Vec<CourseChoice>,
     /// Where the real robot's disks and markers were measured, in m, in the world.
     pub measured: Vec<[f64; 3]>,
     /// What stands in the robot's way.
     pub obstacles: Vec<Obstacle>,
     /// Warnings about the file.
     pub warnings: Vec<Warning>,
-}
-
-/// A warning: the input is valid but probably a mistake.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Warning {
-    /// What, with the line of the file where there is one.
-    pub message: String,
-    /// What to do about it.
-    pub help: String,
 }
 
 /// A cross-section at each station; lengths in m.
@@ -223,15 +190,6 @@ pub struct Motor {
     pub limit: Option<f64>,
 }
 
-/// A frame in the world.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pose {
-    /// Position of its origin in m.
-    pub position: [f64; 3],
-    /// How it is turned.
-    pub orientation: [f64; 4],
-}
-
 /// A model, and whether it can be chosen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelChoice {
@@ -260,70 +218,6 @@ pub struct Ranges {
     pub gravity: f64,
 }
 
-/// A body in the robot's way.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Obstacle {
-    /// Its name.
-    pub name: String,
-    /// Where it is.
-    pub pose: Pose,
-    /// Its form, in its own frame.
-    pub form: Form,
-}
-
-/// The form of an obstacle, as robot files have it; lengths in m.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Form {
-    /// All below the plane z = 0.
-    HalfSpace,
-    /// A ball.
-    Sphere {
-        /// Its radius.
-        radius: f64,
-    },
-    /// A cylinder with round ends, along z.
-    Capsule {
-        /// Its radius.
-        radius: f64,
-        /// Of the cylinder.
-        length: f64,
-    },
-    /// A box.
-    Box {
-        /// Its edges.
-        size: [f64; 3],
-    },
-    /// A cylinder along z.
-    Cylinder {
-        /// Its radius.
-        radius: f64,
-        /// Its length.
-        length: f64,
-    },
-    /// A bore around a line.
-    Pipe {
-        /// Its radius.
-        radius: f64,
-        /// Points of its middle line.
-        middle: Vec<[f64; 3]>,
-    },
-    /// |x/a|, |y/b|, |z/c| with these exponents.
-    Superellipsoid {
-        /// a, b and c.
-        semi_axes: [f64; 3],
-        /// North to south, and around.
-        exponents: [f64; 2],
-    },
-    /// Triangles.
-    Mesh {
-        /// Corners.
-        vertices: Vec<[f64; 3]>,
-        /// Three corners each, counter-clockwise as seen from outside.
-        triangles: Vec<[u32; 3]>,
-    },
-}
-
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
@@ -337,168 +231,6 @@ pub struct Frame {
     pub reach: Option<Reach>,
 }
 
-/// What a model says.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "status", rename_all = "snake_case")]
-pub enum Answer {
-    /// A shape.
-    Solved(Box<Solved>),
-    /// None, and why.
-    Failed {
-        /// The model.
-        model: String,
-        /// Why there is no answer, and what to do.
-        message: String,
-    },
-}
-
-/// A shape that a model found.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Solved {
-    /// The model.
-    pub model: String,
-    /// Position at each station in m.
-    pub positions: Vec<[f64; 3]>,
-    /// How the cross-section is turned at each station.
-    pub orientations: Vec<[f64; 4]>,
-    /// Between each two stations: curvature of bending, twist, both in 1/m, and stretch, as means.
-    pub strains: Vec<[f64; 3]>,
-    /// What became of each cable.
-    pub cables: Vec<CableState>,
-    /// Where it touches obstacles.
-    pub contacts: Vec<Contact>,
-    /// What it exerts on each obstacle that it touches, where the model knows forces.
-    pub grasps: Vec<Grasp>,
-    /// Where the movable objects are in equilibrium.
-    pub objects: Vec<PlacedObject>,
-    /// What is left of the equations, relative to their scale.
-    pub residual: f64,
-    /// Newton iterations.
-    pub iterations: usize,
-    /// Least eigenvalue of the tangent stiffness relative to the backbone's own.
-    pub stability: Option<f64>,
-    /// Whether the robot leaves this shape at the slightest disturbance.
-    pub unstable: bool,
-    /// Time in s that the solve took.
-    pub solve_time: f64,
-    /// The model whose cable lengths drove this one, where it knows no tensions.
-    pub driven_by: Option<String>,
-    /// How the tip yields to a force, with the tensions held, where that was asked for.
-    pub compliance: Option<Compliance>,
-    /// Warnings about the shape, except that it is unstable: [`Self::unstable`] says that.
-    pub warnings: Vec<Warning>,
-}
-
-/// A movable object in equilibrium.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PlacedObject {
-    /// The obstacle that it is, by its number in the scene.
-    pub obstacle: usize,
-    /// Where it is.
-    pub pose: Pose,
-}
-
-/// What the robot exerts on an obstacle, all contacts together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Grasp {
-    /// Number of the obstacle.
-    pub obstacle: usize,
-    /// How many contacts there are, and how many of them slide.
-    pub contacts: usize,
-    /// See [`Self::contacts`].
-    pub sliding: usize,
-    /// Sum of the normal forces in N.
-    pub normal_force: f64,
-    /// Force on the obstacle in N.
-    pub force: [f64; 3],
-    /// Moment on the obstacle about the origin of its frame in N·m.
-    pub moment: [f64; 3],
-    /// How far the contact nearest to sliding is from that: 0 where it slides, 1 where nothing pulls it; none without friction.
-    pub slip_margin: Option<f64>,
-}
-
-/// What became of a cable.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CableState {
-    /// Tension in N; none from a model that knows no forces.
-    pub tension: Option<f64>,
-    /// Length in m of its path.
-    pub length: f64,
-    /// Length in m of that path before actuation.
-    pub initial_length: f64,
-    /// Which shortening in m leads to this shape where it is told: of an elastic cable with what its tension stretches it by.
-    pub shortening: f64,
-    /// Whether it hangs loose.
-    pub slack: bool,
-    /// Tension in N between each two disks, where it rubs.
-    pub span_tensions: Vec<f64>,
-}
-
-/// A point at which the robot touches an obstacle.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Contact {
-    /// The obstacle, by its number in the scene.
-    pub obstacle: usize,
-    /// Arc length in m of the cross-section that touches.
-    pub arc_length: f64,
-    /// The point in m.
-    pub point: [f64; 3],
-    /// Unit normal out of the obstacle.
-    pub normal: [f64; 3],
-    /// With how much the obstacle pushes, in N.
-    pub force: Option<f64>,
-    /// With what it rubs, in N, across the normal.
-    pub friction: Option<[f64; 3]>,
-    /// Whether it sticks there.
-    pub sticks: bool,
-}
-
-/// An ellipsoid of compliance: what a force of 1 N in any direction moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "status", rename_all = "snake_case")]
-pub enum Compliance {
-    /// Its principal axes in the world.
-    Known {
-        /// In m/N.
-        values: [f64; 3],
-        /// Unit vectors.
-        directions: [[f64; 3]; 3],
-    },
-    /// There is none, and why.
-    Unknown {
-        /// Why.
-        message: String,
-    },
-}
-
-/// Why a message from the page means nothing.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Malformed {
-    /// It is no JSON of the protocol.
-    #[error("this is no message of the viewer: {0}")]
-    Json(String),
-    /// It is not text.
-    #[error("a message of {bytes} bytes is not text")]
-    NotText {
-        /// Its length.
-        bytes: usize,
-    },
-    /// A number that is none, or that JavaScript cannot hold.
-    #[error("the number of the request is {0}, more than 2^53 - 1")]
-    Id(u64),
-    /// A model that is not known.
-    #[error(transparent)]
-    Model(#[from] whipcord::kind::UnknownModel),
-    /// Too many models.
-    #[error("{given} models are asked for, of the {all} that there are")]
-    Models {
-        /// How many.
-        given: usize,
-        /// How many there are.
-        all: usize,
-    },
-}
-
 /// Reads a message from the page.
 ///
 /// # Errors
@@ -506,7 +238,10 @@ pub enum Malformed {
 pub fn read(text: &str) -> Result<FromPage, Malformed> {
     let message: FromPage =
         serde_json::from_str(text).map_err(|error| Malformed::Json(error.to_string()))?;
-    let (FromPage::Solve(request) | FromPage::Survey(request)) = &message else {
+    let (FromPage::Solve(request)
+    | FromPage::Survey(request)
+    | FromPage::Play(PlayRequest { request, .. })) = &message
+    else {
         return Ok(message);
     };
     if request.id > MOST_ID {
@@ -518,48 +253,6 @@ pub fn read(text: &str) -> Result<FromPage, Malformed> {
     }
     request.presets()?;
     Ok(message)
-}
-
-impl Request {
-    /// The models that are asked for.
-    ///
-    /// # Errors
-    /// [`Malformed::Model`] for a name of none.
-    pub fn presets(&self) -> Result<Vec<ModelPreset>, Malformed> {
-        self.models.iter().map(|name| Ok(name.parse::<ModelPreset>()?)).collect()
-    }
-}
-
-impl Command {
-    /// What a cable is told, as robot files have it; nothing by the command of a motor.
-    #[must_use]
-    pub fn command(self) -> whipcord::CableCommand {
-        use whipcord::{CableCommand, Shortening};
-        match self {
-            Self::Tension(tension) => CableCommand { tension: Some(tension), shortening: None },
-            Self::Shortening(length) => {
-                CableCommand { tension: None, shortening: Some(Shortening::Length(length)) }
-            }
-            Self::Motor(_) => CableCommand::default(),
-        }
-    }
-
-    /// Its number, in N, m or rad.
-    #[must_use]
-    pub const fn value(self) -> f64 {
-        let (Self::Tension(value) | Self::Shortening(value) | Self::Motor(value)) = self;
-        value
-    }
-
-    /// Another of its kind.
-    #[must_use]
-    pub const fn with_value(self, value: f64) -> Self {
-        match self {
-            Self::Tension(_) => Self::Tension(value),
-            Self::Shortening(_) => Self::Shortening(value),
-            Self::Motor(_) => Self::Motor(value),
-        }
-    }
 }
 
 impl Ranges {

@@ -10,9 +10,12 @@ use whipcord_estimation::registration::Alignment;
 use whipcord_io::{CaseFile, FileWarning, Measured};
 use whipcord_plot::{CableCourse, plates_of};
 
+use crate::convert::{array, pose};
+use crate::courses;
 use crate::error::ViewError;
+use crate::loads::loads;
 use crate::obstacles;
-use crate::protocol::{self, Command, Disk, ModelChoice, Pose, Request, Scene, Slider};
+use crate::protocol::{self, Command, Disk, ModelChoice, Request, Scene, Slider};
 use crate::ranges::{motor_reach, ranges};
 use crate::stations::Places;
 
@@ -51,7 +54,9 @@ pub fn scene(file: &CaseFile) -> Scene {
         initial,
         loads_in_base: case.loads.frame == LoadFrame::Base,
         tip_follower: case.loads.tip_follower,
+        loads: loads(&case.loads, robot.backbone().length),
         other_loads: other_loads(file),
+        courses: courses::choices(file),
         measured: measured(file, first),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
         warnings: warnings(file),
@@ -93,14 +98,6 @@ pub fn begin_with(scene: &mut Scene, models: &[ModelPreset]) -> Result<(), ViewE
 pub fn model(preset: ModelPreset, places: &Places) -> Model {
     let stations = Stations::At(places.arc_lengths.clone());
     preset.model(stations, places.disks.len() - 1).with_stability(StabilityAnalysis::Eigenvalue)
-}
-
-pub fn array(vector: Vec3) -> [f64; 3] {
-    vector.to_array()
-}
-
-pub fn pose(pose: &whipcord::Pose) -> Pose {
-    Pose { position: array(pose.position), orientation: pose.rotation.wxyz() }
 }
 
 fn section(robot: &Robot, stations: &[f64]) -> protocol::Section {
@@ -167,7 +164,7 @@ fn motors(file: &CaseFile, ranges: &protocol::Ranges) -> Vec<protocol::Motor> {
 
 /// Lengths of the cables before actuation in m, by the first model that takes the robot; the lengths of their courses
 /// along a straight backbone where none does.
-fn initial_lengths(robot: &Robot, places: &Places) -> Vec<f64> {
+pub fn initial_lengths(robot: &Robot, places: &Places) -> Vec<f64> {
     let at_rest = whipcord::at_rest(robot, whipcord::Pose::IDENTITY, &Stations::Disks);
     if let Some(solution) = at_rest {
         return solution.cables.iter().map(|cable| cable.initial_length).collect();
@@ -207,6 +204,7 @@ fn initial(file: &CaseFile, sliders: &[Slider], initial_lengths: &[f64]) -> Requ
         models: Vec::new(),
         compliance: false,
         target: None,
+        pull: None,
     }
 }
 

@@ -32,7 +32,14 @@ const ALLOWED: [(&str, &[&str]); 14] = [
     ("whipcord-vision", &["whipcord", "whipcord-estimation", "whipcord-numerics"]),
     (
         "whipcord-viewer",
-        &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-io", "whipcord-plot"],
+        &[
+            "whipcord",
+            "whipcord-estimation",
+            "whipcord-inverse",
+            "whipcord-io",
+            "whipcord-motion",
+            "whipcord-plot",
+        ],
     ),
     (
         "whipcord-study",

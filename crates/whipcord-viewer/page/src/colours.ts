@@ -45,19 +45,46 @@ const RAMP: Rgb[] = [
   [254, 232, 56],
 ];
 
-/** A colour, each part from 0 to 1, for a value from 0 to 1. */
-export function ramp(value: number): Rgb {
-  const last = RAMP.length - 1;
+/** Points of a scale for values of both signs, blue below and orange above a light middle, which people of all kinds of colour vision tell
+ * apart. */
+const DIVERGING: Rgb[] = [
+  [5, 48, 97],
+  [43, 131, 186],
+  [146, 197, 222],
+  [236, 236, 232],
+  [244, 186, 120],
+  [214, 108, 20],
+  [127, 50, 0],
+];
+
+function along(points: readonly Rgb[], value: number): Rgb {
+  const last = points.length - 1;
   const at = Math.min(Math.max(value, 0), 1) * last;
   const i = Math.min(Math.floor(at), last - 1);
-  const [a, b] = [RAMP[i]!, RAMP[i + 1]!];
+  const [a, b] = [points[i]!, points[i + 1]!];
   const mix = (k: 0 | 1 | 2): number => (a[k] + (b[k] - a[k]) * (at - i)) / 255;
   return [mix(0), mix(1), mix(2)];
 }
 
+/** A colour, each part from 0 to 1, for a value from 0 to 1. */
+export function ramp(value: number): Rgb {
+  return along(RAMP, value);
+}
+
+/** The same for a value whose middle is zero. */
+export function diverging(value: number): Rgb {
+  return along(DIVERGING, value);
+}
+
+const css = (points: readonly Rgb[]): string[] => points.map((c) => `rgb(${c.join(" ")})`);
+
 /** The colours of the ramp from its least to its greatest value, evenly apart. */
 export function rampColours(): string[] {
-  return RAMP.map((c) => `rgb(${c.join(" ")})`);
+  return css(RAMP);
+}
+
+export function divergingColours(): string[] {
+  return css(DIVERGING);
 }
 
 /** The colour as light adds up, which is how three.js mixes it. */

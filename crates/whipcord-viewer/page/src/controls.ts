@@ -1,122 +1,30 @@
-// Sliders and number boxes.
+// Sliders, models, and what is shown.
 
 import { element } from "./dom";
 import { swatch } from "./legend";
-import type { MetLimit, Motor, Reach, Scene, Vector } from "./protocol";
+import type { CableState, MetLimit, ModelChoice, Motor, Reach, Scene, Vector } from "./protocol";
+import { quantity } from "./quantities";
+import { Slider, type Changes as Changing } from "./slider";
 import { COLOURINGS, commandOf, DRAGGING, valueOf, type Colouring, type Dragging, type Kind, type State } from "./state";
-import {
-  DEGREE,
-  fromUnit,
-  METRE_PER_SECOND_SQUARED,
-  MILLIMETRE,
-  MILLINEWTON_METRE,
-  NEWTON,
-  significant,
-  toUnit,
-  type Unit,
-} from "./units";
+import { DEGREE, METRE_PER_SECOND_SQUARED, MILLIMETRE, MILLINEWTON_METRE, NEWTON, significant, type Unit } from "./units";
 
-export interface Changes {
-  /** While a slider moves. */
-  change(edit: (state: State) => void): void;
-  /** When it has been let go: what undo comes back to. */
-  commit(): void;
+export interface Changes extends Changing {
   /** Acts once the shape that is shown is the answer to what the sliders say, on what became of a cable in it, if that is known. */
   whenShown(cable: number, act: (present: { tension: number | null; shortening: number } | undefined) => void): void;
 }
 
-/** Steps of a slider from end to end. */
-const STEPS = 1000;
+/** What colours can stand for, as people say it. */
+const COLOUR_NAMES: Partial<Record<Colouring, string>> = { model: "model and cable", tension: "tension of cables", contact: "contact" };
 
-/** A slider with its number box. */
-class Quantity {
-  readonly row: HTMLElement;
-  readonly #slider: HTMLInputElement;
-  readonly #box: HTMLInputElement;
-  #unit: Unit;
-  #bound: readonly [number, number] = [-Infinity, Infinity];
-  /** What is shown. */
-  #value = NaN;
-  readonly #symbol: HTMLElement;
-
-  constructor(
-    label: string,
-    name: string,
-    unit: Unit,
-    range: readonly [number, number],
-    changes: Changes,
-    edit: (state: State, value: number) => void,
-    symbol: HTMLElement = element("span", { class: "unit" }),
-  ) {
-    this.#unit = unit;
-    this.#symbol = symbol;
-    const id = `q-${name}`;
-    this.#slider = element("input", { type: "range", id, "data-name": name });
-    this.#box = element("input", { type: "number", "data-name": name });
-    this.row = element("div", { class: "quantity" }, element("label", { for: id, title: label }, label), this.#slider, this.#box, symbol);
-    this.#slider.addEventListener("input", () => {
-      const value = Number(this.#slider.value);
-      changes.change((state) => edit(state, value));
-    });
-    this.#slider.addEventListener("change", () => changes.commit());
-    this.#box.addEventListener("change", () => {
-      const value = Number(this.#box.value);
-      if (this.#box.value.trim() === "" || !Number.isFinite(value)) return this.#write(this.#value);
-      const [least, most] = this.#bound;
-      const given = Math.min(Math.max(fromUnit(value, this.#unit), least), most);
-      changes.change((state) => edit(state, given));
-      changes.commit();
-      this.#write(this.#value);
-    });
-    this.range(range, unit, label);
-  }
-
-  range([least, most]: readonly [number, number], unit: Unit, label: string): void {
-    this.#value = NaN;
-    this.#unit = unit;
-    this.#slider.min = String(least);
-    this.#slider.max = String(most);
-    this.#slider.step = String((most - least) / STEPS);
-    // An arrow key in the box steps by a round part of the range.
-    this.#box.step = String(10 ** Math.floor(Math.log10((most - least) / unit.si / 100)));
-    this.#box.setAttribute("aria-label", `${label} in ${unit.word}`);
-    this.#symbol.textContent = unit.symbol;
-  }
-
-  /** Holds the slider between these ends. */
-  bound(least: number, most: number): void {
-    this.#value = NaN;
-    this.#bound = [least, most];
-    this.#slider.min = String(least);
-    this.#slider.max = String(most);
-    this.#slider.step = String(Math.max((most - least) / STEPS, Number.MIN_VALUE));
-    const still = least === most;
-    for (const input of [this.#slider, this.#box]) input.disabled = still;
-    this.#symbol.toggleAttribute("disabled", true);
-  }
-
-  /** `anew`: over what is being typed, too. */
-  show(value: number, anew = false): void {
-    if (value === this.#value && !anew) return;
-    // A number typed beyond the slider's end moves the end.
-    if (value > Number(this.#slider.max)) this.#slider.max = String(value);
-    if (value < Number(this.#slider.min)) this.#slider.min = String(value);
-    this.#value = value;
-    this.#slider.value = String(value);
-    const shown = toUnit(value, this.#unit);
-    this.#slider.setAttribute("aria-valuetext", `${Number(shown.toPrecision(4))} ${this.#unit.word}`);
-    if (anew || document.activeElement !== this.#box || Number(this.#box.value) !== shown) this.#write(value);
-  }
-
-  #write(value: number): void {
-    this.#box.value = String(Number(toUnit(value, this.#unit).toPrecision(6)));
-  }
-}
+const DIRECTIONS = ["x", "y", "z"] as const;
 
 export class Controls {
-  readonly #sliders: Quantity[];
+  readonly #sliders: Slider[];
   readonly #kinds: Kind[];
-  readonly #vectors: { of: (state: State) => Vector; each: Quantity[] }[];
+  readonly #vectors: { of: (state: State) => Vector; each: Slider[] }[];
+  readonly #place: Slider;
+  readonly #remove: HTMLButtonElement;
+  readonly #pull: HTMLElement;
   readonly #models = new Map<string, HTMLInputElement>();
   readonly #colouring: HTMLSelectElement;
   readonly #compliance: HTMLInputElement;
@@ -143,64 +51,81 @@ export class Controls {
     this.#sliders = scene.sliders.map((slider, i) =>
       "motor" in slider ? this.#motor(scene.motors[slider.motor]!, slider.motor, i, changes) : this.#cable(slider.cable, i, changes),
     );
-    const directions = ["x", "y", "z"] as const;
-    const vector = (name: string, unit: Unit, reach: number, of: (state: State) => Vector): Quantity[] =>
-      directions.map((axis, k) =>
-        new Quantity(axis, `${name}-${axis}`, unit, [-reach, reach], changes, (state, value) => {
-          of(state)[k] = value;
-        }),
-      );
+    const vector = (name: string, what: string, unit: Unit, reach: number, of: (state: State) => Vector): { of: typeof of; each: Slider[] } => ({
+      of,
+      each: DIRECTIONS.map((axis, k) =>
+        new Slider(axis, `${name}-${axis}`, `${what} along ${axis} in ${unit.symbol}`, unit, [-reach, reach], changes, (state, value) => void (of(state)[k] = value)),
+      ),
+    });
+    const pullOf = (state: State): Vector => (state.pull ??= { arc_length: scene.length / 2, force: [0, 0, 0] }).force;
     this.#vectors = [
-      { of: (state) => state.tipForce, each: vector("force", NEWTON, ranges.force, (state) => state.tipForce) },
-      { of: (state) => state.tipMoment, each: vector("moment", MILLINEWTON_METRE, ranges.moment, (state) => state.tipMoment) },
-      { of: (state) => state.gravity, each: vector("gravity", METRE_PER_SECOND_SQUARED, ranges.gravity, (state) => state.gravity) },
+      vector("force", "Force at the tip", NEWTON, ranges.force, (state) => state.tipForce),
+      vector("moment", "Moment at the tip", MILLINEWTON_METRE, ranges.moment, (state) => state.tipMoment),
+      vector("gravity", "Acceleration of gravity", METRE_PER_SECOND_SQUARED, ranges.gravity, (state) => state.gravity),
+      vector("pull", "Force on the backbone, in the world,", NEWTON, ranges.force, pullOf),
     ];
-    this.#colouring = element("select", { id: "colouring" }, ...COLOURINGS.map((name) => element("option", { value: name }, name)));
+    this.#place = new Slider("at", "pull-at", "Where on the backbone it pulls: arc length from the base in mm", MILLIMETRE, [0, scene.length], changes, (state, value) => {
+      pullOf(state);
+      state.pull!.arc_length = Math.min(Math.max(value, 0), scene.length);
+    });
+    this.#remove = element("button", { type: "button", onclick: () => {
+      changes.change((state) => void (state.pull = null));
+      changes.commit();
+    } }, "Remove");
+    this.#colouring = element(
+      "select",
+      { id: "colouring", title: "What the colours of the robot stand for; the scale is fitted to the values" },
+      ...COLOURINGS.map((name) => element("option", { value: name }, COLOUR_NAMES[name] ?? quantity(name)!.title.toLowerCase())),
+    );
     this.#colouring.addEventListener("change", () => {
       changes.change((state) => void (state.colouring = this.#colouring.value as Colouring));
       changes.commit();
     });
-    this.#compliance = element("input", { type: "checkbox", id: "compliance" });
-    this.#compliance.addEventListener("change", () => {
-      changes.change((state) => void (state.compliance = this.#compliance.checked));
-      changes.commit();
-    });
-    this.#workspace = element("input", { type: "checkbox", id: "workspace" });
-    this.#workspace.addEventListener("change", () => {
-      changes.change((state) => void (state.workspace = this.#workspace.checked));
-      changes.commit();
-    });
+    const box = (id: string, edit: (state: State, checked: boolean) => void): HTMLInputElement => {
+      const made = element("input", { type: "checkbox", id });
+      made.addEventListener("change", () => {
+        changes.change((state) => edit(state, made.checked));
+        changes.commit();
+      });
+      return made;
+    };
+    this.#compliance = box("compliance", (state, checked) => (state.compliance = checked));
+    this.#workspace = box("workspace", (state, checked) => (state.workspace = checked));
     const fixed = scene.loads_in_base ? "in the frame of the base" : "in the world";
     const frame = scene.tip_follower ? "in the frame of the tip, with which it turns, as the moment does" : fixed;
-    const force = group("Force at the tip", ...this.#vectors[0]!.each.map((q) => q.row));
-    force.append(element("p", { class: "hint" }, `Drag the tip, or set it here, ${frame}.`));
-    const drag = group("Dragging the tip", ...DRAGGING.map((name) => this.#drag(name, changes)), this.#limits);
-    const loads = [
-      force,
-      group("Moment at the tip", ...this.#vectors[1]!.each.map((q) => q.row)),
-      group("Gravity", ...this.#vectors[2]!.each.map((q) => q.row)),
-    ];
+    const rows = (k: number): HTMLElement[] => this.#vectors[k]!.each.map(({ row }) => row);
+    const hint = (text: string): HTMLElement => element("p", { class: "hint" }, text);
+    this.#pull = group("Force on the backbone", this.#place.row, ...rows(3), this.#remove, hint("Drag any place of the backbone, or set it here, in the world."));
+    const drag = element(
+      "fieldset",
+      { "data-group": "Dragging", class: "segments" },
+      element("legend", {}, "Dragging"),
+      element("div", { class: "segmented" }, ...DRAGGING.map((name) => this.#drag(name, changes))),
+      this.#limits,
+    );
     into.replaceChildren(
+      ...(axes ? [] : [drag]),
       ...(scene.motors.length > 0 ? [group("Motors", ...this.#rows("motor"))] : []),
       ...(scene.motors.length === 0 || this.#rows("cable").length > 0 ? [group("Cables", ...this.#rows("cable"))] : []),
-      ...(axes ? [] : [drag, ...loads]),
-      group("Models", ...scene.models.filter((model) => !axes || model.refusal === null).map((model) => this.#model(model.name, model.refusal, changes, colourOf(model.name)))),
+      this.#choices(scene, axes !== undefined, changes, colourOf),
       group(
         "Show",
         element("div", { class: "choice" }, element("label", { for: "colouring" }, "Colour by"), this.#colouring),
-        ...(axes ? [] : [
-          element("div", { class: "choice" }, this.#compliance, element("label", { for: "compliance" }, "Compliance of the tip")),
-        ]),
+        ...(axes ? [] : [choice(this.#compliance, "Compliance of the tip", "How far a force of 1 N moves the tip in each direction, with the tensions held")]),
         ...(hasCloud ? [
-          element("div", { class: "choice" }, this.#workspace, element("label", { for: "workspace" }, "Where the tip can go")),
+          choice(this.#workspace, "Where the tip can go", "A survey of the workspace of the first model under the present loads"),
           element("p", { class: "hint", id: "cloud", role: "status", hidden: true }),
         ] : []),
       ),
+      ...(axes ? [] : [
+        group("Force at the tip", ...rows(0), hint(`Drag the tip, or set it here, ${frame}.`)),
+        this.#pull,
+        group("Moment at the tip", ...rows(1)),
+        group("Gravity", ...rows(2)),
+      ]),
     );
     axes?.forEach((values, i) => this.#sliders[i]!.bound(values[0]!, values.at(-1)!));
-    if (scene.other_loads.length > 0) {
-      into.append(element("p", { class: "hint" }, `The file also has: ${scene.other_loads.join("; ")}.`));
-    }
+    if (scene.other_loads.length > 0) into.append(hint(`The file also has: ${scene.other_loads.join("; ")}.`));
     const told = scene.warnings;
     if (told.length > 0) {
       const count = told.length === 1 ? "1 warning" : `${told.length} warnings`;
@@ -224,7 +149,13 @@ export class Controls {
       }
       this.#sliders[i]!.show(value, anew);
     });
-    for (const { of, each } of this.#vectors) each.forEach((quantity, k) => quantity.show(of(state)[k]!, anew));
+    const pull = state.pull ?? { arc_length: this.#scene.length / 2, force: [0, 0, 0] };
+    this.#vectors.forEach(({ of, each }, k) => {
+      const vector = k === 3 ? pull.force : of(state);
+      each.forEach((slider, c) => slider.show(vector[c]!, anew));
+    });
+    this.#place.show(pull.arc_length, anew);
+    this.#remove.disabled = state.pull === null;
     for (const [name, box] of this.#models) box.checked = state.models.includes(name);
     this.#colouring.value = state.colouring;
     this.#compliance.checked = state.compliance;
@@ -232,35 +163,62 @@ export class Controls {
     for (const [name, button] of this.#dragging) button.checked = state.dragging === name;
   }
 
+  /** Marks how far each slider had a solution that now has none; nothing where there is one. */
+  solvable(last: State | undefined, now: State): void {
+    const mark = (slider: Slider, before: number | undefined, present: number): void => slider.solvable(before !== undefined && before !== present ? before : undefined);
+    this.#sliders.forEach((slider, i) => {
+      const [before, present] = [last?.commands[i], now.commands[i]!];
+      const alike = before && valueOf(before).kind === valueOf(present).kind;
+      mark(slider, alike ? valueOf(before).value : undefined, valueOf(present).value);
+    });
+    const vectors: ((state: State) => Vector)[] = [
+      (state) => state.tipForce, (state) => state.tipMoment, (state) => state.gravity, (state) => state.pull?.force ?? [0, 0, 0],
+    ];
+    this.#vectors.forEach(({ each }, k) => each.forEach((slider, c) => mark(slider, last && vectors[k]!(last)[c], vectors[k]!(now)[c]!)));
+  }
+
+  /** Says at the sliders of cables which of them are slack. */
+  slack(cables: readonly CableState[] | undefined): void {
+    this.#scene.sliders.forEach((slider, i) => {
+      if ("cable" in slider) this.#sliders[i]!.badge(cables?.[slider.cable]?.slack ? "slack" : undefined);
+    });
+  }
+
   /** Marks the sliders at a limit, and says which limits the robot is at, or why it does not get to the pointer. */
   limits(reach: Reach | null): void {
     const met = reach?.status === "found" ? reach.limits : [];
     this.#sliders.forEach(({ row }, i) => row.classList.toggle("limited", met.some(({ slider }) => slider === i)));
-    const words =
+    this.tell(
       reach?.status === "failed" ? reach.message
       : reach && !reach.reached ? `${significant(1e3 * reach.distance, 3)} mm from the pointer${met.length > 0 ? `, at a limit: ${list(met)}` : ""}`
       : met.length > 0 ? `At a limit: ${list(met)}`
-      : "";
+      : "",
+    );
+  }
+
+  /** What keeps what is dragged from following. */
+  tell(words: string): void {
     if (this.#limits.textContent !== words) this.#limits.textContent = words;
     this.#limits.hidden = words === "";
   }
 
   /** The sliders of cables, or those of motors. */
   #rows(of: "cable" | "motor"): HTMLElement[] {
-    return this.#sliders.filter((_, i) => of in this.#scene.sliders[i]!).map((q) => q.row);
+    return this.#sliders.filter((_, i) => of in this.#scene.sliders[i]!).map(({ row }) => row);
   }
 
-  #motor({ name, is_angular, reach }: Motor, number: number, i: number, changes: Changes): Quantity {
+  #motor({ name, is_angular, reach }: Motor, number: number, i: number, changes: Changes): Slider {
     const edit = (state: State, value: number): void => void (state.commands[i] = { motor: value });
-    return new Quantity(name, `motor-${number}`, is_angular ? DEGREE : MILLIMETRE, reach, changes, edit);
+    const unit = is_angular ? DEGREE : MILLIMETRE;
+    return new Slider(name, `motor-${number}`, `${is_angular ? "Angle" : "Travel"} of the motor ${name} in ${unit.symbol}`, unit, reach, changes, edit);
   }
 
-  #cable(cable: number, i: number, changes: Changes): Quantity {
+  #cable(cable: number, i: number, changes: Changes): Slider {
     const { name } = this.#scene.cables[cable]!;
     const toggle = element("button", {
       type: "button",
       class: "unit",
-      title: "Pull by tension or by length",
+      title: "Pull by tension in N or by length in mm",
       "aria-label": `Cable ${name}: change between tension and shortening`,
       "data-cable": cable,
       onclick: () => changes.whenShown(cable, (present) => {
@@ -278,7 +236,8 @@ export class Controls {
       const { kind } = valueOf(state.commands[i]!);
       state.commands[i] = commandOf(kind, kind === "tension" ? Math.max(value, 0) : value);
     };
-    return new Quantity(name, `cable-${cable}`, NEWTON, [0, this.#scene.ranges.tension], changes, edit, toggle);
+    const what = `Command of the cable ${name}: its tension in N, or by how many mm it is shortened`;
+    return new Slider(name, `cable-${cable}`, what, NEWTON, [0, this.#scene.ranges.tension], changes, edit, toggle);
   }
 
   #drag(name: Dragging, changes: Changes): HTMLElement {
@@ -289,11 +248,25 @@ export class Controls {
       changes.commit();
     });
     this.#dragging.set(name, button);
-    const words = name === "force" ? "A force pulls at it" : "It follows the pointer";
-    return element("div", { class: "choice" }, button, element("label", { for: id }, words));
+    const [words, what] =
+      name === "force"
+        ? ["Pull by a force", "A spring between the pointer and the place of the backbone that is held"]
+        : ["Move the tip", "Commands are sought that bring the tip to the pointer, within the limits"];
+    return element("span", { title: what }, button, element("label", { for: id }, words));
   }
 
-  #model(name: string, refusal: string | null, changes: Changes, colour: string): HTMLElement {
+  /** The models that take the robot, and behind one line those that do not. */
+  #choices(scene: Scene, isExported: boolean, changes: Changes, colourOf: (model: string) => string): HTMLElement {
+    const made = group("Models", ...scene.models.filter(({ refusal }) => refusal === null).map((model) => this.#model(model, changes, colourOf(model.name))));
+    const refused = scene.models.filter(({ refusal }) => refusal !== null);
+    if (refused.length > 0 && !isExported) {
+      const words = refused.length === 1 ? "1 model does not take this robot" : `${refused.length} models do not take this robot`;
+      made.append(element("details", { id: "refused" }, element("summary", {}, words), ...refused.map((model) => this.#model(model, changes, colourOf(model.name)))));
+    }
+    return made;
+  }
+
+  #model({ name, refusal }: ModelChoice, changes: Changes, colour: string): HTMLElement {
     const id = `model-${name}`;
     const box = element("input", { type: "checkbox", id, disabled: refusal !== null });
     box.addEventListener("change", () => {
@@ -313,6 +286,10 @@ export class Controls {
     }
     return row;
   }
+}
+
+function choice(box: HTMLInputElement, words: string, what: string): HTMLElement {
+  return element("div", { class: "choice", title: what }, box, element("label", { for: box.id }, words));
 }
 
 function list(limits: readonly MetLimit[]): string {

@@ -1,6 +1,6 @@
 // Points of the robot in space, from the poses of its cross-sections. No mechanics: that is the server's.
 
-import type { Cable, Quaternion, Scene, Solved, Vector } from "./protocol";
+import type { Cable, Quaternion, Scene, Solved, Strain, Vector } from "./protocol";
 
 export function add(a: Vector, b: Vector): Vector {
   return [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -36,12 +36,27 @@ export function conjugate([w, x, y, z]: Quaternion): Quaternion {
 /** How the frame is turned in the world that force and moment at the tip are given in, where the tip is turned so. */
 export function tipFrame(scene: Scene, tip: Quaternion): Quaternion {
   if (scene.tip_follower) return tip;
-  return scene.loads_in_base ? scene.base.orientation : [1, 0, 0, 0];
+  return loadFrame(scene);
 }
 
 /** A point (x, y) of a cross-section in space. */
 export function place(solved: Solved, station: number, [x, y]: readonly [number, number]): Vector {
   return add(solved.positions[station]!, rotate(solved.orientations[station]!, [x, y, 0]));
+}
+
+/** The pose at an arc length: between stations along the chord, turned as at the nearer one. */
+export function poseAt(scene: Scene, solved: Solved, arcLength: number): { position: Vector; orientation: Quaternion } {
+  const s = scene.stations;
+  let i = 0;
+  while (i + 2 < s.length && s[i + 1]! < arcLength) i++;
+  const t = Math.min(Math.max((arcLength - s[i]!) / (s[i + 1]! - s[i]!), 0), 1);
+  const [a, b] = [solved.positions[i]!, solved.positions[i + 1]!];
+  return { position: add(a, scale(subtract(b, a), t)), orientation: solved.orientations[t < 0.5 ? i : i + 1]! };
+}
+
+/** How the frame is turned in the world that loads are given in. */
+export function loadFrame(scene: Scene): Quaternion {
+  return scene.loads_in_base ? scene.base.orientation : [1, 0, 0, 0];
 }
 
 /** A cable in space: its points, and the station of each. */
@@ -91,27 +106,20 @@ export function tensions(scene: Scene, solved: Solved, index: number, stations: 
   });
 }
 
-/** The tension in N along a cable, as (station, tension): two for each span, as it steps at the disks where the cable rubs. */
-export function spans(scene: Scene, solved: Solved, index: number): [number, number][] {
-  const cable = solved.cables[index]!;
-  const last = scene.cables[index]!.course.length - 1;
-  if (cable.span_tensions.length === 0) return cable.tension === null ? [] : [[0, cable.tension], [last, cable.tension]];
-  const knots = [...new Set([...scene.disks.map((disk) => disk.station).filter((station) => station < last), last])];
-  return cable.span_tensions.flatMap((tension, k): [number, number][] => [
-    [knots[k] ?? last, tension],
-    [knots[k + 1] ?? last, tension],
-  ]);
+/** The strains between each two stations; of a model that bends at joints alone their means from disk to disk. */
+export function strainsOf(scene: Scene, solved: Solved): Strain[] {
+  return overSections(scene, solved, solved.strains);
 }
 
-/** The strains between each two stations; of a model that bends at joints alone their means from disk to disk. */
-export function strainsOf(scene: Scene, solved: Solved): Vector[] {
-  if (!scene.models.find((choice) => choice.name === solved.model)?.jointed) return solved.strains;
-  const knots = [...new Set([0, ...scene.disks.map((disk) => disk.station), solved.strains.length])];
+/** What is known between each two stations; of a model that bends at joints alone its means from disk to disk. */
+export function overSections<T extends number[]>(scene: Scene, solved: Solved, between: readonly T[]): T[] {
+  if (!scene.models.find((choice) => choice.name === solved.model)?.jointed) return [...between];
+  const knots = [...new Set([0, ...scene.disks.map((disk) => disk.station), between.length])];
   return knots.slice(1).flatMap((end, k) => {
-    const pieces = solved.strains.slice(knots[k]!, end);
+    const pieces = between.slice(knots[k]!, end);
     const length = (i: number): number => scene.stations[knots[k]! + i + 1]! - scene.stations[knots[k]! + i]!;
     const whole = scene.stations[end]! - scene.stations[knots[k]!]!;
-    const mean = pieces.reduce<Vector>((sum, strain, i) => add(sum, scale(strain, length(i) / whole)), [0, 0, 0]);
+    const mean = pieces[0]!.map((_, c) => pieces.reduce((sum, piece, i) => sum + (piece[c]! * length(i)) / whole, 0)) as T;
     return pieces.map(() => mean);
   });
 }

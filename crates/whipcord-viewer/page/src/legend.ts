@@ -1,12 +1,12 @@
 // What the colours of the robots stand for: in the page, and on pictures that are taken out of it.
 
-import { rampColours } from "./colours";
+import { divergingColours, rampColours } from "./colours";
 import { element } from "./dom";
 import { significant } from "./units";
 
 /** A ramp of colours, or each by itself. */
 export type Legend =
-  | { title: string; unit: string; least: number; most: number; unknown: boolean }
+  | { title: string; unit: string; least: number; most: number; unknown: boolean; signed?: boolean }
   | { keys: readonly Key[] };
 
 export interface Key {
@@ -18,6 +18,11 @@ export interface Key {
 export const NEUTRAL = "#8c8c8c";
 
 const UNKNOWN: Key = { colour: NEUTRAL, label: "not known" };
+
+/** Of a ramp, evenly apart. */
+export function coloursOf({ signed }: { signed?: boolean }): string[] {
+  return signed ? divergingColours() : rampColours();
+}
 
 /** A patch of a colour. */
 export function swatch(colour: string): HTMLElement {
@@ -41,7 +46,7 @@ export function show(into: HTMLElement, legend: Legend | undefined): void {
   if (!legend) return;
   if ("keys" in legend) return into.replaceChildren(...legend.keys.map(key));
   const bar = element("span", { class: "ramp" });
-  bar.style.background = `linear-gradient(to right, ${rampColours().join(", ")})`;
+  bar.style.background = `linear-gradient(to right, ${coloursOf(legend).join(", ")})`;
   into.replaceChildren(
     element("span", {}, `${legend.title} in ${legend.unit}`),
     element("span", {}, significant(legend.least, 3)),
@@ -79,7 +84,7 @@ export function stamp(context: CanvasRenderingContext2D, legend: Legend, ratio: 
   say(significant(legend.least, 3));
   const width = 9 * size;
   const ramp = context.createLinearGradient(x, 0, x + width, 0);
-  const colours = rampColours();
+  const colours = coloursOf(legend);
   colours.forEach((colour, i) => ramp.addColorStop(i / (colours.length - 1), colour));
   block(ramp, width);
   say(significant(legend.most, 3));

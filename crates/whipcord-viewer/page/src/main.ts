@@ -1,6 +1,10 @@
 // Starts the page.
 
-import "./style.css";
+import "./base.css";
+import "./view.css";
+import "./controls.css";
+import "./readout.css";
+import "./narrow.css";
 
 import { App } from "./app";
 

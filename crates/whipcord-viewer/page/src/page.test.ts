@@ -1,14 +1,18 @@
 import { Color } from "three";
 import { describe, expect, it } from "vitest";
 
+import { acting } from "./acting";
 import { linear, modelColour, parse } from "./colours";
-import { course, place, rotate, spans, strainsOf, tensions, tipFrame } from "./geometry";
+import { rootMeanSquare } from "./compare";
+import { course, place, rotate, strainsOf, tensions, tipFrame } from "./geometry";
 import interpolation from "./interpolation.json";
-import { extent, ticks } from "./plots";
+import { pixels, withResolution } from "./picture";
 import { around, contacts, move, objects } from "./recorded";
-import { decode, encode, encodeSurvey, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
+import { decode, encode, encodePlay, encodeSurvey, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
 import { fromPage, toPage } from "./samples";
+import { scaleBar } from "./scale";
 import { Sharpness } from "./sharpness";
+import { Spring } from "./spring";
 import { fromHash, History, initialState, rebase, toHash, toRequest, viewFromHash, viewToHash } from "./state";
 import { fixed, fromUnit, MILLIMETRE, significant, toUnit } from "./units";
 
@@ -23,11 +27,13 @@ describe("the protocol", () => {
   });
 
   it("is written as the server reads it", () => {
-    const [solve, survey, end] = fromPage;
+    const [solve, survey, end, play, endPlay] = fromPage;
     const { type: _, ...request } = solve as { type: string } & Request;
     expect(JSON.parse(encode(request))).toEqual(solve);
     expect(JSON.parse(encodeSurvey(request))).toEqual(survey);
     expect(JSON.parse(encodeSurvey(undefined))).toEqual(end);
+    expect(JSON.parse(encodePlay({ course: "motion", request }))).toEqual(play);
+    expect(JSON.parse(encodePlay(undefined))).toEqual(endPlay);
   });
 });
 
@@ -75,7 +81,7 @@ describe("colours", () => {
 
 describe("the state", () => {
   it("asks for what the file asks for", () => {
-    expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false, target: null });
+    expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false, target: null, pull: null });
     expect(toRequest(initialState(scene), 7, [0, 0, 1]).target).toEqual([0, 0, 1]);
   });
 
@@ -88,8 +94,9 @@ describe("the state", () => {
     state.models = ["cosserat"];
     state.colouring = "curvature";
     [state.dragging, state.workspace] = ["reach", true];
+    state.pull = { arc_length: 0.05, force: [0, -0.2, 0] };
     const hash = toHash(state, initial);
-    expect(hash).toBe("cables=s-0.0031,t4.25,m-0.5&force=0,-0.5,0.001&models=cosserat&colour=curvature&drag=reach&workspace=true");
+    expect(hash).toBe("cables=s-0.0031,t4.25,m-0.5&force=0,-0.5,0.001&models=cosserat&colour=curvature&drag=reach&pull=0.05,0,-0.2,0&workspace=true");
     expect(fromHash(`#${hash}`, scene)).toEqual(state);
     state.models = [];
     expect(fromHash(toHash(state, initial), scene)).toEqual(state);
@@ -176,8 +183,6 @@ describe("geometry", () => {
   it("gives a cable that rubs the tension of each span", () => {
     const rubbing: Scene = { ...scene, disks: [0, 1, 2].map((station) => ({ ...scene.disks[0]!, station })) };
     expect(tensions(rubbing, solved, 0, [0, 1, 2])).toEqual([1.5, 1.5, 1.4]);
-    // It steps at the disk between them.
-    expect(spans(rubbing, solved, 0)).toEqual([[0, 1.5], [1, 1.5], [1, 1.4], [2, 1.4]]);
   });
 });
 
@@ -185,9 +190,9 @@ describe("strains", () => {
   it("are means from disk to disk where a model bends at joints alone", () => {
     const models = [{ name: "linkage", hole_to_hole: false, jointed: true, refusal: null }];
     const linkage: Scene = { ...scene, models, stations: [0, 0.1, 0.4, 0.6], disks: [0, 2, 3].map((station) => ({ ...scene.disks[0]!, station })) };
-    const bent: Solved = { ...solved, model: "linkage", strains: [[4, 0, 0], [0, 0, 0.1], [2, 1, 0]] };
+    const bent: Solved = { ...solved, model: "linkage", strains: [[4, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0.1], [2, 0, 1, 0, 0, 0]] };
     const means = strainsOf(linkage, bent).map((strain) => strain.map((c) => Number(c.toPrecision(12))));
-    expect(means).toEqual([[1, 0, 0.075], [1, 0, 0.075], [2, 1, 0]]);
+    expect(means).toEqual([[1, 0, 0, 0, 0, 0.075], [1, 0, 0, 0, 0, 0.075], [2, 0, 1, 0, 0, 0]]);
     expect(strainsOf(linkage, { ...bent, model: "cosserat" })).toEqual(bent.strains);
   });
 });
@@ -275,14 +280,95 @@ describe("the sharpness of the view", () => {
   });
 });
 
-describe("charts", () => {
-  it("have round ticks within what they show", () => {
-    expect(ticks(0, 1, 4)).toEqual([0, 0.5, 1]);
-    expect(ticks(-0.3, 3.4, 4)).toEqual([0, 1, 2, 3]);
-    expect(extent([])).toEqual([0, 1]);
-    expect(extent([2, 3])).toEqual([0, 3]);
-    expect(extent([-0.4, 10.2])).toEqual([-5, 15]);
-    expect(extent([-0.9, 0.9])).toEqual([-1, 1]);
+describe("the spring that drags", () => {
+  it("comes to rest where its force is that of its length, however soft the robot is", () => {
+    for (const compliance of [1e-3, 0.05, 0.5, 5]) {
+      const spring = new Spring(3, [0, 0, 0.1], [0, 0, 0], 2, 0.2);
+      spring.move([0.05, 0, 0.1]);
+      let at: Vector = [0, 0, 0.1];
+      let force: Vector | undefined = [0, 0, 0];
+      for (let k = 0; k < 60 && force; k++) {
+        force = spring.next(at);
+        at = [compliance * spring.force[0], 0, 0.1];
+      }
+      expect(force).toBeUndefined();
+      // 2 N for half of 0.2 m: 20 N/m.
+      expect(spring.force[0]).toBeCloseTo((20 * 0.05) / (1 + 20 * compliance), 2);
+    }
+  });
+
+  it("goes back to the last force that had a shape", () => {
+    const spring = new Spring(3, [0, 0, 0.1], [0.5, 0, 0], 2, 0.2);
+    spring.move([0.05, 0, 0.1]);
+    const first = spring.next([0, 0, 0.1])!;
+    expect(first[0]).toBeGreaterThan(0.5);
+    expect(spring.back()).toEqual([0.5, 0, 0]);
+    expect(spring.isStopped).toBe(true);
+  });
+});
+
+describe("what acts on the robot", () => {
+  const state = { ...initialState(scene), tipForce: [0.3, 0, 0] as Vector, tipMoment: [0, 0, 0] as Vector, gravity: [0, 0, 0] as Vector };
+  const straight: Solved = { ...solved, positions: [[0, 0, 0], [0, 0, 0.1], [0, 0, 0.2]], orientations: [1, 2, 3].map(() => [1, 0, 0, 0]), contacts: [] };
+  const bare: Scene = { ...scene, loads: [], base: { position: [0, 0, 0], orientation: [1, 0, 0, 0] }, tip_follower: false };
+
+  it("is drawn as in the static pictures: the longest arrow for the largest force, with its value", () => {
+    const pulled = { ...state, pull: { arc_length: 0.1, force: [0, 0.15, 0] as Vector } };
+    const { arrows, labels } = acting(bare, pulled, straight, [], "#000000");
+    expect(arrows.map(({ tail, head }) => Math.hypot(head[0] - tail[0], head[1] - tail[1], head[2] - tail[2]))).toEqual([
+      expect.closeTo(0.04, 12), expect.closeTo(0.02, 12),
+    ]);
+    expect(labels.map(({ text }) => text)).toEqual(["force 0.3 N", "force 0.15 N"]);
+  });
+
+  it("presses against the tip where it pushes", () => {
+    const { arrows } = acting(bare, { ...state, tipForce: [0, 0, -1] }, straight, [], "#000000");
+    expect(arrows[0]!.head).toEqual([0, 0, 0.2]);
+    expect(arrows[0]!.tail[2]).toBeCloseTo(0.24, 12);
+  });
+
+  it("has combs, masses and contacts", () => {
+    const loads: Scene["loads"] = [
+      { kind: "spread", arc_lengths: [0, 0.2], forces: [[0, 2, 0], [0, 0, 0]], moments: [[0, 0, 0], [0, 0, 0]], follows: false },
+      { kind: "mass", arc_length: 0.05, mass: 0.02 },
+    ];
+    const touch = { ...solved.contacts[0]!, point: [0.1, 0, 0] as Vector, normal: [1, 0, 0] as Vector, force: 0.04, friction: null };
+    const { arrows, backs, labels, masses } = acting({ ...bare, loads }, { ...state, tipForce: [0, 0, 0] }, straight, [{ ...straight, contacts: [touch] }], "#000000");
+    expect(backs).toHaveLength(1);
+    expect(masses).toEqual([[0, 0, 0.05]]);
+    expect(labels.map(({ text }) => text)).toEqual(["load 2 N/m", "40 mN", "mass 20 g"]);
+    // A contact pushes from within the obstacle.
+    expect(arrows.at(-1)!.head).toEqual([0.1, 0, 0]);
+    expect(arrows.at(-1)!.tail[0]).toBeLessThan(0.1);
+  });
+});
+
+describe("a comparison", () => {
+  it("has the root of the mean square over the disks", () => {
+    const far = solved.positions.map(([x, y, z], i): Vector => [x + (i === 0 ? 0 : 0.003), y, z]);
+    const disks = [0, 1].map((station) => ({ ...scene.disks[0]!, station }));
+    expect(rootMeanSquare({ ...scene, disks }, solved.positions, far)).toBeCloseTo(0.003 / Math.SQRT2, 12);
+  });
+});
+
+describe("a picture", () => {
+  it("has its size and resolution", () => {
+    const options = { format: "png", width: 25.4, height: 50.8, resolution: 300, transparent: false, labels: true, bar: true, grid: false } as const;
+    expect(pixels(options)).toEqual([300, 600]);
+    expect(() => pixels({ ...options, width: 2000, resolution: 2400 })).toThrow("8192");
+    // Signature, a first chunk, and what follows.
+    const png = Uint8Array.from({ length: 60 }, (_, i) => i);
+    const made = withResolution(png, 300);
+    expect(made.length).toBe(81);
+    expect(String.fromCharCode(...made.subarray(37, 41))).toBe("pHYs");
+    expect(new DataView(made.buffer).getUint32(41)).toBe(11811);
+    expect([...made.subarray(54)]).toEqual([...png.subarray(33)]);
+  });
+
+  it("has a bar of a round length", () => {
+    expect(scaleBar(1000, 120)).toEqual({ pixels: 100, words: "100 mm" });
+    expect(scaleBar(50, 120)).toEqual({ pixels: 100, words: "2 m" });
+    expect(scaleBar(7e5, 120).words).toBe("0.1 mm");
   });
 });
 

@@ -1,9 +1,10 @@
 // What the robot is coloured by.
 
-import { cableColour, modelColour, parse, ramp, TOUCHING, type Rgb } from "./colours";
-import { atStations, strainsOf, tensions } from "./geometry";
+import { cableColour, diverging, modelColour, parse, ramp, TOUCHING, type Rgb } from "./colours";
+import { atStations, tensions } from "./geometry";
 import type { Scene, Solved } from "./protocol";
 import { NEUTRAL, type Legend } from "./legend";
+import { quantity, type Quantity } from "./quantities";
 import { GREY, type Paint } from "./robot";
 import type { Colouring } from "./state";
 
@@ -23,23 +24,21 @@ export function paints(
         scene.cables.map((cable, k) => tensions(scene, solved, k, cable.course.map((_, i) => i))),
       );
       const known = values.flat(2).filter((value) => value !== null);
-      const most = Math.max(...known, 0);
+      const [least, most] = fitted(known);
       const paint = (of: (number | null)[][]): Paint => ({
         backbone: () => GREY,
         disk: () => DISK,
         cable: (k, i) => {
           const value = of[k]?.[i];
-          return value == null ? GREY : ramp(most > 0 ? value / most : 0);
+          return value == null ? GREY : ramp(most > least ? (value - least) / (most - least) : 1);
         },
       });
-      return { paints: values.map(paint), legend: { title: "tension", unit: "N", least: 0, most, unknown: values.flat(2).includes(null) } };
+      return { paints: values.map(paint), legend: { title: "tension", unit: "N", least, most, unknown: values.flat(2).includes(null) } };
     }
-    case "curvature":
-      return onBackbone(scene, all, "curvature", "1/m", ([bend]) => bend, 1);
-    case "strain":
-      return onBackbone(scene, all, "stretch", "%", ([, , stretch]) => stretch, 100);
     case "contact":
       return { paints: all.map((solved) => byContact(scene, solved)), legend: contactLegend(scene) };
+    default:
+      return onBackbone(scene, all, quantity(colouring)!);
   }
 }
 
@@ -53,24 +52,31 @@ function byModel(scene: Scene, solved: Solved, several: boolean): Paint {
   };
 }
 
-function onBackbone(
-  scene: Scene,
-  all: readonly Solved[],
-  title: string,
-  unit: string,
-  of: (strains: readonly [number, number, number]) => number,
-  factor: number,
-): { paints: Paint[]; legend: Legend } {
-  const values = all.map((solved) => atStations(strainsOf(scene, solved).map(of)));
-  const least = Math.min(...values.flat(), 0);
-  const most = Math.max(...values.flat(), 0);
-  const span = most - least;
-  const paint = (along: number[]): Paint => ({
-    backbone: (i) => ramp(span > 0 ? (along[i]! - least) / span : 0),
+/** From the least to the greatest of the values. */
+function fitted(values: readonly number[]): [number, number] {
+  if (values.length === 0) return [0, 0];
+  const [least, most] = [Math.min(...values), Math.max(...values)];
+  // What differs by rounding alone is one value, of which the scale shows how far it is from zero.
+  return most - least > 1e-6 * Math.max(Math.abs(least), Math.abs(most)) ? [least, most] : [Math.min(least, 0), Math.max(most, 0)];
+}
+
+function onBackbone(scene: Scene, all: readonly Solved[], { title, unit, si, signed, of }: Quantity): { paints: Paint[]; legend: Legend } {
+  const values = all.map((solved) => {
+    const between = of(scene, solved);
+    return between && atStations(between);
+  });
+  const known = values.flatMap((along) => along ?? []);
+  const far = Math.max(...known.map(Math.abs), 0);
+  // Colours of what has a sign are centred at zero.
+  const [least, most] = signed ? [-far, far] : fitted(known);
+  const colour = signed ? diverging : ramp;
+  const paint = (along: number[] | undefined): Paint => ({
+    backbone: (i) => (along ? colour(most > least ? (along[i]! - least) / (most - least) : 0.5) : GREY),
     disk: () => DISK,
     cable: () => GREY,
   });
-  return { paints: values.map(paint), legend: { title, unit, least: least * factor, most: most * factor, unknown: false } };
+  const legend = { title: title.toLowerCase().replace(/κ(.)/, "κ$1"), unit, least: least / si, most: most / si, unknown: values.includes(undefined), signed };
+  return { paints: values.map(paint), legend };
 }
 
 function modelLegend(all: readonly Solved[]): Legend {

@@ -5,6 +5,8 @@ export type Vector = [number, number, number];
 /** (w, x, y, z) */
 export type Quaternion = [number, number, number, number];
 
+export type Strain = [number, number, number, number, number, number];
+
 export type Command = { tension: number } | { shortening: number } | { motor: number };
 
 /** What a slider moves: a cable or a motor by its number. */
@@ -20,9 +22,29 @@ export interface Request {
   compliance: boolean;
   /** A place for the tip, which commands are sought for. */
   target: Vector | null;
+  /** A force at a place of the backbone, in the world. */
+  pull: Pull | null;
 }
 
-export type FromPage = ({ type: "solve" } & Request) | ({ type: "survey" } & Request) | { type: "end_survey" };
+export interface Pull {
+  arc_length: number;
+  force: Vector;
+}
+
+/** What can be played: the steps of the file, or its motion over time. */
+export type Course = "steps" | "motion";
+
+export interface PlayRequest {
+  course: Course;
+  request: Request;
+}
+
+export type FromPage =
+  | ({ type: "solve" } & Request)
+  | ({ type: "survey" } & Request)
+  | { type: "end_survey" }
+  | ({ type: "play" } & PlayRequest)
+  | { type: "end_play" };
 
 export interface Pose {
   position: Vector;
@@ -89,6 +111,19 @@ export interface Obstacle {
   form: Form;
 }
 
+/** A load of the file, in the frame of the loads, or of the cross-section that it follows. */
+export type Load =
+  | { kind: "single"; arc_length: number; force: Vector; moment: Vector; follows: boolean }
+  | { kind: "spread"; arc_lengths: number[]; forces: Vector[]; moments: Vector[]; follows: boolean }
+  | { kind: "mass"; arc_length: number; mass: number };
+
+export interface CourseChoice {
+  course: Course;
+  count: number;
+  /** In s; steps have no times. */
+  duration: number | null;
+}
+
 export interface Warning {
   message: string;
   help: string;
@@ -112,7 +147,10 @@ export interface Scene {
   ranges: Ranges;
   loads_in_base: boolean;
   tip_follower: boolean;
+  loads: Load[];
+  /** The same in words. */
   other_loads: string[];
+  courses: CourseChoice[];
   measured: Vector[];
   obstacles: Obstacle[];
   warnings: Warning[];
@@ -157,8 +195,10 @@ export interface Solved {
   model: string;
   positions: Vector[];
   orientations: Quaternion[];
-  /** Between each two stations: curvature of bending, twist, stretch. */
-  strains: Vector[];
+  /** Between each two stations: bending about x and y, twist, shear along x and y, stretch. */
+  strains: Strain[];
+  /** Moments of the backbone itself in N·m: bending about x and y, torsion; none where its stiffness is not known. */
+  moments: Vector[] | null;
   cables: CableState[];
   contacts: Contact[];
   grasps: Grasp[];
@@ -208,11 +248,29 @@ export interface Cloud {
   complete: boolean;
 }
 
+/** A shape of a course: at a time in s, or a step by its number from 0. */
+export interface Moment {
+  time: number;
+  answers: Answer[];
+}
+
+/** A part of a course, from this number of its shapes on. */
+export interface Track {
+  id: number;
+  course: Course;
+  from: number;
+  moments: Moment[];
+  complete: boolean;
+  /** Why it ends before its end. */
+  message: string | null;
+}
+
 export type ToPage =
   | ({ type: "scene" } & Scene)
   | { type: "broken"; message: string }
   | ({ type: "frame" } & Frame)
   | ({ type: "cloud" } & Cloud)
+  | ({ type: "track" } & Track)
   | { type: "no_cloud"; id: number; message: string }
   | { type: "error"; message: string };
 
@@ -227,6 +285,12 @@ export function encodeSurvey(request: Request | undefined): string {
   return JSON.stringify(message);
 }
 
+/** To play a course; without a request, to end that. */
+export function encodePlay(request: PlayRequest | undefined): string {
+  const message: FromPage = request ? { type: "play", ...request } : { type: "end_play" };
+  return JSON.stringify(message);
+}
+
 /** Reads a message of the server, which is of the same version as the page. */
 export function decode(text: string): ToPage {
   const message = JSON.parse(text) as ToPage;
@@ -235,6 +299,7 @@ export function decode(text: string): ToPage {
     case "broken":
     case "frame":
     case "cloud":
+    case "track":
     case "no_cloud":
     case "error":
       return message;

@@ -1,21 +1,15 @@
 // The panel with the numbers of each answer.
 
-import { cableColour } from "./colours";
 import { element } from "./dom";
-import { spans, strainsOf } from "./geometry";
-import { keys, swatch } from "./legend";
-import { chart, type Line } from "./plots";
+import { GLOSSARY } from "./glossary";
+import { swatch } from "./legend";
 import type { Answer, Grasp, Scene, Solved } from "./protocol";
 import { duration, fixed, significant } from "./units";
 
 const mm = (metres: number): string => fixed(metres * 1e3, 3);
 
 export function readout(scene: Scene, answers: readonly Answer[], colourOf: (model: string) => string): HTMLElement[] {
-  const solved = answers.filter((answer) => answer.status === "solved");
-  return [
-    ...answers.map((answer) => section(scene, answer, colourOf(answer.model))),
-    ...(solved.length > 0 ? charts(scene, solved, colourOf) : []),
-  ];
+  return answers.map((answer) => section(scene, answer, colourOf(answer.model)));
 }
 
 function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
@@ -31,7 +25,9 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
     ["tip", `(${tip.map(mm).join(", ")}) mm`],
     ["orientation", answer.orientations.at(-1)!.map((c, k) => `${"wxyz"[k]!}\u00a0${fixed(c, 4)}`).join(", ")],
   ];
-  if (answer.solve_time > 0) {
+  if (answer.solve_time === 0 && answer.residual === 0) {
+    // A shape of a motion, whose equations are those of the whole step.
+  } else if (answer.solve_time > 0) {
     facts.push(["residual", significant(answer.residual, 2)]);
     facts.push(["solve time", `${duration(answer.solve_time)}, ${count(answer.iterations, "iteration")}`]);
   } else {
@@ -51,7 +47,10 @@ function section(scene: Scene, answer: Answer, colour: string): HTMLElement {
     facts.push(["compliance", answer.compliance.message]);
   }
   const list = element("dl", {});
-  for (const [name, value] of facts) list.append(element("dt", {}, name), element("dd", {}, value));
+  for (const [name, value] of facts) {
+    const what = GLOSSARY[name] ?? "what the robot exerts on this obstacle: force in N, moment about the origin of its frame in N·mm, and how far the nearest contact is from sliding";
+    list.append(element("dt", { title: what }, name), element("dd", { title: what }, value));
+  }
   made.append(list);
   if (answer.unstable) {
     made.append(element("p", { class: "failure" }, "Unstable: the robot leaves this shape at the slightest disturbance."));
@@ -104,38 +103,11 @@ function motors(scene: Scene, solved: Solved): HTMLElement {
 
 function table(head: readonly string[], rows: readonly string[][]): HTMLElement {
   const row = ([name, ...values]: string[]): HTMLElement =>
-    element("tr", {}, element("th", { scope: "row", title: name! }, name!), ...values.map((value) => element("td", {}, value)));
+    element("tr", {}, element("th", { scope: "row", title: name! }, name!), ...values.map((value) => element("td", value === "slack" ? { class: "slack" } : {}, value)));
   return element(
     "table",
     {},
-    element("thead", {}, element("tr", {}, ...head.map((name) => element("th", { scope: "col" }, name)))),
+    element("thead", {}, element("tr", {}, ...head.map((name) => element("th", { scope: "col", title: GLOSSARY[name] ?? "the name that the file gives it" }, name)))),
     element("tbody", {}, ...rows.map(row)),
   );
-}
-
-function charts(scene: Scene, all: readonly Solved[], colourOf: (model: string) => string): HTMLElement[] {
-  const at = scene.stations.map((s) => s * 1e3);
-  const length = scene.length * 1e3;
-  const curvature = all.map((solved): Line => ({
-    label: solved.model,
-    colour: colourOf(solved.model),
-    points: strainsOf(scene, solved).flatMap(([bend], i): [number, number][] => [
-      [at[i]!, bend],
-      [at[i + 1]!, bend],
-    ]),
-  }));
-  const shown = [chart("Curvature", "1/m", curvature, length)];
-  if (all.length > 1) shown[0]!.append(keys(curvature));
-  const first = all.find((solved) => solved.cables.some((cable) => cable.tension !== null));
-  if (first) {
-    const lines = scene.cables.map((cable, k): Line => ({
-      label: cable.name,
-      colour: cableColour(k),
-      points: spans(scene, first, k).map(([station, tension]) => [at[station]!, tension]),
-    }));
-    const figure = chart(all.length > 1 ? `Tension by ${first.model}` : "Tension", "N", lines, length);
-    figure.append(keys(lines));
-    shown.push(figure);
-  }
-  return shown;
 }

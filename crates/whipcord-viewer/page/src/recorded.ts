@@ -2,7 +2,7 @@
 // has it, and the shape is what they add up to: geometry, as everything here.
 
 import { add, rotate, scale, cross } from "./geometry";
-import type { Answer, Cloud, Command, Contact, Frame, Pose, Quaternion, Request, Scene, Solved, Vector } from "./protocol";
+import type { Answer, Cloud, Command, Contact, Frame, Pose, Quaternion, Request, Scene, Solved, Strain, Vector } from "./protocol";
 import type { Listener, Source } from "./source";
 import { valueOf } from "./state";
 import { significant } from "./units";
@@ -216,6 +216,9 @@ export class Recorded implements Source {
     if (request && cloud) queueMicrotask(() => this.#listener.cloud({ ...cloud, id: request.id }));
   }
 
+  /** An exported page has no courses. */
+  play(): void {}
+
   ask(request: Request): void {
     const begun = performance.now();
     const answers = request.models.map((model) => this.#answer(model, request));
@@ -242,19 +245,20 @@ export class Recorded implements Source {
     const cable = mean(cables, 3 * count, weights);
     const [nearest] = weights.reduce((a, b) => (b[1] > a[1] ? b : a));
     const poses: Pose[] = [scene.base];
-    const shown: Vector[] = [];
+    const shown: Strain[] = [];
     for (let piece = 0; piece < pieces; piece++) {
       const length = scene.stations[piece + 1]! - scene.stations[piece]!;
       const e = recorded.scales.map((scale, c) => scale * strain[6 * piece + c]!) as [number, number, number, number, number, number];
       const linear: Vector = [e[0] * length, e[1] * length, (1 + e[2]) * length];
       poses.push(move(poses[piece]!, linear, [e[3] * length, e[4] * length, e[5] * length]));
-      shown.push([Math.hypot(e[3], e[4]), e[5], e[2]]);
+      shown.push([e[3], e[4], e[5], e[0], e[1], e[2]]);
     }
     return {
       model: recorded.model,
       positions: poses.map((pose) => pose.position),
       orientations: poses.map((pose) => pose.orientation),
       strains: shown,
+      moments: null,
       cables: scene.cables.map((_, k) => {
         const tension = cable[3 * k]!;
         const length = cable[3 * k + 1]!;

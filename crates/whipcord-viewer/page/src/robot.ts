@@ -51,17 +51,20 @@ export class RobotMesh {
     const { outline, inner } = profile(scene);
     this.#backbone = new Tube(outline, inner);
     this.#cables = scene.cables.map(() => new Tube(circle(CABLE_SIDES)));
-    for (const tube of [this.#backbone, ...this.#cables]) {
+    this.group.name = model;
+    [this.#backbone, ...this.#cables].forEach((tube, i) => {
       const mesh = new Mesh(tube.geometry, this.#material({ vertexColors: true, roughness: 0.55 }));
+      mesh.name = i === 0 ? "backbone" : `cable ${scene.cables[i - 1]!.name}`;
       mesh.frustumCulled = false;
       this.group.add(mesh);
-    }
+    });
     const shapes = new Map<string, BufferGeometry>();
-    this.#disks = scene.disks.map((disk) => {
+    this.#disks = scene.disks.map((disk, i) => {
       const key = JSON.stringify([disk.radius, disk.thickness, disk.hole_radius, disk.holes]);
       const geometry = shapes.get(key) ?? plate(disk);
       shapes.set(key, geometry);
       const mesh = new Mesh(geometry, this.#material({ roughness: 0.8, transparent: true, opacity: 0.82 }));
+      mesh.name = `disk ${i + 1}`;
       this.group.add(mesh);
       return mesh;
     });

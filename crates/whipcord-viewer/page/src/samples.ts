@@ -41,7 +41,15 @@ export const fromPage: FromPage[] = [
       0.05,
       0.0,
       0.1
-    ]
+    ],
+    "pull": {
+      "arc_length": 0.1,
+      "force": [
+        0.0,
+        0.2,
+        0.0
+      ]
+    }
   },
   {
     "type": "survey",
@@ -81,10 +89,72 @@ export const fromPage: FromPage[] = [
       0.05,
       0.0,
       0.1
-    ]
+    ],
+    "pull": {
+      "arc_length": 0.1,
+      "force": [
+        0.0,
+        0.2,
+        0.0
+      ]
+    }
   },
   {
     "type": "end_survey"
+  },
+  {
+    "type": "play",
+    "course": "motion",
+    "request": {
+      "id": 7,
+      "commands": [
+        {
+          "tension": 1.5
+        },
+        {
+          "shortening": -0.002
+        },
+        {
+          "motor": 0.7
+        }
+      ],
+      "tip_force": [
+        0.1,
+        0.0,
+        -0.2
+      ],
+      "tip_moment": [
+        0.0,
+        0.01,
+        0.0
+      ],
+      "gravity": [
+        0.0,
+        0.0,
+        -9.81
+      ],
+      "models": [
+        "cosserat",
+        "four-bar"
+      ],
+      "compliance": true,
+      "target": [
+        0.05,
+        0.0,
+        0.1
+      ],
+      "pull": {
+        "arc_length": 0.1,
+        "force": [
+          0.0,
+          0.2,
+          0.0
+        ]
+      }
+    }
+  },
+  {
+    "type": "end_play"
   }
 ];
 
@@ -236,7 +306,15 @@ export const toPage: ToPage[] = [
         0.05,
         0.0,
         0.1
-      ]
+      ],
+      "pull": {
+        "arc_length": 0.1,
+        "force": [
+          0.0,
+          0.2,
+          0.0
+        ]
+      }
     },
     "ranges": {
       "tension": 10.0,
@@ -247,8 +325,74 @@ export const toPage: ToPage[] = [
     },
     "loads_in_base": true,
     "tip_follower": false,
+    "loads": [
+      {
+        "kind": "single",
+        "arc_length": 0.1,
+        "force": [
+          0.1,
+          0.0,
+          0.0
+        ],
+        "moment": [
+          0.0,
+          0.0,
+          0.01
+        ],
+        "follows": true
+      },
+      {
+        "kind": "spread",
+        "arc_lengths": [
+          0.0,
+          0.2
+        ],
+        "forces": [
+          [
+            0.0,
+            1.0,
+            0.0
+          ],
+          [
+            0.0,
+            1.0,
+            0.0
+          ]
+        ],
+        "moments": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "follows": false
+      },
+      {
+        "kind": "mass",
+        "arc_length": 0.2,
+        "mass": 0.05
+      }
+    ],
     "other_loads": [
       "a load at a point"
+    ],
+    "courses": [
+      {
+        "course": "steps",
+        "count": 4,
+        "duration": null
+      },
+      {
+        "course": "motion",
+        "count": 101,
+        "duration": 1.0
+      }
     ],
     "measured": [
       [
@@ -611,7 +755,15 @@ export const toPage: ToPage[] = [
         0.05,
         0.0,
         0.1
-      ]
+      ],
+      "pull": {
+        "arc_length": 0.1,
+        "force": [
+          0.0,
+          0.2,
+          0.0
+        ]
+      }
     },
     "ranges": {
       "tension": 10.0,
@@ -622,8 +774,74 @@ export const toPage: ToPage[] = [
     },
     "loads_in_base": true,
     "tip_follower": false,
+    "loads": [
+      {
+        "kind": "single",
+        "arc_length": 0.1,
+        "force": [
+          0.1,
+          0.0,
+          0.0
+        ],
+        "moment": [
+          0.0,
+          0.0,
+          0.01
+        ],
+        "follows": true
+      },
+      {
+        "kind": "spread",
+        "arc_lengths": [
+          0.0,
+          0.2
+        ],
+        "forces": [
+          [
+            0.0,
+            1.0,
+            0.0
+          ],
+          [
+            0.0,
+            1.0,
+            0.0
+          ]
+        ],
+        "moments": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "follows": false
+      },
+      {
+        "kind": "mass",
+        "arc_length": 0.2,
+        "mass": 0.05
+      }
+    ],
     "other_loads": [
       "a load at a point"
+    ],
+    "courses": [
+      {
+        "course": "steps",
+        "count": 4,
+        "duration": null
+      },
+      {
+        "course": "motion",
+        "count": 101,
+        "duration": 1.0
+      }
     ],
     "measured": [
       [
@@ -996,7 +1214,15 @@ export const toPage: ToPage[] = [
         0.05,
         0.0,
         0.1
-      ]
+      ],
+      "pull": {
+        "arc_length": 0.1,
+        "force": [
+          0.0,
+          0.2,
+          0.0
+        ]
+      }
     },
     "ranges": {
       "tension": 10.0,
@@ -1007,8 +1233,74 @@ export const toPage: ToPage[] = [
     },
     "loads_in_base": true,
     "tip_follower": false,
+    "loads": [
+      {
+        "kind": "single",
+        "arc_length": 0.1,
+        "force": [
+          0.1,
+          0.0,
+          0.0
+        ],
+        "moment": [
+          0.0,
+          0.0,
+          0.01
+        ],
+        "follows": true
+      },
+      {
+        "kind": "spread",
+        "arc_lengths": [
+          0.0,
+          0.2
+        ],
+        "forces": [
+          [
+            0.0,
+            1.0,
+            0.0
+          ],
+          [
+            0.0,
+            1.0,
+            0.0
+          ]
+        ],
+        "moments": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "follows": false
+      },
+      {
+        "kind": "mass",
+        "arc_length": 0.2,
+        "mass": 0.05
+      }
+    ],
     "other_loads": [
       "a load at a point"
+    ],
+    "courses": [
+      {
+        "course": "steps",
+        "count": 4,
+        "duration": null
+      },
+      {
+        "course": "motion",
+        "count": 101,
+        "duration": 1.0
+      }
     ],
     "measured": [
       [
@@ -1276,7 +1568,17 @@ export const toPage: ToPage[] = [
           [
             1.5,
             0.0,
+            0.2,
+            0.001,
+            0.0,
             -0.001
+          ]
+        ],
+        "moments": [
+          [
+            0.01,
+            0.0,
+            0.002
           ]
         ],
         "cables": [
@@ -1423,9 +1725,13 @@ export const toPage: ToPage[] = [
           [
             1.5,
             0.0,
+            0.2,
+            0.001,
+            0.0,
             -0.001
           ]
         ],
+        "moments": null,
         "cables": [
           {
             "tension": null,
@@ -1518,7 +1824,17 @@ export const toPage: ToPage[] = [
           [
             1.5,
             0.0,
+            0.2,
+            0.001,
+            0.0,
             -0.001
+          ]
+        ],
+        "moments": [
+          [
+            0.01,
+            0.0,
+            0.002
           ]
         ],
         "cables": [
@@ -1665,9 +1981,13 @@ export const toPage: ToPage[] = [
           [
             1.5,
             0.0,
+            0.2,
+            0.001,
+            0.0,
             -0.001
           ]
         ],
+        "moments": null,
         "cables": [
           {
             "tension": null,
@@ -1721,6 +2041,490 @@ export const toPage: ToPage[] = [
     "dimension": 3,
     "measure": 0.5,
     "complete": true
+  },
+  {
+    "type": "track",
+    "id": 9,
+    "course": "motion",
+    "from": 16,
+    "moments": [
+      {
+        "time": 0.5,
+        "answers": [
+          {
+            "status": "solved",
+            "model": "cosserat",
+            "positions": [
+              [
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                0.0,
+                0.0,
+                0.1
+              ]
+            ],
+            "orientations": [
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ]
+            ],
+            "strains": [
+              [
+                1.5,
+                0.0,
+                0.2,
+                0.001,
+                0.0,
+                -0.001
+              ]
+            ],
+            "moments": [
+              [
+                0.01,
+                0.0,
+                0.002
+              ]
+            ],
+            "cables": [
+              {
+                "tension": 1.5,
+                "length": 0.19,
+                "initial_length": 0.2,
+                "shortening": 0.001,
+                "slack": false,
+                "span_tensions": [
+                  1.5,
+                  1.4
+                ]
+              }
+            ],
+            "contacts": [
+              {
+                "obstacle": 0,
+                "arc_length": 0.1,
+                "point": [
+                  0.0,
+                  0.0,
+                  0.1
+                ],
+                "normal": [
+                  1.0,
+                  0.0,
+                  0.0
+                ],
+                "force": 0.3,
+                "friction": [
+                  0.0,
+                  0.05,
+                  0.0
+                ],
+                "sticks": true
+              }
+            ],
+            "grasps": [
+              {
+                "obstacle": 0,
+                "contacts": 1,
+                "sliding": 0,
+                "normal_force": 0.3,
+                "force": [
+                  -0.3,
+                  -0.05,
+                  0.0
+                ],
+                "moment": [
+                  0.0,
+                  0.0,
+                  0.001
+                ],
+                "slip_margin": 0.4
+              }
+            ],
+            "objects": [
+              {
+                "obstacle": 0,
+                "pose": {
+                  "position": [
+                    0.0,
+                    0.0,
+                    0.2
+                  ],
+                  "orientation": [
+                    1.0,
+                    0.0,
+                    0.0,
+                    0.0
+                  ]
+                }
+              }
+            ],
+            "residual": 1e-12,
+            "iterations": 3,
+            "stability": 0.9,
+            "unstable": false,
+            "solve_time": 0.00002,
+            "driven_by": null,
+            "compliance": {
+              "status": "known",
+              "values": [
+                0.1,
+                0.01,
+                0.001
+              ],
+              "directions": [
+                [
+                  1.0,
+                  0.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  1.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  0.0,
+                  1.0
+                ]
+              ]
+            },
+            "warnings": [
+              {
+                "message": "what",
+                "help": "do"
+              }
+            ]
+          },
+          {
+            "status": "solved",
+            "model": "four-bar",
+            "positions": [
+              [
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                0.0,
+                0.0,
+                0.1
+              ]
+            ],
+            "orientations": [
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ]
+            ],
+            "strains": [
+              [
+                1.5,
+                0.0,
+                0.2,
+                0.001,
+                0.0,
+                -0.001
+              ]
+            ],
+            "moments": null,
+            "cables": [
+              {
+                "tension": null,
+                "length": 0.19,
+                "initial_length": 0.2,
+                "shortening": 0.001,
+                "slack": true,
+                "span_tensions": []
+              }
+            ],
+            "contacts": [],
+            "grasps": [],
+            "objects": [],
+            "residual": 1e-12,
+            "iterations": 3,
+            "stability": null,
+            "unstable": false,
+            "solve_time": 0.00002,
+            "driven_by": "cosserat",
+            "compliance": {
+              "status": "unknown",
+              "message": "why"
+            },
+            "warnings": []
+          },
+          {
+            "status": "failed",
+            "model": "cosserat-disks",
+            "message": "why"
+          }
+        ]
+      }
+    ],
+    "complete": false,
+    "message": null
+  },
+  {
+    "type": "track",
+    "id": 9,
+    "course": "motion",
+    "from": 16,
+    "moments": [
+      {
+        "time": 0.5,
+        "answers": [
+          {
+            "status": "solved",
+            "model": "cosserat",
+            "positions": [
+              [
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                0.0,
+                0.0,
+                0.1
+              ]
+            ],
+            "orientations": [
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ]
+            ],
+            "strains": [
+              [
+                1.5,
+                0.0,
+                0.2,
+                0.001,
+                0.0,
+                -0.001
+              ]
+            ],
+            "moments": [
+              [
+                0.01,
+                0.0,
+                0.002
+              ]
+            ],
+            "cables": [
+              {
+                "tension": 1.5,
+                "length": 0.19,
+                "initial_length": 0.2,
+                "shortening": 0.001,
+                "slack": false,
+                "span_tensions": [
+                  1.5,
+                  1.4
+                ]
+              }
+            ],
+            "contacts": [
+              {
+                "obstacle": 0,
+                "arc_length": 0.1,
+                "point": [
+                  0.0,
+                  0.0,
+                  0.1
+                ],
+                "normal": [
+                  1.0,
+                  0.0,
+                  0.0
+                ],
+                "force": 0.3,
+                "friction": [
+                  0.0,
+                  0.05,
+                  0.0
+                ],
+                "sticks": true
+              }
+            ],
+            "grasps": [
+              {
+                "obstacle": 0,
+                "contacts": 1,
+                "sliding": 0,
+                "normal_force": 0.3,
+                "force": [
+                  -0.3,
+                  -0.05,
+                  0.0
+                ],
+                "moment": [
+                  0.0,
+                  0.0,
+                  0.001
+                ],
+                "slip_margin": 0.4
+              }
+            ],
+            "objects": [
+              {
+                "obstacle": 0,
+                "pose": {
+                  "position": [
+                    0.0,
+                    0.0,
+                    0.2
+                  ],
+                  "orientation": [
+                    1.0,
+                    0.0,
+                    0.0,
+                    0.0
+                  ]
+                }
+              }
+            ],
+            "residual": 1e-12,
+            "iterations": 3,
+            "stability": 0.9,
+            "unstable": false,
+            "solve_time": 0.00002,
+            "driven_by": null,
+            "compliance": {
+              "status": "known",
+              "values": [
+                0.1,
+                0.01,
+                0.001
+              ],
+              "directions": [
+                [
+                  1.0,
+                  0.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  1.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  0.0,
+                  1.0
+                ]
+              ]
+            },
+            "warnings": [
+              {
+                "message": "what",
+                "help": "do"
+              }
+            ]
+          },
+          {
+            "status": "solved",
+            "model": "four-bar",
+            "positions": [
+              [
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                0.0,
+                0.0,
+                0.1
+              ]
+            ],
+            "orientations": [
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ],
+              [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ]
+            ],
+            "strains": [
+              [
+                1.5,
+                0.0,
+                0.2,
+                0.001,
+                0.0,
+                -0.001
+              ]
+            ],
+            "moments": null,
+            "cables": [
+              {
+                "tension": null,
+                "length": 0.19,
+                "initial_length": 0.2,
+                "shortening": 0.001,
+                "slack": true,
+                "span_tensions": []
+              }
+            ],
+            "contacts": [],
+            "grasps": [],
+            "objects": [],
+            "residual": 1e-12,
+            "iterations": 3,
+            "stability": null,
+            "unstable": false,
+            "solve_time": 0.00002,
+            "driven_by": "cosserat",
+            "compliance": {
+              "status": "unknown",
+              "message": "why"
+            },
+            "warnings": []
+          },
+          {
+            "status": "failed",
+            "model": "cosserat-disks",
+            "message": "why"
+          }
+        ]
+      }
+    ],
+    "complete": true,
+    "message": "why"
   },
   {
     "type": "no_cloud",

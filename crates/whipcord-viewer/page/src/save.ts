@@ -5,7 +5,7 @@ import { GLTFExporter } from "three/addons/exporters/GLTFExporter.js";
 import { STLExporter } from "three/addons/exporters/STLExporter.js";
 
 import { element } from "./dom";
-import { stamp, type Legend } from "./legend";
+import { picture, type PictureOptions, type Said } from "./picture";
 import type { Stage } from "./stage";
 
 /** What there is to save. */
@@ -14,8 +14,8 @@ export interface Saved {
   name(): string;
   /** The robots whose shapes are answers. */
   robots(): Object3D[];
-  /** What their colours stand for, and the colour to write that in. */
-  legend(): { legend: Legend; ink: string } | undefined;
+  /** Takes a picture in the colours of paper: of what its colours stand for, and the colour to write that in. */
+  onPaper<T>(take: (said: Said) => Promise<T>): Promise<T>;
   /** Something could not be saved, and why. */
   failed(message: string | undefined): void;
 }
@@ -36,21 +36,6 @@ function inside(robots: readonly Object3D[]): Group {
   const group = new Group();
   group.add(...robots.map((robot) => robot.clone()));
   return group;
-}
-
-/** The view, with what its colours stand for. */
-async function png(stage: Stage, saved: Saved): Promise<void> {
-  stage.drawFinely();
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [stage.canvas.width, stage.canvas.height];
-  const context = canvas.getContext("2d");
-  if (!context) throw new Error("this browser draws no pictures");
-  context.drawImage(stage.canvas, 0, 0);
-  const said = saved.legend();
-  if (said) stamp(context, said.legend, canvas.width / stage.canvas.clientWidth, said.ink);
-  const picture = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
-  if (!picture) throw new Error("this browser makes no PNG of it");
-  download(`${saved.name()}.png`, picture);
 }
 
 /** glTF has metres, and y upwards. */
@@ -74,29 +59,34 @@ function stl(saved: Saved): void {
 /** Pictures for each second of a film. */
 const RATE = 30;
 
-/** A film of what the view shows, from one press of the button to the next. */
-class Film {
-  readonly button: HTMLButtonElement;
+/** A film of what the view shows, from one press of the button to the next, or of a course that is played. */
+export class Film {
+  readonly button = element("button", { type: "button", "aria-pressed": "false" }, "Record film");
+  readonly #stage: Stage;
+  readonly #name: () => string;
+  readonly #type: string | undefined;
   #recorder: MediaRecorder | undefined;
 
   constructor(stage: Stage, name: () => string) {
-    this.button = element("button", { type: "button", "aria-pressed": "false" }, "Record film");
-    const type = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find(
+    [this.#stage, this.#name] = [stage, name];
+    this.#type = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find(
       (one) => "MediaRecorder" in window && MediaRecorder.isTypeSupported(one),
     );
-    this.button.disabled = type === undefined;
-    this.button.title = type === undefined ? "This browser records no WebM" : "From now until the next press, as WebM";
-    this.button.addEventListener("click", () => {
-      if (this.#recorder) {
-        this.#recorder.stop();
-        this.#recorder = undefined;
-      } else if (type !== undefined) {
-        this.#recorder = film(stage, type, name());
-      }
-      const running = this.#recorder !== undefined;
-      this.button.textContent = running ? "Stop film" : "Record film";
-      this.button.setAttribute("aria-pressed", String(running));
-    });
+    this.button.disabled = !this.isPossible;
+    this.button.title = this.isPossible ? "From now until the next press, as WebM" : "This browser records no WebM";
+    this.button.addEventListener("click", () => this.record(this.#recorder === undefined));
+  }
+
+  get isPossible(): boolean {
+    return this.#type !== undefined;
+  }
+
+  record(yes: boolean): void {
+    if (yes === (this.#recorder !== undefined)) return;
+    this.#recorder?.stop();
+    this.#recorder = yes && this.#type !== undefined ? film(this.#stage, this.#type, this.#name()) : undefined;
+    this.button.textContent = yes ? "Stop film" : "Record film";
+    this.button.setAttribute("aria-pressed", String(yes));
   }
 }
 
@@ -115,7 +105,7 @@ function film(stage: Stage, type: string, name: string): MediaRecorder {
 }
 
 /** Buttons for all of it. */
-export function saving(stage: Stage, saved: Saved): HTMLElement {
+export function saving(stage: Stage, saved: Saved, recorder: Film): HTMLElement {
   const button = (label: string, title: string, act: () => void | Promise<void>): HTMLButtonElement => {
     const attempt = async (): Promise<void> => {
       try {
@@ -127,6 +117,34 @@ export function saving(stage: Stage, saved: Saved): HTMLElement {
     };
     return element("button", { type: "button", title, onclick: () => void attempt() }, label);
   };
+  const number = (id: string, label: string, value: number, least: number, most: number): [HTMLInputElement, HTMLElement] => {
+    const box = element("input", { type: "number", id, value, min: least, max: most, step: "any" });
+    return [box, element("div", { class: "choice" }, element("label", { for: id }, label), box)];
+  };
+  const check = (id: string, label: string, on: boolean): [HTMLInputElement, HTMLElement] => {
+    const box = element("input", { type: "checkbox", id, checked: on });
+    return [box, element("div", { class: "choice" }, box, element("label", { for: id }, label))];
+  };
+  const [width, widthRow] = number("picture-width", "Width in mm", 160, 10, 2000);
+  const [height, heightRow] = number("picture-height", "Height in mm", 120, 10, 2000);
+  const [resolution, resolutionRow] = number("picture-dpi", "DPI", 300, 30, 2400);
+  const [transparent, transparentRow] = check("picture-transparent", "Transparent", false);
+  const [labels, labelsRow] = check("picture-labels", "Labels and legend", true);
+  const [bar, barRow] = check("picture-bar", "Scale bar", true);
+  const [grid, gridRow] = check("picture-grid", "Grid", false);
+  const take = async (format: PictureOptions["format"]): Promise<void> => {
+    const options: PictureOptions = {
+      format,
+      width: Number(width.value),
+      height: Number(height.value),
+      resolution: Number(resolution.value),
+      transparent: transparent.checked,
+      labels: labels.checked,
+      bar: bar.checked,
+      grid: grid.checked,
+    };
+    download(`${saved.name()}.${format}`, await saved.onPaper((said) => picture(stage, options, said)));
+  };
   return element(
     "details",
     { id: "save" },
@@ -134,10 +152,19 @@ export function saving(stage: Stage, saved: Saved): HTMLElement {
     element(
       "div",
       {},
-      button("Picture (PNG)", "The view as it is", () => png(stage, saved)),
-      button("Robot (glTF)", "In metres, with colours", () => gltf(saved)),
-      button("Robot (STL)", "In millimetres", () => stl(saved)),
-      new Film(stage, () => saved.name()).button,
+      element("h2", {}, "Picture"),
+      widthRow, heightRow, resolutionRow, transparentRow, labelsRow, barRow, gridRow,
+      element("div", { class: "pair" },
+        button("Picture (PNG)", "At this size and resolution, without handles", () => take("png")),
+        button("Picture (SVG)", "Polygons and text at this size, without handles", () => take("svg")),
+      ),
+      element("h2", {}, "Robot"),
+      element("div", { class: "pair" },
+        button("Robot (glTF)", "In metres, with colours and the names of its parts", () => gltf(saved)),
+        button("Robot (STL)", "In millimetres", () => stl(saved)),
+      ),
+      element("h2", {}, "Film"),
+      recorder.button,
     ),
   );
 }

@@ -1,6 +1,6 @@
 // Where answers come from: the server, over a WebSocket.
 
-import { decode, encode, encodeSurvey, type Cloud, type Frame, type Request, type Scene } from "./protocol";
+import { decode, encode, encodePlay, encodeSurvey, type Cloud, type Frame, type PlayRequest, type Request, type Scene, type Track } from "./protocol";
 
 export interface Listener {
   scene(scene: Scene): void;
@@ -9,6 +9,8 @@ export interface Listener {
   cloud(cloud: Cloud): void;
   /** That is not known, and why. */
   noCloud(id: number, message: string): void;
+  /** A part of a course that was asked for. */
+  track(track: Track): void;
   /** The file on disk cannot be used as it now is. */
   broken(message: string): void;
   /** Whether answers can be had at all. */
@@ -22,6 +24,8 @@ export interface Source {
   ask(request: Request): void;
   /** Asks where the tip can go; without a request nobody waits for that any more. */
   survey(request: Request | undefined): void;
+  /** Asks for a course of shapes; without a request nobody waits for one any more. */
+  play(request: PlayRequest | undefined): void;
 }
 
 /** How long to wait before connecting again, in ms. */
@@ -50,6 +54,11 @@ export class Live implements Source {
     else this.#waitingSurvey = request;
   }
 
+  play(request: PlayRequest | undefined): void {
+    // Without a connection there is nothing to play: who presses again asks anew.
+    if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(encodePlay(request));
+  }
+
   #connect(): void {
     const socket = new WebSocket(this.#url);
     this.#socket = socket;
@@ -76,6 +85,8 @@ export class Live implements Source {
         return this.#listener.frame(message);
       case "cloud":
         return this.#listener.cloud(message);
+      case "track":
+        return this.#listener.track(message);
       case "no_cloud":
         return this.#listener.noCloud(message.id, message.message);
       case "broken":

@@ -1,137 +1,173 @@
-// The view in space: camera, light, the robots, and the handle at the tip that a force is dragged by.
+// The view in space: light, the robots and what stands around them, and what is drawn on top of them.
 
 import {
-  ArrowHelper,
   Box3,
+  BufferGeometry,
   Color,
   DirectionalLight,
+  DoubleSide,
+  FrontSide,
   GridHelper,
   Group,
   HemisphereLight,
   Line,
+  Material,
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
-  PerspectiveCamera,
+  Plane,
   Points,
   Quaternion as Turn,
-  Plane,
-  Raycaster,
   Scene as Space,
   SphereGeometry,
   Sprite,
-  Vector2,
   Vector3,
   WebGLRenderer,
   type Object3D,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Line2 } from "three/addons/lines/Line2.js";
+import { LineGeometry } from "three/addons/lines/LineGeometry.js";
+import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 
+import type { Acting } from "./acting";
+import { Arrows } from "./arrows";
 import { axes } from "./axes";
-import { HANDLE, TOUCHING } from "./colours";
+import { Cameras, SIDES, type Side } from "./cameras";
+import { Compass } from "./compass";
 import { add, rotate } from "./geometry";
-import type { Contact, Scene, Solved, Vector } from "./protocol";
+import { Grab, type Grabbing } from "./grab";
+import { Handles } from "./handles";
+import { Labels, type Label } from "./labels";
+import type { Scene, Solved, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
 import type { Colours } from "./theme";
 import { drawsBySoftware, REST, Sharpness } from "./sharpness";
 
-export interface Dragging {
-  /** The tip is pulled this far from where it was taken hold of, to this place, in m in the world. */
-  pull(by: Vector, to: Vector): void;
-  /** The handle is let go. */
-  release(): void;
+export interface Watching extends Grabbing {
   /** The user looks from elsewhere. */
   looked(): void;
+  /** The view has been drawn, with so many pixels of the page for each metre where it looks at. */
+  drawn(scale: number): void;
 }
 
 /** Colour of what was measured: one that no model and no cable has. */
 export const MEASURED = "#f0e442";
 
+/** A plane that cuts bodies open: its normal, and its distance from the middle of the robot relative to the robot's half extent. */
+export interface Cut {
+  along: "x" | "y" | "z";
+  at: number;
+}
+
 export class Stage {
-  readonly #renderer: WebGLRenderer;
-  readonly #space = new Space();
-  readonly #camera = new PerspectiveCamera(35, 1, 1e-3, 100);
+  readonly cameras: Cameras;
+  readonly handles = new Handles();
+  readonly labels: Labels;
+  readonly renderer: WebGLRenderer;
+  readonly space = new Space();
   readonly #orbit: OrbitControls;
   readonly #canvas: HTMLCanvasElement;
+  readonly #watching: Watching;
+  readonly #compass: Compass;
   #surroundings = new Group();
-  #robots = new Group();
+  #named: Label[] = [];
+  #ghost: Object3D | undefined;
+  readonly #robots = new Group();
   readonly #marks = new Group();
-  readonly #pushes = new Group();
-  readonly #handle = new Mesh(new SphereGeometry(1, 24, 16), new MeshBasicMaterial({ color: HANDLE, depthTest: false, transparent: true }));
-  readonly #target = new Mesh(new SphereGeometry(1, 12, 8), new MeshBasicMaterial({ color: HANDLE, wireframe: true, depthTest: false, transparent: true }));
+  readonly #arrows = new Arrows();
+  readonly #backs = new Group();
   readonly #cloud = new Group();
-  readonly #arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, HANDLE);
+  readonly #words = new Group();
+  readonly #ink = new LineMaterial({ linewidth: 1.5, depthTest: false, transparent: true });
+  readonly #massBody = new SphereGeometry(1, 16, 12);
+  readonly #plane = new Plane();
+  #cut: Cut | undefined;
   /** Of the robot that was looked at. */
   #length = 0;
+  #colours: Colours | undefined;
   #asked = false;
   readonly #sharpness: Sharpness;
   #resting = 0;
   #filmed = false;
 
-  constructor(canvas: HTMLCanvasElement, dragging: Dragging) {
-    this.#canvas = canvas;
+  constructor(canvas: HTMLCanvasElement, watching: Watching) {
+    [this.#canvas, this.#watching] = [canvas, watching];
     const bySoftware = drawsBySoftware();
-    this.#renderer = new WebGLRenderer({ canvas, antialias: !bySoftware, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: !bySoftware, preserveDrawingBuffer: true });
+    this.renderer.localClippingEnabled = true;
     this.#sharpness = new Sharpness(window.devicePixelRatio, bySoftware);
-    this.#renderer.setPixelRatio(this.#sharpness.still);
-    this.#camera.up.set(0, 0, 1);
-    this.#orbit = new OrbitControls(this.#camera, canvas);
+    this.renderer.setPixelRatio(this.#sharpness.still);
+    let made: OrbitControls | undefined;
+    this.cameras = new Cameras((camera) => (made = new OrbitControls(camera, canvas)));
+    this.#orbit = made!;
+    this.#turned();
+    const sun = new DirectionalLight("#ffffff", 2.2);
+    sun.position.set(1, -2, 3);
+    for (const camera of this.cameras.all) camera.add(new DirectionalLight("#ffffff", 0.8));
+    this.space.add(
+      new HemisphereLight("#ffffff", "#8890a0", 1.3), sun, ...this.cameras.all, this.#surroundings, this.#robots, this.#marks,
+      this.#arrows.group, this.#backs, this.handles.group, this.#cloud, this.#words,
+    );
+    const host = canvas.parentElement ?? canvas;
+    this.labels = new Labels(host);
+    this.#compass = new Compass(canvas, () => this.cameras, () => {
+      this.draw();
+      watching.looked();
+    });
+    new Grab(canvas, () => this.cameras.camera, watching, (free) => (this.#orbit.enabled = free));
+    new ResizeObserver(() => this.#resize()).observe(host);
+    this.#resize();
+  }
+
+  #turned(): void {
     this.#orbit.addEventListener("change", () => this.draw());
-    this.#orbit.listenToKeyEvents(canvas);
+    this.#orbit.listenToKeyEvents(this.#canvas);
     this.#orbit.keyPanSpeed = 20;
     this.#orbit.keyRotateSpeed = 15;
     let before = "";
     this.#orbit.addEventListener("start", () => (before = String(this.view)));
     // A click moves nothing.
     this.#orbit.addEventListener("end", () => {
-      if (String(this.view) !== before) dragging.looked();
+      if (String(this.view) !== before) this.#watching.looked();
     });
-    canvas.addEventListener("keyup", ({ key }) => {
-      if (/^(Arrow.*|[-+=])$/.test(key)) dragging.looked();
+    this.#canvas.addEventListener("keyup", ({ key }) => {
+      if (/^(Arrow.*|[-+=])$/.test(key)) this.#watching.looked();
     });
-    const sun = new DirectionalLight("#ffffff", 2.2);
-    sun.position.set(1, -2, 3);
-    this.#camera.add(new DirectionalLight("#ffffff", 0.8));
-    this.#handle.renderOrder = 2;
-    this.#handle.visible = false;
-    this.#arrow.visible = false;
-    this.#target.renderOrder = 2;
-    this.#target.visible = false;
-    this.#space.add(
-      new HemisphereLight("#ffffff", "#8890a0", 1.3), sun, this.#camera,
-      this.#surroundings, this.#robots, this.#marks, this.#pushes, this.#handle, this.#arrow, this.#target, this.#cloud,
-    );
-    this.#listen(dragging);
-    new ResizeObserver(() => this.#resize()).observe(canvas.parentElement ?? canvas);
-    this.#resize();
   }
 
   /** What stands around the robot of a new file. The camera stays where the user put it if the robot is of the same
    * size; else it looks anew, which is returned. */
   surround(scene: Scene, colours: Colours): boolean {
-    this.#space.remove(this.#surroundings);
+    this.#colours = colours;
+    this.space.remove(this.#surroundings);
     discard(this.#surroundings);
     this.#surroundings = obstacles(scene);
     const spacing = gridSpacing(scene);
     const grid = new GridHelper(40 * spacing, 40, colours.grid, colours.grid);
+    grid.name = "grid";
     grid.rotateX(Math.PI / 2);
     grid.position.set(...scene.base.position);
-    this.#surroundings.add(grid, axes(scene, colours.ink));
+    const { group, labels } = axes(scene, colours.ink);
+    this.#named = labels;
+    this.#surroundings.add(grid, group);
     const point = new SphereGeometry(0.012 * scene.length, 16, 12);
     for (const place of scene.measured) {
       const mesh = new Mesh(point, new MeshStandardMaterial({ color: MEASURED, depthTest: false, transparent: true }));
+      mesh.name = "measured";
       mesh.position.set(...place);
       // In front of the robot that it may lie inside of.
       mesh.renderOrder = 1;
       this.#surroundings.add(mesh);
     }
-    this.#space.add(this.#surroundings);
-    this.#space.background = new Color(colours.background);
-    this.#handle.scale.setScalar(0.022 * scene.length);
-    this.#target.scale.setScalar(0.022 * scene.length);
+    this.space.add(this.#surroundings);
+    this.space.background = new Color(colours.background);
+    this.#ink.color.set(colours.ink);
+    this.#applyCut();
     this.draw();
     if (this.#length === scene.length) return false;
     this.#length = scene.length;
+    this.cameras.reach(scene.length);
     this.lookAtBase(scene);
     return true;
   }
@@ -139,46 +175,42 @@ export class Stage {
   /** Looks at a robot that stands straight on its base. */
   lookAtBase(scene: Scene): void {
     const { position, orientation } = scene.base;
-    this.look(scene, [position, add(position, rotate(orientation, [0, 0, scene.length]))]);
+    this.look([position, add(position, rotate(orientation, [0, 0, scene.length]))], "isometric");
   }
 
-  /** Looks at all of these points of a robot from where they are seen well. */
-  look(scene: Scene, points: readonly Vector[]): void {
-    const box = new Box3().setFromPoints(points.map((point) => new Vector3(...point)));
-    const middle = box.getCenter(new Vector3());
-    const size = Math.max(box.getSize(new Vector3()).length(), 0.5 * scene.length);
-    this.#orbit.target.copy(middle);
-    this.#camera.position.copy(middle).add(new Vector3(1.7, -1.5, 0.8).multiplyScalar(1.15 * size));
-    this.#camera.near = 0.01 * scene.length;
-    this.#camera.far = 50 * scene.length;
-    this.#camera.updateProjectionMatrix();
-    this.#orbit.update();
+  /** Looks at all of these points of a robot from a side, or from where one looks. */
+  look(points: readonly Vector[], side?: Side): void {
+    this.cameras.fit(points, this.#length, side && ([...SIDES[side]] as Vector));
     this.draw();
   }
 
-  /** From where, and at what the user looks, in m. */
+  /** From where, and at what the user looks. */
   get view(): number[] {
-    return [...this.#camera.position.toArray(), ...this.#orbit.target.toArray()];
+    return this.cameras.view;
   }
 
   set view(view: readonly number[]) {
-    this.#camera.position.fromArray(view, 0);
-    this.#orbit.target.fromArray(view, 3);
-    this.#orbit.update();
+    this.cameras.view = view;
     this.draw();
   }
 
-  /** Goes nearer to what is looked at, or farther from it. */
   zoom(factor: number): void {
-    const { target } = this.#orbit;
-    this.#camera.position.sub(target).multiplyScalar(1 / factor).add(target);
-    this.#orbit.update();
+    this.cameras.zoom(factor);
     this.draw();
   }
 
   robots(groups: readonly Object3D[]): void {
     this.#robots.clear();
     if (groups.length > 0) this.#robots.add(...groups);
+    if (this.#cut) this.#applyCut();
+    this.draw();
+  }
+
+  /** A robot that the others are compared with, or none any more. */
+  ghost(body: Object3D | undefined): void {
+    if (this.#ghost) this.space.remove(this.#ghost);
+    this.#ghost = body;
+    if (body) this.space.add(body);
     this.draw();
   }
 
@@ -193,58 +225,36 @@ export class Stage {
     }
   }
 
-  /** Where obstacles push the robot, and how strongly relative to one another. */
-  contacts(contacts: readonly Contact[]): void {
-    const pushes = contacts.map(({ normal, force, friction }) =>
-      new Vector3(...normal).multiplyScalar(force ?? 0).add(new Vector3(...(friction ?? [0, 0, 0]))),
-    );
-    const most = Math.max(...pushes.map((push) => push.length()), Number.MIN_VALUE);
-    // Arrows are kept from frame to frame: contacts come and go.
-    while (this.#pushes.children.length < contacts.length) {
-      this.#pushes.add(new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, TOUCHING));
+  /** What acts on the robot, and other words beside it. */
+  acting({ arrows, labels, backs, masses }: Acting, more: readonly Label[]): void {
+    const colours = this.#colours;
+    if (!colours) return;
+    this.#arrows.show(arrows, this.#length, colours.background);
+    this.labels.show([...labels, ...more, ...this.#named], this.#words);
+    for (const line of this.#backs.children) if (line instanceof Line2) line.geometry.dispose();
+    this.#backs.clear();
+    for (const back of backs) {
+      const line = new Line2(new LineGeometry().setPositions(back.flat()), this.#ink);
+      line.renderOrder = 3;
+      this.#backs.add(line);
     }
-    this.#pushes.children.forEach((child, i) => (child.visible = i < contacts.length));
-    contacts.forEach(({ point, normal }, i) => {
-      const push = pushes[i]!;
-      const size = this.#length * (0.05 + 0.12 * (push.length() / most));
-      const along = push.length() > 0 ? push.clone().normalize() : new Vector3(...normal);
-      const head = Math.min(0.35 * size, 0.035 * this.#length);
-      const arrow = this.#pushes.children[i] as ArrowHelper;
-      arrow.position.set(...point);
-      arrow.setDirection(along);
-      arrow.setLength(size, head, 0.6 * head);
-    });
+    for (const at of masses) {
+      const mesh = new Mesh(this.#massBody, this.#massMaterial);
+      this.#massMaterial.color.set(colours.ink);
+      mesh.renderOrder = 3;
+      mesh.position.set(...at);
+      mesh.scale.setScalar(0.016 * this.#length);
+      this.#backs.add(mesh);
+    }
   }
+
+  readonly #massMaterial = new MeshBasicMaterial({ depthTest: false, transparent: true });
 
   /** Bodies that belong to this frame alone. */
   marks(bodies: readonly Object3D[]): void {
     discard(this.#marks);
     this.#marks.clear();
     if (bodies.length > 0) this.#marks.add(...bodies);
-  }
-
-  /** Where the tip is, and which force pulls at it, in the world; `unit` is the length in m of an arrow of 1 N. */
-  tip(at: Vector | undefined, force: Vector, unit: number): void {
-    this.#handle.visible = at !== undefined;
-    const pull = new Vector3(...force);
-    const size = pull.length() * unit;
-    this.#arrow.visible = at !== undefined && size > 1e-3 * this.#length;
-    if (at) {
-      this.#handle.position.set(...at);
-      this.#arrow.position.set(...at);
-    }
-    if (this.#arrow.visible) {
-      this.#arrow.setDirection(pull.normalize());
-      const head = Math.min(0.3 * size, 0.06 * this.#length);
-      this.#arrow.setLength(size, head, 0.6 * head);
-    }
-  }
-
-  /** Where the tip is to go, if it is dragged there. */
-  target(at: Vector | undefined): void {
-    this.#target.visible = at !== undefined;
-    if (at) this.#target.position.set(...at);
-    this.draw();
   }
 
   /** Shows a cloud of points, or none any more. */
@@ -255,20 +265,59 @@ export class Stage {
     this.draw();
   }
 
+  /** Cuts robots and obstacles open, or leaves them whole. */
+  set cut(cut: Cut | undefined) {
+    this.#cut = cut;
+    this.#applyCut();
+    this.draw();
+  }
+
+  #applyCut(): void {
+    const cut = this.#cut;
+    const bodies = [...this.#robots.children, ...this.#surroundings.children.filter(({ name }) => name !== "grid")];
+    if (cut) {
+      const box = new Box3();
+      for (const body of this.#robots.children) box.expandByObject(body);
+      const normal = new Vector3(cut.along === "x" ? -1 : 0, cut.along === "y" ? 1 : 0, cut.along === "z" ? -1 : 0);
+      const middle = box.isEmpty() ? new Vector3() : box.getCenter(new Vector3());
+      const half = box.isEmpty() ? this.#length : box.getSize(new Vector3())[cut.along] / 2;
+      this.#plane.setFromNormalAndCoplanarPoint(normal, middle.addScaledVector(normal, -cut.at * half));
+    }
+    for (const body of bodies) {
+      body.traverse((object) => {
+        if (!(object instanceof Mesh)) return;
+        for (const material of [object.material as Material | Material[]].flat()) {
+          if (material.userData["side"] === undefined) material.userData["side"] = material.side;
+          material.clippingPlanes = cut ? [this.#plane] : null;
+          material.side = cut ? DoubleSide : (material.userData["side"] as typeof FrontSide);
+        }
+      });
+    }
+  }
+
   /** Draws at the next opportunity of the display. */
   draw(): void {
     if (this.#asked) return;
     this.#asked = true;
     const asked = performance.now();
     requestAnimationFrame(() => {
-      this.#asked = false;
-      if (!this.#filmed) {
-        this.#sharpen(this.#sharpness.moving(asked, performance.now()));
-        window.clearTimeout(this.#resting);
-        this.#resting = window.setTimeout(() => this.drawFinely(), REST);
-      }
-      this.#drawNow();
+      if (this.#asked) this.#drawMoving(asked);
     });
+  }
+
+  /** Draws for the picture of the display that is being made, what was asked for at this time in ms. */
+  drawAtOnce(asked: number): void {
+    this.#drawMoving(asked);
+  }
+
+  #drawMoving(asked: number): void {
+    this.#asked = false;
+    if (!this.#filmed) {
+      this.#sharpen(this.#sharpness.moving(asked, performance.now()));
+      window.clearTimeout(this.#resting);
+      this.#resting = window.setTimeout(() => this.drawFinely(), REST);
+    }
+    this.#drawNow();
   }
 
   /** Draws what rests. */
@@ -287,18 +336,63 @@ export class Stage {
 
   /** Whether that is another size of the picture, which empties it. */
   #sharpen(ratio: number): boolean {
-    if (this.#renderer.getPixelRatio() === ratio) return false;
-    this.#renderer.setPixelRatio(ratio);
+    if (this.renderer.getPixelRatio() === ratio) return false;
+    this.renderer.setPixelRatio(ratio);
     return true;
   }
 
   #drawNow(): void {
-    this.#renderer.render(this.#space, this.#camera);
-    if (this.#handle.visible) {
-      const { x, y } = this.#handle.position.clone().project(this.#camera);
-      const { clientWidth, clientHeight } = this.#canvas;
-      // Where on the canvas the tip is, for who has no eyes.
-      this.#canvas.dataset["handle"] = JSON.stringify([((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight]);
+    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    const { camera } = this.cameras;
+    const scale = (at: Vector3): number => this.scaleAt(at, height);
+    // Each camera has its light, and the other one's would light from elsewhere.
+    for (const each of this.cameras.all) for (const light of each.children) light.visible = each === camera;
+    this.handles.size(scale, width, height);
+    this.#ink.resolution.set(width, height);
+    this.renderer.render(this.space, camera);
+    if (!this.#filmed) this.#compass.render(this.renderer);
+    this.labels.render(this.space, camera, { width, height });
+    // Where on the canvas the tip and the end of the spring are, for who has no eyes.
+    const { tip, hand } = this.handles.places;
+    for (const [name, place] of [["handle", tip], ["spring", hand]] as const) {
+      if (!place) {
+        if (name === "spring") delete this.#canvas.dataset[name];
+        continue;
+      }
+      const { x, y } = place.clone().project(camera);
+      this.#canvas.dataset[name] = JSON.stringify([((x + 1) / 2) * width, ((1 - y) / 2) * height]);
+    }
+    this.#watching.drawn(this.cameras.scale(height));
+  }
+
+  /** Pixels for each metre at a place, of a view of this height. */
+  scaleAt(at: Vector3, height: number): number {
+    const { camera } = this.cameras;
+    const scale = this.cameras.scale(height);
+    if (this.cameras.isParallel) return scale;
+    const way = camera.getWorldDirection(new Vector3());
+    const depth = (to: Vector3): number => Math.max(to.clone().sub(camera.position).dot(way), 1e-9);
+    return (scale * depth(this.#orbit.target)) / depth(at);
+  }
+
+  /** Without what only the page needs, calls `draw` with the picture's own size, and puts all back. */
+  picture<T>(width: number, height: number, { transparent, grid }: { transparent: boolean; grid: boolean }, draw: () => T): T {
+    const { background } = this.space;
+    const ratio = this.renderer.getPixelRatio();
+    const hidden = [this.handles.group, ...this.#surroundings.children.filter((body) => body.name === "grid" && !grid)];
+    for (const body of hidden) body.visible = false;
+    if (transparent) this.space.background = null;
+    this.renderer.setPixelRatio(1);
+    this.renderer.setSize(width, height, false);
+    this.cameras.resize(width, height);
+    this.#ink.resolution.set(width, height);
+    try {
+      return draw();
+    } finally {
+      for (const body of hidden) body.visible = true;
+      this.space.background = background;
+      this.renderer.setPixelRatio(ratio);
+      this.#resize();
     }
   }
 
@@ -311,53 +405,10 @@ export class Stage {
     this.#sharpness.display = window.devicePixelRatio;
     const box = (this.#canvas.parentElement ?? this.#canvas).getBoundingClientRect();
     const [width, height] = [Math.max(box.width, 1), Math.max(box.height, 1)];
-    this.#renderer.setSize(width, height, false);
-    this.#camera.aspect = width / height;
-    this.#camera.updateProjectionMatrix();
+    this.renderer.setSize(width, height, false);
+    this.cameras.resize(width, height);
+    this.labels.resize(width, height);
     this.#drawNow();
-  }
-
-  #listen(dragging: Dragging): void {
-    const caster = new Raycaster();
-    const plane = new Plane();
-    const from = new Vector3();
-    const aim = (event: PointerEvent): void => {
-      const box = this.#canvas.getBoundingClientRect();
-      const x = ((event.clientX - box.left) / box.width) * 2 - 1;
-      const y = 1 - ((event.clientY - box.top) / box.height) * 2;
-      caster.setFromCamera(new Vector2(x, y), this.#camera);
-    };
-    // The sphere that is hit is larger than the one that is seen.
-    const hit = (): boolean => {
-      const centre = this.#handle.position;
-      return this.#handle.visible && caster.ray.distanceToPoint(centre) < 2 * this.#handle.scale.x;
-    };
-    let held: number | undefined;
-    this.#canvas.addEventListener("pointerdown", (event) => {
-      aim(event);
-      if (held !== undefined || event.button !== 0 || !hit()) return;
-      held = event.pointerId;
-      this.#orbit.enabled = false;
-      this.#canvas.setPointerCapture(event.pointerId);
-      from.copy(this.#handle.position);
-      plane.setFromNormalAndCoplanarPoint(this.#camera.getWorldDirection(new Vector3()), from);
-      event.stopImmediatePropagation();
-    }, { capture: true });
-    this.#canvas.addEventListener("pointermove", (event) => {
-      aim(event);
-      const drags = held === event.pointerId;
-      this.#canvas.style.cursor = drags || hit() ? "grab" : "";
-      const to = drags ? caster.ray.intersectPlane(plane, new Vector3()) : null;
-      if (to) dragging.pull([to.x - from.x, to.y - from.y, to.z - from.z], [to.x, to.y, to.z]);
-    });
-    const release = (event: PointerEvent): void => {
-      if (held !== event.pointerId) return;
-      held = undefined;
-      this.#orbit.enabled = true;
-      dragging.release();
-    };
-    this.#canvas.addEventListener("pointerup", release);
-    this.#canvas.addEventListener("pointercancel", release);
   }
 }
 
@@ -373,8 +424,8 @@ function discard(group: Object3D): void {
       object.material.map?.dispose();
       object.material.dispose();
     } else if (object instanceof Mesh || object instanceof Line || object instanceof Points) {
-      object.geometry.dispose();
-      for (const material of [object.material].flat()) material.dispose();
+      (object.geometry as BufferGeometry).dispose();
+      for (const material of [object.material as Material | Material[]].flat()) material.dispose();
     }
   });
 }

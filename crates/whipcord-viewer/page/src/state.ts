@@ -1,9 +1,9 @@
 // What the sliders say, how it is kept in the address of the page, and what undo goes back to.
 
-import type { Command, Request, Scene, Vector } from "./protocol";
+import type { Command, Pull, Request, Scene, Vector } from "./protocol";
 
 /** What the robot is coloured by. */
-export const COLOURINGS = ["model", "tension", "curvature", "strain", "contact"] as const;
+export const COLOURINGS = ["model", "tension", "curvature", "bending-x", "bending-y", "twist", "strain", "moment", "contact"] as const;
 export type Colouring = (typeof COLOURINGS)[number];
 
 /** What dragging the tip does: a force pulls at it, or commands are sought that bring it to the pointer. */
@@ -20,6 +20,8 @@ export interface State {
   compliance: boolean;
   dragging: Dragging;
   workspace: boolean;
+  /** A force at a place of the backbone. */
+  pull: Pull | null;
 }
 
 export function initialState(scene: Scene): State {
@@ -34,6 +36,7 @@ export function initialState(scene: Scene): State {
     compliance: false,
     dragging: "force",
     workspace: false,
+    pull: null,
   };
 }
 
@@ -47,6 +50,7 @@ export function toRequest(state: State, id: number, target: Vector | null = null
     models: state.models,
     compliance: state.compliance,
     target,
+    pull: state.pull,
   };
 }
 
@@ -73,6 +77,8 @@ const LETTERS: Record<Kind, string> = { tension: "t", shortening: "s", motor: "m
 
 const text = (value: number): string => String(Number(value.toPrecision(9)));
 
+const pulled = ({ pull }: State): string => (pull ? [pull.arc_length, ...pull.force].map(text).join(",") : "");
+
 /** The state as the part of an address behind `#`, without what is as in the file: between commas nothing stands for that. */
 export function toHash(state: State, initial: State): string {
   const parts: string[] = [];
@@ -96,6 +102,7 @@ export function toHash(state: State, initial: State): string {
   put("colour", state.colouring, initial.colouring);
   put("compliance", String(state.compliance), String(initial.compliance));
   put("drag", state.dragging, initial.dragging);
+  put("pull", pulled(state), pulled(initial));
   put("workspace", String(state.workspace), String(initial.workspace));
   return parts.join("&");
 }
@@ -141,6 +148,12 @@ export function fromHash(hash: string, scene: Scene): State {
       case "drag":
         state.dragging = DRAGGING.find((name) => name === value) ?? state.dragging;
         break;
+      case "pull": {
+        const [s, x, y, z] = value.split(",").map(number);
+        const fits = s !== undefined && x !== undefined && y !== undefined && z !== undefined && s >= 0 && s <= scene.length;
+        if (fits) state.pull = { arc_length: s, force: [x, y, z] };
+        break;
+      }
       case "workspace":
         state.workspace = value === "true";
         break;
@@ -157,8 +170,9 @@ export function viewToHash(view: readonly number[]): string {
 /** What an address says of it. */
 export function viewFromHash(hash: string): number[] | undefined {
   const words = unescaped(hash).match(/(?:^#?|&)view=([^&]*)/)?.[1]?.split(",").map(number);
-  if (words?.length !== 6 || !words.every((word) => word !== undefined)) return undefined;
-  const [x, y, z, a, b, c] = words as [number, number, number, number, number, number];
+  if ((words?.length !== 6 && words?.length !== 7) || !words.every((word) => word !== undefined)) return undefined;
+  const [x, y, z, a, b, c, height] = words as [number, number, number, number, number, number, number?];
+  if (height !== undefined && height <= 0) return undefined;
   return Math.hypot(x - a, y - b, z - c) > 0 ? words : undefined;
 }
 

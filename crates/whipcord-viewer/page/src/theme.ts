@@ -13,6 +13,9 @@ export interface Colours {
   ink: string;
 }
 
+/** Those of pictures for papers. */
+export const PAPER: Colours = { background: "#ffffff", grid: "#cfd5dd", ink: "#1d232b" };
+
 export class Theme {
   readonly button: HTMLButtonElement;
   readonly #system = window.matchMedia("(prefers-color-scheme: dark)");

@@ -49,3 +49,16 @@ export function duration(seconds: number): string {
   if (seconds < 1) return `${(seconds * 1e3).toFixed(2)} ms`;
   return `${seconds.toFixed(2)} s`;
 }
+
+const SCALES: Record<"force" | "moment" | "mass", readonly (readonly [number, string])[]> = {
+  force: [[1e3, "kN"], [1, "N"], [1e-3, "mN"]],
+  moment: [[1, "N·m"], [1e-3, "mN·m"], [1e-6, "µN·m"]],
+  mass: [[1, "kg"], [1e-3, "g"], [1e-6, "mg"]],
+};
+
+/** A positive quantity in SI in the unit that suits it, with three digits. */
+export function quantityOf(kind: "force" | "moment" | "mass", value: number): string {
+  const scales = SCALES[kind];
+  const [si, symbol] = scales.find(([one]) => value >= 0.1 * one) ?? scales.at(-1)!;
+  return `${significant(value / si, 3)} ${symbol}`;
+}

@@ -1,8 +1,8 @@
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 
 import type { Page } from "@playwright/test";
 
-import { expect, test, tip } from "./viewer";
+import { ARTEFACTS, expect, test, tip } from "./viewer";
 
 async function saved(page: Page, button: string): Promise<{ name: string; content: Buffer }> {
   const waiting = page.waitForEvent("download");
@@ -15,13 +15,47 @@ test("the robot is saved as a picture, as bodies and as a film", async ({ page, 
   void viewer;
   await page.getByText("Save", { exact: true }).click();
 
+  // 80 mm at 150 for each inch.
+  await page.getByLabel("Width in mm").fill("80");
+  await page.getByLabel("Height in mm").fill("60");
+  await page.getByLabel("DPI").fill("150");
+  await page.getByLabel("Transparent").check();
   const picture = await saved(page, "Picture (PNG)");
   expect(picture.name).toBe("two-segment-arm.png");
   expect(picture.content.subarray(1, 4).toString()).toBe("PNG");
-  const width = await page.locator("#canvas").evaluate((canvas) => (canvas as HTMLCanvasElement).width);
-  expect(picture.content.readUInt32BE(16)).toBe(width);
+  expect([picture.content.readUInt32BE(16), picture.content.readUInt32BE(20)]).toEqual([472, 354]);
+  expect(picture.content.subarray(37, 41).toString()).toBe("pHYs");
+  expect(picture.content.readUInt32BE(41)).toBe(5906);
+  writeFileSync(`${ARTEFACTS}/picture.png`, picture.content);
+  // Its corners show what is behind it, and its middle the robot; the page's own view is as before.
+  const [corner, seen] = await page.evaluate(async (content) => {
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(content), (c) => c.charCodeAt(0))]));
+    const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
+    canvas.drawImage(image, 0, 0);
+    const { data } = canvas.getImageData(0, 0, image.width, image.height);
+    let seen = 0;
+    for (let k = 3; k < data.length; k += 4) if (data[k]! > 200) seen++;
+    return [data[3], seen];
+  }, picture.content.toString("base64"));
+  expect(corner).toBe(0);
+  expect(seen).toBeGreaterThan(2000);
+  const svg = await saved(page, "Picture (SVG)");
+  const words = svg.content.toString();
+  writeFileSync(`${ARTEFACTS}/picture.svg`, words);
+  expect(words).toContain('width="80mm" height="60mm"');
+  expect(words).toMatch(/<text[^>]*>gravity 9.81 m\/s²<\/text>/);
+  expect(words).toMatch(/<text[^>]*>\d+ mm<\/text>/);
+  expect(words.match(/<path/g)!.length).toBeGreaterThan(20);
+  // What is too large is refused with the reason.
+  await page.getByLabel("DPI").fill("9000");
+  await page.getByRole("button", { name: "Picture (PNG)" }).click();
+  await expect(page.locator("#status")).toContainText("8192 pixels along each edge");
+  await page.getByLabel("DPI").fill("150");
 
   const gltf = (await saved(page, "Robot (glTF)")).content;
+  const described = JSON.parse(gltf.subarray(20, 20 + gltf.readUInt32LE(12)).toString()) as { nodes: { name?: string }[] };
+  const names = described.nodes.map(({ name }) => name?.replaceAll("_", " "));
+  for (const name of ["cosserat", "backbone", "cable upper-1", "disk 1"]) expect(names).toContain(name);
   expect(gltf.subarray(0, 4).toString()).toBe("glTF");
   expect(gltf.readUInt32LE(8)).toBe(gltf.length);
 

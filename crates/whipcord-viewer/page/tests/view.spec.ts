@@ -232,7 +232,7 @@ async function drag(page: Page, x: number, y: number, meanwhile: () => Promise<v
 test("the commands bring the tip to where it is dragged, within the limits", async ({ page, viewer }) => {
   viewer.edit((text) => `${text}\n[limits]\ntension = ["0.5 N", "40 N"]\n`);
   const before = await tip(page, "cosserat");
-  await page.getByLabel("It follows the pointer").check();
+  await page.getByLabel("Move the tip").check();
   const handle = async (): Promise<[number, number]> =>
     JSON.parse((await page.locator("#canvas").getAttribute("data-handle")) ?? "[]") as [number, number];
   await expect(page.locator("#canvas")).toHaveAttribute("data-handle", /\d/);
@@ -339,7 +339,7 @@ async function violet(page: Page): Promise<number> {
 test("colours stand for what they say", async ({ page, viewer }) => {
   void viewer;
   await expect.poll(() => violet(page)).toBeGreaterThan(20);
-  for (const [colouring, legend] of [["tension", "tension in N"], ["curvature", "curvature in 1/m"], ["strain", "stretch in %"]] as const) {
+  for (const [colouring, legend] of [["tension", "tension in N"], ["curvature", "curvature in 1/m"], ["strain", "stretch in %"], ["moment", "bending moment in mN·m"]] as const) {
     await page.getByLabel("Colour by").selectOption(colouring);
     await expect(page.locator("#legend")).toContainText(legend);
     await page.screenshot({ path: `${ARTEFACTS}/${colouring}.png` });

@@ -106,6 +106,17 @@ export function near(found: readonly number[], expected: readonly number[], with
   return found.length === 3 && found.every((c, i) => Math.abs(c - expected[i]!) <= within);
 }
 
+/** A page that is built anew and not yet embedded: `PAGE_BUILT=dist` has the browser take it in place of the one that is. */
+export async function built(page: Page): Promise<void> {
+  const folder = process.env["PAGE_BUILT"];
+  if (folder === undefined) return;
+  const types = { "": "text/html", "viewer.js": "text/javascript", "viewer.css": "text/css" };
+  for (const [name, type] of Object.entries(types)) {
+    const body = readFileSync(join(folder, name === "" ? "index.html" : name));
+    await page.route((url) => url.hostname === "127.0.0.1" && url.pathname === `/${name}`, (route) => route.fulfill({ contentType: type, body }));
+  }
+}
+
 /** A page that shows an example, and says nothing on its console. */
 export const test = base.extend<{ example: string; viewer: Viewer }>({
   example: ["two-segment-arm.toml", { option: true }],
@@ -116,6 +127,7 @@ export const test = base.extend<{ example: string; viewer: Viewer }>({
       if (message.type() === "error") complaints.push(message.text());
     });
     page.on("pageerror", (error) => complaints.push(String(error)));
+    await built(page);
     await page.goto(viewer.url);
     await expect(page.locator("#view")).toHaveAttribute("data-frame", /\d+/);
     await use(viewer);

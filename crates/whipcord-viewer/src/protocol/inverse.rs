@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Command;
+use crate::protocol::request::Command;
 
 /// Commands for the place that the tip is dragged to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

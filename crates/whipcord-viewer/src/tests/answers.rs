@@ -8,8 +8,9 @@ use whipcord_io::load;
 
 use super::example;
 use crate::bench::Bench;
+use crate::convert::array;
 use crate::protocol::{Answer, Command, Compliance, Request, Solved};
-use crate::scene::{array, model, scene};
+use crate::scene::{model, scene};
 use crate::stations::Places;
 
 fn only(answers: Vec<Answer>) -> Solved {

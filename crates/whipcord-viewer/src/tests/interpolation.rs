@@ -7,9 +7,9 @@ use std::{env, fs};
 use serde::{Deserialize, Serialize};
 use whipcord::{Twist, UnitQuaternion, Vec3};
 
+use crate::convert::pose;
 use crate::grid::{Grid, Weights};
 use crate::protocol::{Command, Pose, Ranges};
-use crate::scene::pose;
 
 #[derive(Debug, Serialize, Deserialize)]
 struct Interpolation {

@@ -6,6 +6,7 @@
 )]
 
 mod answers;
+mod courses;
 mod guarded;
 mod interpolation;
 mod inverse;

@@ -5,9 +5,10 @@ use std::path::Path;
 use std::{env, fs};
 
 use crate::protocol::{
-    Answer, Cable, CableState, Cloud, Command, Compliance, Contact, Disk, Form, Frame, FromPage,
-    Grasp, MetLimit, ModelChoice, Motor, Obstacle, PlacedObject, Pose, Ranges, Reach, Request,
-    Scene, Section, Slider, Solved, ToPage, Warning, read,
+    Answer, Cable, CableState, Cloud, Command, Compliance, Contact, Course, CourseChoice, Disk,
+    Form, Frame, FromPage, Grasp, Load, MetLimit, ModelChoice, Moment, Motor, Obstacle,
+    PlacedObject, PlayRequest, Pose, Pull, Ranges, Reach, Request, Scene, Section, Slider, Solved,
+    ToPage, Track, Warning, read,
 };
 
 fn request() -> Request {
@@ -20,6 +21,7 @@ fn request() -> Request {
         models: vec!["cosserat".to_owned(), "four-bar".to_owned()],
         compliance: true,
         target: Some([0.05, 0.0, 0.1]),
+        pull: Some(Pull { arc_length: 0.1, force: [0.0, 0.2, 0.0] }),
     }
 }
 
@@ -85,7 +87,26 @@ fn scenes() -> Vec<Scene> {
         ranges: Ranges { tension: 10.0, shortening: 0.02, force: 1.0, moment: 0.1, gravity: 15.0 },
         loads_in_base: true,
         tip_follower: false,
+        loads: vec![
+            Load::Single {
+                arc_length: 0.1,
+                force: [0.1, 0.0, 0.0],
+                moment: [0.0, 0.0, 0.01],
+                follows: true,
+            },
+            Load::Spread {
+                arc_lengths: vec![0.0, 0.2],
+                forces: vec![[0.0, 1.0, 0.0]; 2],
+                moments: vec![[0.0; 3]; 2],
+                follows: false,
+            },
+            Load::Mass { arc_length: 0.2, mass: 0.05 },
+        ],
         other_loads: vec!["a load at a point".to_owned()],
+        courses: vec![
+            CourseChoice { course: Course::Steps, count: 4, duration: None },
+            CourseChoice { course: Course::Motion, count: 101, duration: Some(1.0) },
+        ],
         measured: vec![[0.0, 0.0, 0.2]],
         obstacles: obstacles.collect(),
         warnings: vec![warning()],
@@ -107,7 +128,8 @@ fn frame() -> Frame {
         model: "cosserat".to_owned(),
         positions: vec![[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]],
         orientations: vec![[1.0, 0.0, 0.0, 0.0]; 2],
-        strains: vec![[1.5, 0.0, -0.001]],
+        strains: vec![[1.5, 0.0, 0.2, 0.001, 0.0, -0.001]],
+        moments: Some(vec![[0.01, 0.0, 0.002]]),
         cables: vec![CableState {
             tension: Some(1.5),
             length: 0.19,
@@ -152,6 +174,7 @@ fn frame() -> Frame {
     };
     let geometric = Solved {
         model: "four-bar".to_owned(),
+        moments: None,
         cables: vec![CableState {
             tension: None,
             length: 0.19,
@@ -201,8 +224,13 @@ fn cloud() -> Cloud {
 
 #[test]
 fn the_page_has_the_types_of_the_server() {
-    let from_page =
-        vec![FromPage::Solve(request()), FromPage::Survey(request()), FromPage::EndSurvey];
+    let from_page = vec![
+        FromPage::Solve(request()),
+        FromPage::Survey(request()),
+        FromPage::EndSurvey,
+        FromPage::Play(PlayRequest { course: Course::Motion, request: request() }),
+        FromPage::EndPlay,
+    ];
     let mut to_page: Vec<ToPage> =
         scenes().into_iter().map(|scene| ToPage::Scene(Box::new(scene))).collect();
     to_page.push(ToPage::Broken { message: "why".to_owned() });
@@ -210,6 +238,11 @@ fn the_page_has_the_types_of_the_server() {
     let failed = Reach::Failed { message: "why".to_owned() };
     to_page.push(ToPage::Frame(Frame { reach: Some(failed), ..frame() }));
     to_page.push(ToPage::Cloud(cloud()));
+    let moment = Moment { time: 0.5, answers: frame().answers };
+    for (complete, message) in [(false, None), (true, Some("why".to_owned()))] {
+        let (course, moments) = (Course::Motion, vec![moment.clone()]);
+        to_page.push(ToPage::Track(Track { id: 9, course, from: 16, moments, complete, message }));
+    }
     to_page.push(ToPage::NoCloud { id: 8, message: "why".to_owned() });
     to_page.push(ToPage::Error { message: "why".to_owned() });
     let [from, to] = [

@@ -1,0 +1,170 @@
+// Requests and their answers: numbers, what is outdated, and what is waited for. It knows neither the page nor what it shows.
+
+import type { Cloud, Course, Frame, Moment, Request, Scene, Track } from "./protocol";
+import type { Listener, Source } from "./source";
+import { toRequest, type State } from "./state";
+
+export interface Hearer {
+  scene(scene: Scene): void;
+  /** The answer to the latest request that has one, once for each picture of the display; it came at this time in ms. */
+  frame(frame: Frame, came: number): void;
+  /** What is known of where the tip can go: a cloud, or in words what keeps it. */
+  cloud(cloud: Cloud | undefined, words: string): void;
+  /** The shapes of a course so far. */
+  course(course: Course, moments: readonly Moment[], complete: boolean, message: string | null): void;
+  /** Lines that tell what is wrong. */
+  told(): void;
+  waiting(yes: boolean): void;
+}
+
+/** How long an answer may take before the page says that it is waited for, in ms. */
+const PATIENCE = 400;
+
+export class Connection {
+  readonly #source: Source;
+  readonly #hearer: Hearer;
+  #asked = 0;
+  /** Requests up to this one were of an earlier version of the file. */
+  #outdated = 0;
+  #drawn = 0;
+  #scheduled = false;
+  /** Whether a request has gone out since the last picture of the display. */
+  #hasAsked = false;
+  #patience = 0;
+  #frame: Frame | undefined;
+  #connected = false;
+  #broken: string | undefined;
+  #error: string | undefined;
+  /** What the latest survey was asked for, and its number. */
+  #surveyed = "";
+  #survey = 0;
+  #play = 0;
+  #moments: Moment[] = [];
+
+  /** `source` makes what answers, told who listens. */
+  constructor(source: (listener: Listener) => Source, hearer: Hearer) {
+    this.#hearer = hearer;
+    this.#source = source({
+      scene: (scene) => {
+        this.#broken = undefined;
+        this.#outdated = this.#asked;
+        this.#frame = undefined;
+        this.#surveyed = "";
+        this.#play++;
+        hearer.scene(scene);
+      },
+      frame: (frame) => this.#receive(frame),
+      cloud: (cloud) => {
+        if (cloud.id === this.#survey && this.#surveyed !== "") hearer.cloud(cloud, "");
+      },
+      noCloud: (id, message) => {
+        if (id === this.#survey) hearer.cloud(undefined, message);
+      },
+      track: (track) => this.#follow(track),
+      broken: (message) => {
+        this.#broken = message;
+        hearer.told();
+      },
+      connected: (yes) => {
+        this.#connected = yes;
+        if (!yes) this.#wait(false);
+        hearer.told();
+      },
+      error: (message) => {
+        this.#error = message;
+        this.#wait(false);
+        hearer.told();
+      },
+    });
+  }
+
+  /** What is wrong with file and server. */
+  get complaints(): string[] {
+    const lines = [this.#connected ? undefined : "No connection to whipcord: is it still running?", this.#broken, this.#error];
+    return lines.filter((line) => line !== undefined);
+  }
+
+  /** Asks for the shape of a state: at once, and then once for each picture of the display, for what the state then is. */
+  ask(state: () => State | undefined, target: () => Request["target"]): void {
+    if (this.#scheduled) return;
+    this.#scheduled = true;
+    const send = (): void => {
+      this.#scheduled = false;
+      const now = state();
+      if (!now) return;
+      this.#hasAsked = true;
+      requestAnimationFrame(() => (this.#hasAsked = false));
+      this.#source.ask(toRequest(now, ++this.#asked, target()));
+      // Most answers come at once; who waits is told that it goes on.
+      if (this.#connected) this.#patience ||= window.setTimeout(() => this.#wait(true), PATIENCE);
+    };
+    // What changes the state may change more of it.
+    if (this.#hasAsked) requestAnimationFrame(send);
+    else queueMicrotask(send);
+  }
+
+  /** Whether what is shown is the answer to the latest request. */
+  get isCaughtUp(): boolean {
+    return this.#drawn === this.#asked && !this.#scheduled;
+  }
+
+  /** Asks where the tip can go, if that is to be shown and is not known for these loads. */
+  survey(state: State): void {
+    const kinds = state.commands.map((command) => Object.keys(command)[0]);
+    const { tipForce, tipMoment, gravity, pull, models } = state;
+    const wanted = state.workspace ? JSON.stringify([tipForce, tipMoment, gravity, pull, models[0], kinds]) : "";
+    if (wanted === this.#surveyed) return;
+    const ended = this.#surveyed !== "";
+    this.#surveyed = wanted;
+    if (wanted !== "") {
+      this.#source.survey(toRequest(state, ++this.#survey));
+      this.#hearer.cloud(undefined, "Surveying…");
+    } else if (ended) {
+      this.#source.survey(undefined);
+      this.#hearer.cloud(undefined, "");
+    }
+  }
+
+  /** Asks for a course of shapes. */
+  play(course: Course, state: State): void {
+    this.#moments = [];
+    this.#source.play({ course, request: toRequest(state, ++this.#play) });
+  }
+
+  endPlay(): void {
+    this.#play++;
+    this.#source.play(undefined);
+  }
+
+  #follow({ id, course, from, moments, complete, message }: Track): void {
+    if (id !== this.#play) return;
+    this.#moments = [...this.#moments.slice(0, from), ...moments];
+    this.#hearer.course(course, this.#moments, complete, message);
+  }
+
+  /** Answers may come faster than the display shows them. */
+  #receive(frame: Frame): void {
+    if (frame.id <= this.#outdated) return;
+    this.#error = undefined;
+    // A newer request may still be waited for, which then waits from now on.
+    this.#wait(false);
+    if (frame.id < this.#asked) this.#patience = window.setTimeout(() => this.#wait(true), PATIENCE);
+    const waiting = this.#frame !== undefined;
+    this.#frame = frame;
+    if (waiting) return;
+    const came = performance.now();
+    requestAnimationFrame(() => {
+      const latest = this.#frame;
+      this.#frame = undefined;
+      if (!latest) return;
+      this.#drawn = latest.id;
+      this.#hearer.frame(latest, came);
+    });
+  }
+
+  #wait(yes: boolean): void {
+    window.clearTimeout(this.#patience);
+    this.#patience = 0;
+    this.#hearer.waiting(yes);
+  }
+}

@@ -1,0 +1,96 @@
+// Words at places in space: names of axes, values of forces, where a cable is slack. Those that would lie on one another are hidden,
+// the less important ones first. Pictures write the same words.
+
+import { Vector3, type Camera, type Object3D, type Scene as Space } from "three";
+import { CSS2DObject, CSS2DRenderer } from "three/addons/renderers/CSS2DRenderer.js";
+
+import { element } from "./dom";
+
+export interface Label {
+  text: string;
+  at: readonly [number, number, number];
+  /** Of two on one place the more important one is shown. */
+  weight: number;
+  colour: string;
+}
+
+/** A word on a picture: its middle in pixels of the page. */
+export interface Word {
+  text: string;
+  colour: string;
+  x: number;
+  y: number;
+}
+
+/** Height of a line and mean width of a letter in pixels of the page. */
+const LINE = 16;
+const LETTER = 7;
+
+export class Labels {
+  readonly #renderer: CSS2DRenderer;
+  readonly #objects: CSS2DObject[] = [];
+  #labels: readonly Label[] = [];
+
+  constructor(into: HTMLElement) {
+    this.#renderer = new CSS2DRenderer();
+    const { domElement } = this.#renderer;
+    domElement.id = "labels";
+    domElement.setAttribute("aria-hidden", "true");
+    into.append(domElement);
+  }
+
+  resize(width: number, height: number): void {
+    this.#renderer.setSize(width, height);
+  }
+
+  /** Shows these labels as children of `parent`. */
+  show(labels: readonly Label[], parent: Object3D): void {
+    this.#labels = labels;
+    while (this.#objects.length < labels.length) {
+      const object = new CSS2DObject(element("span", { class: "label" }));
+      this.#objects.push(object);
+      parent.add(object);
+    }
+    this.#objects.forEach((object, i) => {
+      const label = labels[i];
+      object.visible = label !== undefined;
+      if (!label) return;
+      object.position.set(...label.at);
+      if (object.element.textContent !== label.text) object.element.textContent = label.text;
+      object.element.style.color = label.colour;
+    });
+  }
+
+  render(space: Space, camera: Camera, size: { width: number; height: number }): void {
+    const seen = new Map(this.words(camera, size).map((word) => [word.label, word]));
+    this.#objects.forEach((object, i) => {
+      const label = this.#labels[i];
+      const word = label && seen.get(label);
+      object.visible = word !== undefined;
+      // What would stick out of the view is moved into it.
+      if (word) object.center.x = 0.5 - word.moved / (LETTER * word.text.length);
+    });
+    this.#renderer.render(space, camera);
+  }
+
+  /** What of the labels is seen by a camera that makes a picture of so many pixels. */
+  words(camera: Camera, { width, height }: { width: number; height: number }): (Word & { label: Label; moved: number })[] {
+    camera.updateMatrixWorld();
+    const taken: [number, number, number, number][] = [];
+    const shown: (Word & { label: Label; moved: number })[] = [];
+    for (const label of [...this.#labels].sort((a, b) => b.weight - a.weight)) {
+      const { x, y, z } = new Vector3(...label.at).project(camera);
+      if (z < -1 || z > 1) continue;
+      const [own, top] = [((x + 1) / 2) * width, ((1 - y) / 2) * height];
+      // What it belongs to is not seen.
+      if (own < 0 || own > width || top < 0 || top > height) continue;
+      const half = (LETTER * label.text.length) / 2 + 3;
+      const left = Math.min(Math.max(own, half), Math.max(width - half, half));
+      const box: [number, number, number, number] = [left - half, top - LINE / 2, left + half, top + LINE / 2];
+      if (taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) continue;
+      taken.push(box);
+      shown.push({ text: label.text, colour: label.colour, x: left, y: top, label, moved: left - own });
+    }
+    return shown;
+  }
+}
