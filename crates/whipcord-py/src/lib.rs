@@ -12,6 +12,7 @@ mod convert;
 mod derivatives;
 mod design;
 mod errors;
+mod export;
 mod figure;
 mod file_data;
 mod fit;
@@ -96,6 +97,8 @@ mod _core {
     use super::solution::Solution;
     #[pymodule_export]
     use super::stereo::{calibrate_two, in_space, points_csv, triangulate};
+    #[pymodule_export]
+    use super::export::export;
     #[pymodule_export]
     use super::sweep::sweep;
     #[pymodule_export]
