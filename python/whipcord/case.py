@@ -18,13 +18,13 @@ from .controlling import Controller, Estimator
 from .derivatives import Derivatives, Place
 from .designing import Designed, Target
 from .errors import InputError
+from .exporting import Exported
 from .models import ModelLike, StationsLike
 from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
 from .robot import Damping
 from .simulating import Courses, Linearized, LoadsOverTime, Modes, Motion
 from .solution import Branches, Solution, begun
 from .surveying import Workspace
-from .exporting import Exported
 from .sweeping import Sweep
 from .viewing import HEIGHT, Viewer, view
 from .warning import distinct, tell

@@ -2,7 +2,7 @@
 
 use whipcord::{Actuation, CableCommand, ModelKind, Vec3};
 
-use super::{FORMAT, WORLD_SITE};
+use super::names::{FORMAT, WORLD_SITE};
 use crate::answers::Answers;
 use crate::chain::Chain;
 use crate::error::ExportError;

@@ -3,7 +3,7 @@
 use whipcord::{Case, Pose, Robot, Section, Vec3};
 use whipcord_plot::Colour;
 
-use super::cable_site;
+use super::names::{cable_site, node_site};
 use crate::chain::{Chain, Joint, Node};
 use crate::guides::Guide;
 use crate::xml::{Element, numbers};
@@ -138,7 +138,7 @@ fn sites(robot: &Robot, k: usize, node: &Node, held: &[Vec<Guide>]) -> Vec<Eleme
         let element = Element::new("site").with("name", name).with_vector("pos", at);
         element.with_numbers("size", &[0.002 * robot.backbone().length])
     };
-    let mut sites = vec![site(format!("node:{k}"), Vec3::ZERO)];
+    let mut sites = vec![site(node_site(k), Vec3::ZERO)];
     sites.extend(node.disk.map(|disk| site(format!("disk:{}", disk + 1), Vec3::ZERO)));
     for (cable, guides) in robot.cables().iter().zip(held) {
         let here = guides.iter().find(|guide| guide.place == k);

@@ -2,6 +2,7 @@
 
 mod actuators;
 mod bodies;
+mod names;
 mod obstacles;
 
 use whipcord::{Robot, Vec3};
@@ -16,8 +17,8 @@ use crate::nodal::nodal_loads;
 use crate::xml::{Element, check_name, numbers};
 
 use actuators::{Actuators, Applied};
+use names::{FORMAT, WORLD_SITE, cable_site, node_site};
 
-const FORMAT: &str = "MJCF";
 /// MuJoCo's parser of XML takes elements nested less than 500 deep.
 pub const MOST_BODIES: usize = 490;
 /// Greatest time step in s.
@@ -42,7 +43,7 @@ pub fn mjcf(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
     let of_robot = nodal_loads(&case.loads, case.base.rotation, &places).into_iter();
     let of_robot = of_robot.map(|load| Applied {
         name: load.name,
-        site: format!("node:{}", load.node),
+        site: node_site(load.node),
         force: load.force,
         moment: load.moment,
         follower: load.follower,
@@ -84,14 +85,6 @@ pub fn mjcf(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
     let lost = lost(job, &answers);
     let file = ExportedFile { name: format!("{stem}.xml"), bytes: root.document()? };
     Ok(Exported { files: vec![file], lost })
-}
-
-/// Name of the site in the world that forces are measured against.
-const WORLD_SITE: &str = "world";
-
-/// Name of the site of a cable at one of its guides.
-fn cable_site(cable: &str, place: usize) -> String {
-    format!("cable:{cable}:{place}")
 }
 
 /// Refuses what changes a static answer and has no counterpart.

@@ -3,9 +3,9 @@
 use whipcord::obstacle::Mesh;
 use whipcord::{Case, Form, MovableBody, Obstacle, Pose, Solution, Vec3};
 
-use super::FORMAT;
 use super::actuators::Applied;
 use super::bodies::placed;
+use super::names::FORMAT;
 use crate::error::ExportError;
 use crate::xml::{Element, check_name, numbers};
 
