@@ -31,6 +31,8 @@ class Compared:
     """Other cables."""
     disks: Mapping[str, Any] | None = None
     """Other disks."""
+    per_span: int = 4
+    """Bodies between two disks."""
     within: float = 0.005
     """Greatest distance of a disk, as a part of the length."""
 
@@ -58,7 +60,7 @@ ROBOTS = {
         disks={"count": 28, "hole_circle_radius": "8 mm"},
     ),
     "slack": Compared(SEGMENT, {"tension": ["5 N", 0, 0]}),
-    "large bending": Compared(SEGMENT, {"tension": ["16 N", "1 N", "1 N"]}),
+    "large bending": Compared(SEGMENT, {"tension": ["16 N", "1 N", "1 N"]}, per_span=8),
     "coupled stiffness": Compared("examples/composite-finger.toml"),
 }
 
@@ -78,7 +80,9 @@ def of_robot(robot: Compared) -> whipcord.Case:
     return case
 
 
-def settled(model: Any, start: str, *, ramp: float = 0.5, slowest: float = 1e-5, longest: float = 60.0) -> Any:
+def settled(
+    model: Any, start: str, *, ramp: float = 0.5, slowest: float = 1e-5, longest: float = 60.0
+) -> Any:
     """MuJoCo's data after all has come to rest: from a keyframe, with the controls of the case raised within `ramp` s. A robot at
     which a velocity is more than `slowest` after `longest` s is not at rest: a RuntimeError."""
     import mujoco
@@ -107,3 +111,65 @@ def bodies(model: Any) -> int:
     """Bodies of the robot."""
     names = [model.body(i).name for i in range(model.nbody)]
     return sum(name == "base" or name.startswith("node:") for name in names)
+
+
+def distance(case: whipcord.Case, exact: npt.NDArray[np.float64], per_span: int) -> tuple[float, Any]:
+    """The greatest distance in m of a disk in MuJoCo from where it should be, and where MuJoCo has the disks."""
+    import mujoco
+
+    with tempfile.TemporaryDirectory() as folder:
+        made = case.export(Path(folder) / "robot.xml", model="cosserat-disks", per_span=per_span)
+        model = mujoco.MjModel.from_xml_path(str(made.files[0]))
+    found = disks_in(model, settled(model, "rest"))
+    return float(np.linalg.norm(found - exact, axis=1).max()), found
+
+
+COUNTS = (1, 2, 4, 8)
+
+
+def draw(path: str) -> None:
+    """Compares all robots, prints a table and draws the figure."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    matplotlib.rcParams["svg.hashsalt"] = "whipcord"
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(4, 4, figsize=(11, 10.5), layout="constrained")
+    panels = axes[:3].flatten()
+    grid = axes[3, 0].get_gridspec()
+    for axis in axes[3]:
+        axis.remove()
+    chart = figure.add_subplot(grid[3, :])
+    print("| robot | " + " | ".join(str(count) for count in COUNTS) + " |")
+    print("|---|" + "---|" * len(COUNTS))
+    for panel, (name, robot) in zip(panels, ROBOTS.items()):
+        case = of_robot(robot)
+        solution = case.solve(model="cosserat-disks")
+        exact, length = solution.position, float(solution.arc_length[-1])
+        compared = [distance(case, exact, count) for count in COUNTS]
+        shares = [100 * apart / length for apart, _ in compared]
+        print(f"| {name} | " + " | ".join(f"{share:.2f} %" for share in shares) + " |", flush=True)
+        shown = compared[COUNTS.index(robot.per_span)][1]
+        smooth = case.solve(model="cosserat-disks", stations=120).position
+        # In the plane that the shape comes nearest to.
+        middle = smooth.mean(axis=0)
+        across = np.linalg.svd(smooth - middle)[2][:2]
+        panel.plot(*(across @ (smooth - middle).T * 1e3), color="#d55e00", lw=2)
+        panel.plot(*(across @ (shown - middle).T * 1e3), "o", color="#222222", ms=3.5, mfc="none")
+        panel.set_title(f"{name}: {shares[COUNTS.index(robot.per_span)]:.2f} %", fontsize=9)
+        panel.set_aspect("equal", "datalim")
+        panel.tick_params(labelsize=7)
+        chart.loglog(COUNTS, shares, "-o", ms=3, lw=1, label=name)
+    chart.axhline(0.5, color="#8c8c8c", ls="--", lw=1)
+    chart.set_xticks(COUNTS, [str(count) for count in COUNTS])
+    chart.minorticks_off()
+    chart.set_xlabel("bodies between two disks")
+    chart.set_ylabel("greatest distance of a disk,\n% of the length")
+    chart.legend(fontsize=7, ncols=2, loc="center left", bbox_to_anchor=(1.01, 0.5))
+    figure.suptitle("cosserat-disks (line) and MuJoCo (rings), mm", fontsize=11)
+    figure.savefig(path, metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    draw(sys.argv[1])

@@ -22,7 +22,7 @@ def test_mujoco_comes_to_rest_where_the_rod_with_disks_does(name: str, tmp_path:
     robot = ROBOTS[name]
     case = of_robot(robot)
     exact = case.solve(model="cosserat-disks")
-    case.export(tmp_path / "robot.xml", model="cosserat-disks")
+    case.export(tmp_path / "robot.xml", model="cosserat-disks", per_span=robot.per_span)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     data = settled(model, "rest")
     distance = np.linalg.norm(disks_in(model, data) - exact.position, axis=1).max()
@@ -133,12 +133,17 @@ def test_step_is_read(tmp_path: Path) -> None:
     names = [entity.name for entity in entities]
     assert [names.count(of) for of in ("B_SPLINE_CURVE_WITH_KNOTS", "POLYLINE", "CIRCLE")] == [1, 6, 15]
     tip = [e for e in entities if e.name == "CARTESIAN_POINT" and e.params[0] == "disk 15"][0]
-    np.testing.assert_allclose(tip.params[1], 1e3 * case.solve(model="cosserat-disks").position[-1], atol=1e-3)
+    np.testing.assert_allclose(
+        tip.params[1], 1e3 * case.solve(model="cosserat-disks").position[-1], atol=1e-3
+    )
 
 
 def test_the_name_of_the_file_says_the_format(tmp_path: Path) -> None:
     case = whipcord.load(ARM)
-    assert [path.name for path in case.export(tmp_path / "arm.pvd").files][:2] == ["arm.pvd", "backbone-1.vtp"]
+    assert [path.name for path in case.export(tmp_path / "arm.pvd").files][:2] == [
+        "arm.pvd",
+        "backbone-1.vtp",
+    ]
     with pytest.raises(whipcord.InputError, match=r"says no format: let it end in one of \.xml"):
         case.export(tmp_path / "arm.stl")
     with pytest.raises(whipcord.InputError, match=r"must end in \.glb"):

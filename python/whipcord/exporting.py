@@ -48,10 +48,14 @@ def export(
     extension = out.suffix.lower()
     if to is None and extension not in FORMATS:
         endings = ", ".join(FORMATS)
-        raise InputError(f"{out}: the name says no format: let it end in one of {endings}, or give `to`", path="path")
+        raise InputError(
+            f"{out}: the name says no format: let it end in one of {endings}, or give `to`", path="path"
+        )
     format = FORMATS[extension] if to is None else to
     if extensions.get(format, extension) != extension:
-        raise InputError(f"{out}: the name of a file for {format} must end in {extensions[format]}", path="path")
+        raise InputError(
+            f"{out}: the name of a file for {format} must end in {extensions[format]}", path="path"
+        )
     if per_span is not None and not 1 <= per_span <= 1000:
         raise InputError(f"per_span is {per_span}: it must be from 1 to 1000", path="per_span")
     contents, lost = _core.export(setup, model, format, out.stem, per_span)

@@ -101,6 +101,13 @@ impl Joint {
         self.stiffness.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
+    /// The least stiffness of the two hinges that bend, in N·m/rad; of all where bending and twist are coupled.
+    pub fn least_bending(&self) -> f64 {
+        let is_axial = self.axes[2].z.abs() > 1.0 - 1e-12;
+        let count = if is_axial { 2 } else { 3 };
+        self.stiffness[..count].iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     fn order(&self) -> [usize; 3] {
         if self.is_reversed { [2, 1, 0] } else { [0, 1, 2] }
     }

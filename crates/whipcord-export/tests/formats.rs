@@ -236,7 +236,8 @@ fn curves_for_cad_are_in_millimetres_and_refer_to_what_there_is() {
             [splines, polylines, 11]
         );
         let model = Model::new(kind, Stations::Disks, Actuation::Natural);
-        let tip = model.solve(&file.robot, &file.case).unwrap().disks.tip().position * 1e3;
+        let mut prepared = model.prepare(&file.robot, &file.case.loads).unwrap();
+        let tip = prepared.solve(&file.case, None).unwrap().disks.tip().position * 1e3;
         let points: Vec<Vec<f64>> = entities
             .values()
             .filter_map(|entity| entity.strip_prefix("CARTESIAN_POINT('disk 11',("))

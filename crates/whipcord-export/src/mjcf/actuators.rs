@@ -1,6 +1,6 @@
 //! Actuators: cables that are pulled or wound up, and loads.
 
-use whipcord::{Actuation, CableCommand, ModelKind, Vec3};
+use whipcord::{Actuation, CableCommand, ModelKind, Pose, Vec3};
 
 use super::names::{FORMAT, WORLD_SITE};
 use crate::answers::Answers;
@@ -78,6 +78,11 @@ impl Actuators {
             let model = model.kind().name();
             known.ok_or(ExportError::NoTensions { format: FORMAT, model })
         };
+        let of_step = |solution: &whipcord::Solution| -> Result<Vec<Pose>, ExportError> {
+            Ok(chain.poses(job.case.base, &chain.angles(&solution.shape)?))
+        };
+        let poses = answers.steps.iter().map(of_step).collect::<Result<Vec<_>, _>>()?;
+        let at_rest: Vec<Pose> = chain.nodes.iter().map(|node| node.rest).collect();
         let mut cables = Vec::new();
         let mut commands = vec![Vec::new(); answers.steps.len()];
         for (i, cable) in robot.cables().iter().enumerate() {
@@ -91,7 +96,7 @@ impl Actuators {
                 .iter()
                 .any(|case| by_length(model.kind(), model.actuation(), &case.commands[i]));
             let drive = if is_by_length {
-                let rest = length_at_rest(chain, &held[i]);
+                let rest = length(&at_rest, &held[i]);
                 let stiffness = stiffness(job, chain, i, &held[i], rest);
                 let damping = stiffness * damping_time(chain);
                 Drive::Length { stiffness, damping, rest }
@@ -104,11 +109,11 @@ impl Actuators {
                     Drive::Length { stiffness, rest, .. } => {
                         let state = &answers.steps[step].cables[i];
                         let given = answers.cases[step].commands[i].shortening;
-                        let shortening = match given.filter(|_| state.slack) {
-                            Some(given) => given.in_metres(state.initial_length),
-                            None => state.initial_length - state.length,
-                        };
-                        rest - shortening - tensions[step] / stiffness
+                        match given.filter(|_| state.slack) {
+                            Some(given) => rest - given.in_metres(state.initial_length),
+                            // That the backbone gets shorter and the cable longer is in it.
+                            None => length(&poses[step], &held[i]) - tensions[step] / stiffness,
+                        }
                     }
                 });
             }
@@ -186,9 +191,9 @@ fn by_length(model: ModelKind, actuation: Actuation, command: &CableCommand) -> 
     }
 }
 
-/// Length in m of a cable on the chain at rest.
-fn length_at_rest(chain: &Chain, guides: &[Guide]) -> f64 {
-    let at = |guide: &Guide| chain.nodes[guide.place].rest.transform(guide.offset);
+/// Length in m of a cable on a chain with these poses.
+fn length(poses: &[Pose], guides: &[Guide]) -> f64 {
+    let at = |guide: &Guide| poses[guide.place].transform(guide.offset);
     guides.windows(2).map(|pair| (at(&pair[1]) - at(&pair[0])).norm()).sum()
 }
 

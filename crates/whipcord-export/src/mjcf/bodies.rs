@@ -3,6 +3,7 @@
 use whipcord::{Case, Pose, Robot, Section, Vec3};
 use whipcord_plot::Colour;
 
+use super::contact::Contact;
 use super::names::{cable_site, node_site};
 use crate::chain::{Chain, Joint, Node};
 use crate::guides::Guide;
@@ -12,7 +13,7 @@ use crate::xml::{Element, numbers};
 const DRAWN_RADIUS: f64 = 0.004;
 
 /// Colours, and what touches what: the robot touches obstacles and objects, but not itself.
-pub fn defaults() -> Element {
+pub fn defaults(contact: Option<Contact>) -> Element {
     let class = |name: &str, geom: Element| Element::new("default").with("class", name).and(geom);
     let of_robot = |colour: Colour| {
         Element::new("geom")
@@ -22,7 +23,13 @@ pub fn defaults() -> Element {
             .with("friction", "0 0 0")
             .with("rgba", rgba(colour))
     };
+    let all = contact.map(|contact| {
+        Element::new("geom")
+            .with_numbers("solref", &contact.reference())
+            .with_numbers("solimp", &contact.impedance())
+    });
     Element::new("default")
+        .and_all(all)
         .and(class("backbone", of_robot(Colour::GREY)))
         .and(class("disk", of_robot(Colour::GRID)))
         .and(class(
@@ -54,7 +61,13 @@ pub fn placed(element: Element, pose: Pose) -> Element {
 }
 
 /// The base with all bodies on it.
-pub fn base(robot: &Robot, case: &Case, chain: &Chain, held: &[Vec<Guide>]) -> Element {
+pub fn base(
+    robot: &Robot,
+    case: &Case,
+    chain: &Chain,
+    held: &[Vec<Guide>],
+    contact: Option<Contact>,
+) -> Element {
     let mut outer: Option<Element> = None;
     for (k, node) in chain.nodes.iter().enumerate().rev() {
         let name = if k == 0 { "base".to_owned() } else { format!("node:{k}") };
@@ -63,7 +76,7 @@ pub fn base(robot: &Robot, case: &Case, chain: &Chain, held: &[Vec<Guide>]) -> E
             None => body = placed(body, case.base),
             Some(joint) => {
                 body = placed(body, joint.before * joint.after);
-                body = body.and_all(hinges(k, joint));
+                body = body.and_all(hinges(k, joint, contact));
                 body.push(inertial(node));
             }
         }
@@ -78,16 +91,20 @@ pub fn base(robot: &Robot, case: &Case, chain: &Chain, held: &[Vec<Guide>]) -> E
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-fn hinges(k: usize, joint: &Joint) -> impl Iterator<Item = Element> {
+fn hinges(k: usize, joint: &Joint, contact: Option<Contact>) -> impl Iterator<Item = Element> {
     let in_body = joint.after.inverse();
     joint.hinges().into_iter().map(move |hinge| {
-        Element::new("joint")
+        let element = Element::new("joint")
             .with("name", format!("joint:{k}:{}", AXES[hinge.number]))
             .with("type", "hinge")
             .with_vector("pos", in_body.position)
             .with_vector("axis", in_body.rotation.rotate(hinge.axis))
             .with_numbers("stiffness", &[hinge.stiffness])
-            .with_numbers("damping", &[hinge.damping])
+            .with_numbers("damping", &[hinge.damping]);
+        match contact {
+            Some(contact) => element.with_numbers("armature", &[contact.armature(hinge.stiffness)]),
+            None => element,
+        }
     })
 }
 
