@@ -32,6 +32,8 @@ pub fn urdf(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
     let mut root = Element::new("robot").with("name", title);
     root.push(Element::new("link").with("name", "world"));
     root.push(fixed("world", "node-0", job.case.base));
+    // The frame of a link is that of its joint: where the body of the link before is in it.
+    let mut last = Pose::IDENTITY;
     for (k, node) in chain.nodes.iter().enumerate() {
         let in_link = match k.checked_sub(1).and_then(|before| chain.joints.get(before)) {
             None => Pose::IDENTITY,
@@ -40,7 +42,7 @@ pub fn urdf(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
                 for (i, hinge) in joint.hinges().iter().enumerate() {
                     let name = joint_name(k, hinge.number);
                     let child = if i == 2 { format!("node-{k}") } else { format!("{name}-link") };
-                    let at = if i == 0 { joint.before } else { Pose::IDENTITY };
+                    let at = if i == 0 { last * joint.before } else { Pose::IDENTITY };
                     root.push(revolute(&name, [&parent, &child], at, hinge.axis));
                     if i < 2 {
                         let [mass, inertia] = VIRTUAL;
@@ -58,6 +60,7 @@ pub fn urdf(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
             root.push(Element::new("link").with("name", &name));
             root.push(fixed(&format!("node-{k}"), &name, in_link));
         }
+        last = in_link;
     }
     let mut steps = Vec::new();
     let mut farthest = 0.0_f64;
