@@ -26,7 +26,7 @@ pub fn guides(robot: &Robot, model: ModelKind, places: &[f64]) -> Vec<Vec<Guide>
         robot.disks().arc_lengths.iter().map(|&s| nearest(places, s)).collect();
     let of_cable = |route: &whipcord::robot::Route| {
         let last = nearest(places, route.end());
-        let is_guide = |k: &usize| everywhere || *k == last || at_disks.contains(k);
+        let is_guide = |k: &usize| everywhere || *k == last || at_disks.binary_search(k).is_ok();
         let held = (0..=last).filter(is_guide);
         held.map(|place| {
             let offset = route.at(places[place].min(route.end())).offset;

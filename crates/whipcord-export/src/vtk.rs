@@ -193,13 +193,14 @@ fn backbone(robot: &Robot, drawing: &Drawing<'_>, solution: &Solution) -> PolyDa
 
 /// The stations of each span between two disks.
 fn spans(robot: &Robot, shape: &Shape) -> Vec<Vec<usize>> {
-    let ends = robot.disks().arc_lengths.windows(2);
+    let reach = 1e-9 * robot.backbone().length;
     let within = |ends: &[f64]| {
-        let reach = 1e-9 * robot.backbone().length;
-        let is_within = |s: f64| ends[0] - reach <= s && s <= ends[1] + reach;
-        (0..shape.arc_length.len()).filter(|&i| is_within(shape.arc_length[i])).collect()
+        let first = shape.arc_length.partition_point(|&s| s < ends[0] - reach);
+        let end = shape.arc_length.partition_point(|&s| s <= ends[1] + reach);
+        (first..end).collect()
     };
-    ends.map(within).filter(|stations: &Vec<usize>| stations.len() > 1).collect()
+    let all = robot.disks().arc_lengths.windows(2).map(within);
+    all.filter(|stations: &Vec<usize>| stations.len() > 1).collect()
 }
 
 /// Curvature and twist in the frame of the section at each of these stations, linear between the middles of the pieces.
