@@ -49,7 +49,7 @@ ROBOTS = {
         SEGMENT, loads={"tip_force": ["0.3 N", "0.2 N", "-0.1 N"], "tip_moment": [0, 0, "5 mN*m"]}
     ),
     "following load": Compared(
-        "examples/table1/case-2.toml", loads={"tip_force": ["0.2 N", "0.1 N", 0], "tip_follower": True}
+        "examples/table1/case-2.toml", loads={"tip_force": ["0.2 N", "0.1 N", 0], "follower": True}
     ),
     "tapered": Compared("examples/tapered-arm.toml"),
     "pre-curved": Compared("examples/precurved-catheter.toml"),

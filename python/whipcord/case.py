@@ -853,6 +853,7 @@ class Case(Description):
         to: str | None = None,
         per_span: int | None = None,
         model: ModelLike = "cosserat",
+        actuation: str | None = None,
         timeout: float | None = None,
     ) -> Exported:
         """Write the robot and its solved shape for another program.
@@ -869,6 +870,8 @@ class Case(Description):
         model
             A model by its name, or one with options. Cables are guided where it has them: at the disks by ``"cosserat-disks"``, all
             along the backbone by ``"cosserat"``.
+        actuation
+            ``"tension"`` or ``"shortening"``, for all cables; by default as :meth:`solve` has it. A cable of an MJCF file is driven by the same.
         timeout
             Seconds after which the solve is ended.
 
@@ -886,7 +889,8 @@ class Case(Description):
         ...     made.files[0].read_text().count("<spatial")
         3
         """
-        return exporting.export(self._setup, models.core(model, timeout=timeout), path, to, per_span)
+        chosen = models.core(model, None, actuation, timeout)
+        return exporting.export(self._setup, chosen, path, to, per_span)
 
     @suggests
     def controller(
