@@ -135,12 +135,13 @@ def draw(path: str) -> None:
     matplotlib.rcParams["svg.hashsalt"] = "whipcord"
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(4, 4, figsize=(11, 10.5), layout="constrained")
+    figure, axes = plt.subplots(4, 4, figsize=(9, 9), layout="constrained")
     panels = axes[:3].flatten()
     grid = axes[3, 0].get_gridspec()
     for axis in axes[3]:
         axis.remove()
     chart = figure.add_subplot(grid[3, :])
+    colours = plt.get_cmap("tab20")
     print("| robot | " + " | ".join(str(count) for count in COUNTS) + " |")
     print("|---|" + "---|" * len(COUNTS))
     for panel, (name, robot) in zip(panels, ROBOTS.items()):
@@ -160,13 +161,13 @@ def draw(path: str) -> None:
         panel.set_title(f"{name}: {shares[COUNTS.index(robot.per_span)]:.2f} %", fontsize=9)
         panel.set_aspect("equal", "datalim")
         panel.tick_params(labelsize=7)
-        chart.loglog(COUNTS, shares, "-o", ms=3, lw=1, label=name)
+        chart.loglog(COUNTS, shares, "-o", ms=3, lw=1, label=name, color=colours(len(chart.lines)))
     chart.axhline(0.5, color="#8c8c8c", ls="--", lw=1)
     chart.set_xticks(COUNTS, [str(count) for count in COUNTS])
     chart.minorticks_off()
     chart.set_xlabel("bodies between two disks")
     chart.set_ylabel("greatest distance of a disk,\n% of the length")
-    chart.legend(fontsize=7, ncols=2, loc="center left", bbox_to_anchor=(1.01, 0.5))
+    chart.legend(fontsize=7, ncols=3, loc="upper right")
     figure.suptitle("cosserat-disks (line) and MuJoCo (rings), mm", fontsize=11)
     figure.savefig(path, metadata={"Date": None})
 

@@ -88,7 +88,7 @@ fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
 fn a_robot_without_an_answer_is_not_exported() {
     let scratch = Scratch::new();
     let out = scratch.file("robot.glb");
-    let bend = "cables[0].shortening=\"500 mm\"";
+    let bend = "cables[0].shortening=\"182 mm\"";
     let arguments = [
         "export",
         "examples/table1/case-3.toml",
