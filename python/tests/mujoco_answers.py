@@ -167,7 +167,8 @@ def draw(path: str) -> None:
     chart.minorticks_off()
     chart.set_xlabel("bodies between two disks")
     chart.set_ylabel("greatest distance of a disk,\n% of the length")
-    chart.legend(fontsize=7, ncols=3, loc="upper right")
+    chart.legend(fontsize=7, ncols=3, loc="lower left")
+    chart.set_ylim(bottom=0.003)
     figure.suptitle("cosserat-disks (line) and MuJoCo (rings), mm", fontsize=11)
     figure.savefig(path, metadata={"Date": None})
 

@@ -72,6 +72,8 @@ mod _core {
     #[pymodule_export]
     use super::examples;
     #[pymodule_export]
+    use super::export::export;
+    #[pymodule_export]
     use super::figure::svg;
     #[pymodule_export]
     use super::fit::{Fitted, fit};
@@ -97,8 +99,6 @@ mod _core {
     use super::solution::Solution;
     #[pymodule_export]
     use super::stereo::{calibrate_two, in_space, points_csv, triangulate};
-    #[pymodule_export]
-    use super::export::export;
     #[pymodule_export]
     use super::sweep::sweep;
     #[pymodule_export]
