@@ -44,7 +44,7 @@ strict = true
 # JAX has annotations, but not on all functions.
 untyped_calls_exclude = jax
 
-[mypy-pandas.*,pyarrow.*,matplotlib.*,mpl_toolkits.*,jax.*,torch.*]
+[mypy-pandas.*,pyarrow.*,matplotlib.*,mpl_toolkits.*,jax.*,torch.*,mujoco.*,yourdfpy.*]
 ignore_missing_imports = true
 """
 

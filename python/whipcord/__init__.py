@@ -36,6 +36,7 @@ from .errors import (
     SolveError,
     WhipcordError,
 )
+from .exporting import Exported
 from .fitting import (
     CrossValidation,
     Estimate,
@@ -138,6 +139,7 @@ __all__ = [
     "Equilibrium",
     "Estimate",
     "Estimator",
+    "Exported",
     "FileError",
     "Finding",
     "Fit",

@@ -35,6 +35,7 @@ __all__ = [
     "derivatives",
     "distances",
     "examples",
+    "export",
     "fit",
     "follow",
     "in_space",
@@ -117,6 +118,13 @@ def sweep(
     shard: tuple[int, int],
     resume: bool,
 ) -> dict[str, Any]: ...
+def export(
+    setup: Setup,
+    model: Model,
+    format: str,
+    stem: str,
+    per_span: int | None,
+) -> tuple[list[tuple[str, bytes]], list[str]]: ...
 def parse_quantity(text: str, dimension: str) -> float: ...
 def table_in_si(name: str, table: dict[str, Any]) -> dict[str, Any]: ...
 def materials() -> list[dict[str, Any]]: ...

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from . import _core, controlling, designing, models, reaching, simulating, surveying, sweeping
+from . import _core, controlling, designing, exporting, models, reaching, simulating, surveying, sweeping
 from ._commands import Commands, commanded, metres, paths, shortening_for, whole
 from ._description import Description
 from ._suggest import suggests
@@ -18,6 +18,7 @@ from .controlling import Controller, Estimator
 from .derivatives import Derivatives, Place
 from .designing import Designed, Target
 from .errors import InputError
+from .exporting import Exported
 from .models import ModelLike, StationsLike
 from .reaching import Followed, Limits, PoseLike, ReachBatch, Reached
 from .robot import Damping
@@ -857,6 +858,53 @@ class Case(Description):
         question = sweeping.asked(vary, table, samples, sampling, seed, outputs, rows_per_part)
         chosen = models.core(model, timeout=timeout)
         return sweeping.sweep(self._setup, chosen, question, out, shard, resume)
+
+    @suggests
+    def export(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        to: str | None = None,
+        per_span: int | None = None,
+        model: ModelLike = "cosserat",
+        actuation: str | None = None,
+        timeout: float | None = None,
+    ) -> Exported:
+        """Write the robot and its solved shape for another program.
+
+        Parameters
+        ----------
+        path
+            File to write. Files that belong to it are written beside it.
+        to
+            ``"mjcf"`` for MuJoCo (``.xml``), ``"urdf"`` (``.urdf``), ``"vtk"`` for ParaView (``.pvd``), ``"gltf"`` for Blender and browsers
+            (``.glb``) or ``"step-points"`` for CAD (``.step``); by default what the name of the file ends in.
+        per_span
+            Bodies (mjcf, urdf; by default 4) or pieces of curves (by default 8) between two disks.
+        model
+            A model by its name, or one with options. Cables are guided where it has them: at the disks by ``"cosserat-disks"``, all
+            along the backbone by ``"cosserat"``.
+        actuation
+            ``"tension"`` or ``"shortening"``, for all cables; by default as :meth:`solve` has it. A cable of an MJCF file is driven by the same.
+        timeout
+            Seconds after which the solve is ended.
+
+        Returns
+        -------
+        Exported
+            The files, and what is not in them.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> case = load("examples/three-cable-segment.toml")
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     made = case.export(f"{folder}/segment.xml", model="cosserat-disks")
+        ...     made.files[0].read_text().count("<spatial")
+        3
+        """
+        chosen = models.core(model, None, actuation, timeout)
+        return exporting.export(self._setup, chosen, path, to, per_span)
 
     @suggests
     def controller(

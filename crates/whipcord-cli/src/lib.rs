@@ -33,9 +33,9 @@ use clap::{Parser, Subcommand};
 
 use crate::deadline::{Deadline, Limit};
 use crate::verbs::{
-    bench, camera, check, compare, completions, design, examples as examples_verb, fit, man,
-    measure, measure_stereo, modes, new, overlay, reach, schema, score, simulate, solve, stiffness,
-    sweep, view, workspace,
+    bench, camera, check, compare, completions, design, examples as examples_verb, export, fit,
+    man, measure, measure_stereo, modes, new, overlay, reach, schema, score, simulate, solve,
+    stiffness, sweep, view, workspace,
 };
 use whipcord_study::failure::Failure;
 use whipcord_study::style::Style;
@@ -47,7 +47,7 @@ struct Cli {
     #[command(subcommand)]
     verb: Verb,
     /// Stop after this time, such as 30 s, 500 ms or 2 min (a bare number is in seconds), with exit status 1; 0 or none for
-    /// no limit. By default 60 s for solve, reach, stiffness and check, and no limit for the others
+    /// no limit. By default 60 s for solve, reach, stiffness, export and check, and no limit for the others
     #[arg(long, global = true, value_name = "TIME", value_parser = deadline::limit, allow_negative_numbers = true)]
     timeout: Option<Limit>,
 }
@@ -62,6 +62,7 @@ enum Verb {
     Simulate(simulate::SimulateArgs),
     Modes(modes::ModesArgs),
     Sweep(sweep::SweepArgs),
+    Export(export::ExportArgs),
     Compare(compare::CompareArgs),
     Score(score::ScoreArgs),
     Fit(fit::FitArgs),
@@ -94,6 +95,7 @@ impl Verb {
             Self::Simulate(_) => ("simulate", Limit::None),
             Self::Modes(_) => ("modes", INTERACTIVE),
             Self::Sweep(_) => ("sweep", Limit::None),
+            Self::Export(_) => ("export", INTERACTIVE),
             Self::Compare(_) => ("compare", Limit::None),
             Self::Score(_) => ("score", Limit::None),
             Self::Fit(_) => ("fit", Limit::None),
@@ -152,6 +154,7 @@ where
         Verb::Simulate(args) => simulate::run(&args, style),
         Verb::Modes(args) => modes::run(&args, style),
         Verb::Sweep(args) => sweep::run(&args),
+        Verb::Export(args) => export::run(&args, style),
         Verb::Compare(args) => compare::run(&args, style),
         Verb::Score(args) => score::run(&args, style),
         Verb::Fit(args) => fit::run(&args, style),

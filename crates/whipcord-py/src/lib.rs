@@ -12,6 +12,7 @@ mod convert;
 mod derivatives;
 mod design;
 mod errors;
+mod export;
 mod figure;
 mod file_data;
 mod fit;
@@ -71,6 +72,8 @@ mod _core {
     use super::design::design;
     #[pymodule_export]
     use super::examples;
+    #[pymodule_export]
+    use super::export::export;
     #[pymodule_export]
     use super::figure::svg;
     #[pymodule_export]

@@ -9,6 +9,7 @@ pub mod completions;
 pub mod design;
 mod design_report;
 pub mod examples;
+pub mod export;
 pub mod fit;
 pub mod man;
 pub mod measure;

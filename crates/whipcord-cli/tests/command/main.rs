@@ -14,6 +14,7 @@ mod camera;
 mod check;
 mod compare;
 mod design;
+mod export;
 mod fit;
 #[cfg(target_os = "linux")]
 mod hostile;

@@ -11,7 +11,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 15] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-estimation", &["whipcord", "whipcord-numerics"]),
@@ -46,6 +46,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
         &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-io", "whipcord-plot"],
     ),
     ("whipcord-sweep", &["whipcord", "whipcord-io", "whipcord-numerics"]),
+    ("whipcord-export", &["whipcord", "whipcord-motion", "whipcord-numerics", "whipcord-plot"]),
     (
         "whipcord-cli",
         &[
@@ -54,6 +55,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "whipcord-inverse",
             "whipcord-motion",
             "whipcord-design",
+            "whipcord-export",
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",
@@ -71,6 +73,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "whipcord-inverse",
             "whipcord-motion",
             "whipcord-design",
+            "whipcord-export",
             "whipcord-io",
             "whipcord-plot",
             "whipcord-study",
