@@ -1,4 +1,4 @@
-"""Compares what examples/c/solve prints with the JSON of ``whipcord solve``: all numbers must have the same bits."""
+"""Compares what the example solve.c prints with the JSON of ``whipcord solve``: all numbers must have the same bits."""
 
 import json
 import sys

@@ -12,7 +12,7 @@ work=$folder/work
 mkdir "$work"
 "$crate/package/install.sh" "$prefix" "$1"
 whipcord=$(cd "$(dirname "$2")" && pwd)/$(basename "$2")
-cp "$root"/examples/c/* "$work"
+cp "$crate"/examples/* "$work"
 cp -r "$root/examples/table1" "$root/examples/two-segment-arm.toml" "$root/examples/reaching-arm.toml" \
     "$root/examples/released-arm.toml" "$work"
 cd "$work"
@@ -64,7 +64,7 @@ grep -q "not reached" far.txt
 
 if command -v cmake >/dev/null; then
     mkdir sources
-    cp "$root"/examples/c/* sources
+    cp "$crate"/examples/* sources
     cmake -S sources -B build -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_FLAGS="-Wall -Wextra -Werror" \
         -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" > cmake.txt || { cat cmake.txt; exit 1; }
     cmake --build build > cmake.txt || { cat cmake.txt; exit 1; }

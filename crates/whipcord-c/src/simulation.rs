@@ -20,8 +20,7 @@ impl MovingRobot {
         let file = Arc::clone(&robot.file);
         let (robot, case) = (&file.robot, &file.case);
         let mut commands = file.motion.commands(robot, case);
-        let simulation =
-            Simulation::with_commands(robot, case, &commands, file.motion.options());
+        let simulation = Simulation::with_commands(robot, case, &commands, file.motion.options());
         let simulation = simulation.map_err(|error| motion_failure(&file, &error))?;
         // Memory for commands of the motors, so that they take none later.
         commands.motors.resize(robot.motors().len(), None);

@@ -90,8 +90,7 @@ impl Solver {
             self.next_outputs[i] = output;
             for of in &motor.cables {
                 let by = Shortening::Length(of.pull() * output);
-                self.case.commands[of.cable] =
-                    CableCommand { tension: None, shortening: Some(by) };
+                self.case.commands[of.cable] = CableCommand { tension: None, shortening: Some(by) };
             }
         }
         Ok(())
@@ -182,9 +181,7 @@ impl Solver {
     }
 
     /// Tensions in N, in the order of the cables.
-    pub(crate) fn tensions(
-        &self,
-    ) -> Result<impl ExactSizeIterator<Item = f64> + use<'_>, Failure> {
+    pub(crate) fn tensions(&self) -> Result<impl ExactSizeIterator<Item = f64> + use<'_>, Failure> {
         let cables = &self.solution()?.cables;
         if cables.iter().any(|cable| cable.tension.is_none()) {
             return Err(Failure::new(

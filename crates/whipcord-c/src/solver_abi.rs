@@ -142,7 +142,7 @@ pub unsafe extern "C" fn whipcord_solver_set_tip_load(
 ) -> Status {
     guard(|| {
         let solver = given(solver)?;
-        let vector = |pointer: *const f64, what| {
+        let vector = |pointer: *const f64, what: &str| -> Result<Vec3, Failure> {
             if pointer.is_null() {
                 return Ok(Vec3::ZERO);
             }

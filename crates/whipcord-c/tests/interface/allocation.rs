@@ -7,7 +7,8 @@ use super::common::{MOTORS, load, parse, simulation, solver};
 #[test]
 fn a_cycle_of_a_controller_allocates_nothing() {
     let robot = load("two-segment-arm.toml");
-    for model in ["cosserat", "cosserat-disks", "piecewise-constant-curvature", "pseudo-rigid-body"] {
+    for model in ["cosserat", "cosserat-disks", "piecewise-constant-curvature", "pseudo-rigid-body"]
+    {
         let mut solver = solver(&robot, model);
         let mut cycle = |number: u32| {
             let mut tensions = [14.0, 1.0, 1.0, 8.0, 1.0, 1.0];
@@ -18,7 +19,8 @@ fn a_cycle_of_a_controller_allocates_nothing() {
                 let status = whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), 6);
                 assert_eq!(status, Status::Ok);
                 let moment = std::ptr::null();
-                let status = whipcord_solver_set_tip_load(Some(&mut solver), force.as_ptr(), moment);
+                let status =
+                    whipcord_solver_set_tip_load(Some(&mut solver), force.as_ptr(), moment);
                 assert_eq!(status, Status::Ok);
                 assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
                 assert_eq!(whipcord_solver_tip_pose(Some(&solver), pose.as_mut_ptr()), Status::Ok);

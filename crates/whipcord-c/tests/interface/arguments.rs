@@ -109,7 +109,10 @@ fn files_that_cannot_be_used_say_where() {
         let status = whipcord_robot_parse(c"\xFF\xFE".as_ptr(), ptr::null(), &raw mut robot);
         assert_eq!(status, Status::NotUtf8);
         let status = whipcord_robot_load(c"a\xC3".as_ptr(), &raw mut robot);
-        assert_eq!((status, message().as_str()), (Status::NotUtf8, "path is not UTF-8: byte 1 is not text"));
+        assert_eq!(
+            (status, message().as_str()),
+            (Status::NotUtf8, "path is not UTF-8: byte 1 is not text")
+        );
         let arm = load("two-segment-arm.toml");
         let mut solver = ptr::dangling_mut();
         let status = whipcord_solver_new(Some(&arm), c("cosine").as_ptr(), &raw mut solver);
@@ -148,8 +151,7 @@ fn wrong_commands_change_nothing() {
             (6, -1.0, Status::InvalidArgument),
         ] {
             tensions[3] = value;
-            let status =
-                whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), count);
+            let status = whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), count);
             assert_eq!(status, expected);
         }
         assert!(message().contains("tensions[3] is -1 N"), "{}", message());
@@ -166,7 +168,10 @@ fn wrong_commands_change_nothing() {
         }
         // A solve that fails keeps the solution.
         tensions.fill(1e200);
-        assert_eq!(whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), 6), Status::Ok);
+        assert_eq!(
+            whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), 6),
+            Status::Ok
+        );
         assert_ne!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
         let mut kept = [0.0; 7];
         assert_eq!(whipcord_solver_tip_pose(Some(&solver), kept.as_mut_ptr()), Status::Ok);

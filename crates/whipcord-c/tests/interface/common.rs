@@ -41,8 +41,7 @@ pub fn parse(text: &str) -> Box<RobotFile> {
 
 pub fn solver(robot: &RobotFile, model: &str) -> Box<Solver> {
     let mut solver = ptr::null_mut();
-    let status =
-        unsafe { whipcord_solver_new(Some(robot), c(model).as_ptr(), &raw mut solver) };
+    let status = unsafe { whipcord_solver_new(Some(robot), c(model).as_ptr(), &raw mut solver) };
     owned(status, solver)
 }
 

@@ -4,8 +4,8 @@ use std::ffi::CStr;
 
 use whipcord::derivatives::Place;
 use whipcord::{
-    Actuation, Case, CableCommand, Differentiable as _, Model, ModelKind, Pose, Shortening, Solution, Stations,
-    Vec3,
+    Actuation, CableCommand, Case, Differentiable as _, Model, ModelKind, Pose, Shortening,
+    Solution, Stations, Vec3,
 };
 use whipcord_c::*;
 use whipcord_inverse::{CommandedBy, InverseSolver, ReachOptions, ReachStatus, Target};
@@ -47,12 +47,16 @@ fn check(solver: &Solver, expected: &Solution) {
         Some(known) => assert_eq!((status, tensions), (Status::Ok, known)),
         None => assert_eq!(status, Status::Unavailable),
     }
-    let mut of = Diagnostics { iterations: 0, steps: 0, residual: 0.0, stability: Stability::Unknown };
+    let mut of =
+        Diagnostics { iterations: 0, steps: 0, residual: 0.0, stability: Stability::Unknown };
     let status = unsafe { whipcord_solver_diagnostics(Some(solver), &raw mut of) };
     assert_eq!(status, Status::Ok);
     let Diagnostics { iterations, steps, residual, stability } = of;
     let diagnostics = &expected.diagnostics;
-    assert_eq!((iterations, steps, residual), (diagnostics.iterations, diagnostics.steps, diagnostics.residual));
+    assert_eq!(
+        (iterations, steps, residual),
+        (diagnostics.iterations, diagnostics.steps, diagnostics.residual)
+    );
     let stable = match stability {
         Stability::Unknown => None,
         Stability::Stable => Some(true),
@@ -84,13 +88,24 @@ fn warm_solves_of_every_model_are_those_of_rust() {
                 let commands = vec![command; file.robot.cables().len()];
                 let set = |solver: &mut Solver| unsafe {
                     match by_length {
-                        true => whipcord_solver_set_shortenings(Some(solver), commands.as_ptr(), commands.len()),
-                        false => whipcord_solver_set_tensions(Some(solver), commands.as_ptr(), commands.len()),
+                        true => whipcord_solver_set_shortenings(
+                            Some(solver),
+                            commands.as_ptr(),
+                            commands.len(),
+                        ),
+                        false => whipcord_solver_set_tensions(
+                            Some(solver),
+                            commands.as_ptr(),
+                            commands.len(),
+                        ),
                     }
                 };
                 assert_eq!(set(&mut solver), Status::Ok);
                 case.commands.fill(match by_length {
-                    true => CableCommand { tension: None, shortening: Some(Shortening::Length(command)) },
+                    true => CableCommand {
+                        tension: None,
+                        shortening: Some(Shortening::Length(command)),
+                    },
                     false => CableCommand { tension: Some(command), shortening: None },
                 });
             }
@@ -116,7 +131,8 @@ fn the_tip_load_is_that_of_the_case() {
     let mut solver = solver(&load("two-segment-arm.toml"), "cosserat");
     let (force, moment) = (case.loads.tip_force.to_array(), case.loads.tip_moment.to_array());
     unsafe {
-        let status = whipcord_solver_set_tip_load(Some(&mut solver), force.as_ptr(), moment.as_ptr());
+        let status =
+            whipcord_solver_set_tip_load(Some(&mut solver), force.as_ptr(), moment.as_ptr());
         assert_eq!(status, Status::Ok);
     }
     assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
@@ -128,7 +144,8 @@ fn files_of_several_steps_are_followed_through_them() {
     for name in ["rubbing-finger.toml", "hysteresis-loop.toml"] {
         let file = whipcord_io::load(example(name)).unwrap();
         assert!(!file.case.before.is_empty());
-        let mut prepared = model(ModelKind::Cosserat).prepare(&file.robot, &file.case.loads).unwrap();
+        let mut prepared =
+            model(ModelKind::Cosserat).prepare(&file.robot, &file.case.loads).unwrap();
         let mut last = None;
         prepared.solve_steps(&file.case, |solution| last = Some(solution)).unwrap();
         let last = last.unwrap();
@@ -138,10 +155,15 @@ fn files_of_several_steps_are_followed_through_them() {
         // One step more.
         let cables = file.robot.cables().len();
         let tensions = vec![1.0; cables];
-        let status = unsafe { whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), cables) };
+        let status =
+            unsafe { whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), cables) };
         assert_eq!(status, Status::Ok);
         assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
-        let next = Case { loads: file.case.loads.clone(), base: file.case.base, ..Case::with_tensions(&tensions) };
+        let next = Case {
+            loads: file.case.loads.clone(),
+            base: file.case.base,
+            ..Case::with_tensions(&tensions)
+        };
         check(&solver, &prepared.solve(&next, Some(&last)).unwrap());
     }
 }
@@ -155,7 +177,8 @@ fn motors_remember_their_backlash() {
     let mut last: Option<Solution> = None;
     for angles in [None, Some([0.3, 0.2]), Some([0.28, 0.1]), Some([0.1, 0.3])] {
         if let Some(angles) = angles {
-            let status = unsafe { whipcord_solver_set_motors(Some(&mut solver), angles.as_ptr(), 2) };
+            let status =
+                unsafe { whipcord_solver_set_motors(Some(&mut solver), angles.as_ptr(), 2) };
             assert_eq!(status, Status::Ok);
             history.push(angles.map(Some).to_vec());
         }
@@ -178,13 +201,16 @@ fn jacobians_are_those_of_rust() {
         assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
         let cables = robot.cables().len();
         let mut jacobian = vec![f64::NAN; 6 * cables];
-        let status =
-            unsafe { whipcord_solver_tip_jacobian(Some(&mut solver), jacobian.as_mut_ptr(), 6 * cables) };
+        let status = unsafe {
+            whipcord_solver_tip_jacobian(Some(&mut solver), jacobian.as_mut_ptr(), 6 * cables)
+        };
         assert_eq!(status, Status::Ok);
         let mut prepared = model(kind).prepare(robot, &case.loads).unwrap();
         let solution = prepared.solve(case, None).unwrap();
         let motions = match model(kind).has_derivatives(robot) {
-            true => prepared.linearize(case, &solution, &[]).unwrap().actuation_jacobian(Place::Tip),
+            true => {
+                prepared.linearize(case, &solution, &[]).unwrap().actuation_jacobian(Place::Tip)
+            }
             false => {
                 let length = robot.backbone().length;
                 model(kind).solve_at(robot, case, length).unwrap().1.actuation_jacobian
@@ -206,7 +232,8 @@ fn the_jacobian_is_the_rate_of_the_tip_also_on_a_turned_base() {
     let mut solver = solver(&parse(&text), "cosserat");
     let mut tip = |tensions: [f64; 2]| {
         let mut pose = [0.0; 7];
-        let status = unsafe { whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), 2) };
+        let status =
+            unsafe { whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), 2) };
         assert_eq!(status, Status::Ok);
         assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
         let mut jacobian = [0.0; 12];
@@ -218,7 +245,8 @@ fn the_jacobian_is_the_rate_of_the_tip_also_on_a_turned_base() {
         (pose, jacobian)
     };
     let h = 1e-4;
-    let (low, high, (_, jacobian)) = (tip([2.0 - h, 1.0]).0, tip([2.0 + h, 1.0]).0, tip([2.0, 1.0]));
+    let (low, high, (_, jacobian)) =
+        (tip([2.0 - h, 1.0]).0, tip([2.0 + h, 1.0]).0, tip([2.0, 1.0]));
     for row in 0..3 {
         let difference = (high[row] - low[row]) / (2.0 * h);
         assert!((difference - jacobian[2 * row]).abs() < 1e-7, "{row} {difference} {jacobian:?}");
@@ -264,7 +292,9 @@ fn reached_commands_are_those_of_rust() {
         unsafe {
             let status = match point {
                 None => whipcord_reach_target(Some(&mut reach), &raw mut result),
-                Some(point) => whipcord_reach_tip(Some(&mut reach), point.as_ptr(), &raw mut result),
+                Some(point) => {
+                    whipcord_reach_tip(Some(&mut reach), point.as_ptr(), &raw mut result)
+                }
             };
             assert_eq!(status, Status::Ok);
             let status = whipcord_reach_commands(Some(&reach), commands.as_mut_ptr(), count);
@@ -285,7 +315,8 @@ fn motions_are_those_of_rust() {
     let file = whipcord_io::load(example("released-arm.toml")).unwrap();
     let mut commands = file.motion.commands(&file.robot, &file.case);
     let mut expected =
-        Simulation::with_commands(&file.robot, &file.case, &commands, file.motion.options()).unwrap();
+        Simulation::with_commands(&file.robot, &file.case, &commands, file.motion.options())
+            .unwrap();
     let mut simulation = simulation(&load("released-arm.toml"));
     let nodes = whipcord_simulation_node_count(Some(&simulation));
     for step in 0..30 {
@@ -293,8 +324,9 @@ fn motions_are_those_of_rust() {
             commands.set_tension(0, 1.0);
             commands.set_tension(1, 2.5);
             let tensions = [1.0, 2.5];
-            let status =
-                unsafe { whipcord_simulation_set_tensions(Some(&mut simulation), tensions.as_ptr(), 2) };
+            let status = unsafe {
+                whipcord_simulation_set_tensions(Some(&mut simulation), tensions.as_ptr(), 2)
+            };
             assert_eq!(status, Status::Ok);
         }
         let state = expected.step(&commands, 5e-3).unwrap();

@@ -11,7 +11,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// What each crate may depend on, among the crates of the workspace.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 15] = [
     ("whipcord-numerics", &[]),
     ("whipcord", &["whipcord-numerics"]),
     ("whipcord-estimation", &["whipcord", "whipcord-numerics"]),
@@ -38,6 +38,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
         "whipcord-study",
         &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-io", "whipcord-plot"],
     ),
+    ("whipcord-c", &["whipcord", "whipcord-inverse", "whipcord-io", "whipcord-motion"]),
     ("whipcord-sweep", &["whipcord", "whipcord-io", "whipcord-numerics"]),
     (
         "whipcord-cli",
