@@ -22,7 +22,7 @@ if command -v pkg-config >/dev/null; then
     PKG_CONFIG_PATH=$prefix/lib/pkgconfig
     export PKG_CONFIG_PATH
     flags="$(pkg-config --cflags whipcord) $(pkg-config --libs whipcord)"
-    static="$(pkg-config --cflags whipcord) $prefix/lib/libwhipcord.a $(pkg-config --libs --static whipcord)"
+    static="$(pkg-config --cflags whipcord) $prefix/lib/libwhipcord.a $(pkg-config --libs --static whipcord | sed 's/-lwhipcord//')"
 else
     echo "no pkg-config: the examples are built with paths, whipcord.pc is not tested (Debian: apt-get install pkg-config)" >&2
     flags="-I$prefix/include -L$prefix/lib -lwhipcord"
@@ -38,9 +38,11 @@ fi
     cp "$crate/package/test_wrapper.cpp" .
     g++ -std=c++17 $strict test_wrapper.cpp $flags -Wl,-rpath,"$prefix/lib" -o test_wrapper
     # The header of C in C++, and the static library.
-    g++ -std=c++17 $strict -x c++ -include whipcord.h -c /dev/null $flags -o /dev/null 2>/dev/null
-    gcc -std=c11 $strict solve.c $static -Wl,--no-as-needed -o solve_static
+    g++ -std=c++17 $strict -x c++ -include whipcord.h -c /dev/null -I"$prefix/include" -o header.o
+    gcc -std=c11 $strict solve.c $static -o solve_static
 }
+if ldd ./solve_static | grep whipcord; then echo "solve_static needs the shared library" >&2; exit 1; fi
+ldd ./solve | grep -q "libwhipcord.so.1 => $prefix/lib"
 ./test_wrapper two-segment-arm.toml
 
 # A solve of C is that of the command, to the last bit.

@@ -28,7 +28,7 @@ fn null_is_an_error_everywhere() {
             whipcord_robot_load(ptr::null(), &raw mut robot),
             whipcord_robot_load(c("x").as_ptr(), ptr::null_mut()),
             whipcord_robot_parse(ptr::null(), ptr::null(), &raw mut robot),
-            whipcord_solver_new(None, ptr::null(), &raw mut ptr::null_mut()),
+            whipcord_solver_new(None, ptr::null(), &mut ptr::null_mut()),
             whipcord_solver_new(Some(&load("soft-finger.toml")), ptr::null(), ptr::null_mut()),
             whipcord_solver_reset(None),
             whipcord_solver_set_budget(None, 1, 1),
@@ -44,13 +44,13 @@ fn null_is_an_error_everywhere() {
             whipcord_solver_slack(None, ptr::null_mut(), 1),
             whipcord_solver_diagnostics(None, ptr::null_mut()),
             whipcord_solver_tip_jacobian(None, n, 1),
-            whipcord_reach_new(None, ptr::null(), &raw mut ptr::null_mut()),
+            whipcord_reach_new(None, ptr::null(), &mut ptr::null_mut()),
             whipcord_reach_command(None, 0, ptr::null_mut(), ptr::null_mut()),
             whipcord_reach_tip(None, n, &raw mut result),
             whipcord_reach_pose(None, n, &raw mut result),
             whipcord_reach_target(None, &raw mut result),
             whipcord_reach_commands(None, n, 1),
-            whipcord_simulation_new(None, &raw mut ptr::null_mut()),
+            whipcord_simulation_new(None, &mut ptr::null_mut()),
             whipcord_simulation_set_tensions(None, n, 1),
             whipcord_simulation_set_shortenings(None, n, 1),
             whipcord_simulation_set_motors(None, n, 1),
@@ -209,7 +209,7 @@ fn an_unreachable_point_is_a_result_and_a_wrong_one_an_error() {
         let status = whipcord_reach_pose(Some(&mut reach), [0.0; 7].as_ptr(), &raw mut result);
         assert_eq!(status, Status::InvalidArgument);
         let status =
-            whipcord_reach_command(Some(&reach), 6, &raw mut CommandKind::Motor, &raw mut 0);
+            whipcord_reach_command(Some(&reach), 6, &mut CommandKind::Motor, &mut 0);
         assert_eq!(status, Status::InvalidArgument);
     }
 }
