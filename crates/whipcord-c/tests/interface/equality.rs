@@ -220,8 +220,9 @@ fn jacobians_are_those_of_rust() {
             let expected = [motion.linear.to_array(), motion.angular.to_array()].concat();
             let found: Vec<f64> = (0..6).map(|row| jacobian[row * cables + i]).collect();
             assert_eq!(found, expected, "{kind}");
-            assert!(expected.iter().any(|rate| *rate != 0.0), "{kind}");
         }
+        // A slack cable moves nothing, but not all of them are.
+        assert!(jacobian.iter().any(|rate| *rate != 0.0), "{kind}");
     }
 }
 
