@@ -64,6 +64,20 @@ if ./reach reaching-arm.toml 5 0 0 > far.txt; then echo "a point 5 m away was re
 grep -q "not reached" far.txt
 ./simulate released-arm.toml 0.5 | tail -n 2
 
+# The programs of the documentation, as they are printed there.
+cp two-segment-arm.toml arm.toml
+printed() { awk -v begin="^\`\`\`$1\$" '$0 ~ begin { on = 1; next } /^```/ { on = 0 } on' "$root/docs/c-and-cpp.md"; }
+printed c > page.c
+printed cpp > page.cpp
+# shellcheck disable=SC2086
+{
+    gcc -std=c11 $strict page.c $flags -Wl,-rpath,"$prefix/lib" -o page_c
+    g++ -std=c++17 $strict page.cpp $flags -Wl,-rpath,"$prefix/lib" -o page_cpp
+}
+./page_c | grep -q "^tip at 0.0477636 "
+./page_cpp | head -n 1 | grep -q "^0.0477636$"
+echo "the programs of the page run"
+
 if command -v cmake >/dev/null; then
     mkdir sources
     cp "$crate"/examples/* sources
@@ -84,4 +98,13 @@ if command -v valgrind >/dev/null; then
     echo "no error by valgrind"
 else
     echo "skipped: no valgrind (Debian: apt-get install valgrind)" >&2
+fi
+
+if command -v mkoctfile >/dev/null && command -v octave-cli >/dev/null; then
+    # shellcheck disable=SC2086
+    mkoctfile --mex whipcord_tip.c $flags -Wl,-rpath,"$prefix/lib"
+    ./solve two-segment-arm.toml cosserat | head -n 1 | cut -d ' ' -f 2- > tip.txt
+    octave-cli --quiet --no-init-file --path "$work" "$crate/package/test_mex.m"
+else
+    echo "skipped: no Octave with mkoctfile, the MEX example is not tested (Debian: apt-get install octave-dev)" >&2
 fi
