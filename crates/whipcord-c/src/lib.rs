@@ -3,8 +3,9 @@
 //! The header `include/whipcord.h` is generated from these files, `include/whipcord.hpp` wraps it for C++17. The page
 //! `docs/c-and-cpp.md` has the conventions. Rust programs use the crates below this one.
 //!
-//! This is the only crate of the workspace with unsafe code: a pointer that comes from C cannot be read otherwise. What is
-//! computed is in the modules without the suffix `_abi`, which have none.
+//! This is the only crate of the workspace with unsafe code: a pointer that comes from C cannot be read otherwise. Only `pointer`
+//! reads and writes through pointers; the functions of C (`*_abi`) pass them on. `solver`, `reach`, `simulation` and `robot`, which
+//! compute, have no unsafe code.
 
 mod pointer;
 mod reach;

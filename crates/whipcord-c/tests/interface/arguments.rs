@@ -208,8 +208,7 @@ fn an_unreachable_point_is_a_result_and_a_wrong_one_an_error() {
         assert_eq!(status, Status::InvalidArgument);
         let status = whipcord_reach_pose(Some(&mut reach), [0.0; 7].as_ptr(), &raw mut result);
         assert_eq!(status, Status::InvalidArgument);
-        let status =
-            whipcord_reach_command(Some(&reach), 6, &mut CommandKind::Motor, &mut 0);
+        let status = whipcord_reach_command(Some(&reach), 6, &mut CommandKind::Motor, &mut 0);
         assert_eq!(status, Status::InvalidArgument);
     }
 }
