@@ -22,11 +22,11 @@ HAS_NODE := command -v $(NPM) >/dev/null && node -e 'const [a, b] = process.vers
 # here, and becomes a test of its own.
 export PROPTEST_RNG_SEED ?= 1
 
-.PHONY: test test-long test-damaged test-studies test-mechanics-checked test-rust page page-where-node test-page fmt fmt-check lint doc test-mechanics test-others bench wheel sdist installed test-python test-torch docs test-docs bench-python
+.PHONY: test test-long test-damaged test-studies test-mechanics-checked test-rust page page-where-node test-page fmt fmt-check lint doc test-mechanics test-others bench wheel sdist installed install-c test-c test-python test-torch docs test-docs bench-python
 
 # What is left when Rust is tested keeps no core busy all the time, so that two at a time take less long.
 test: page-where-node test-rust
-	$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-page test-python test-torch test-docs
+	$(MAKE) --no-print-directory --jobs 2 --output-sync=target test-page test-c test-python test-torch test-docs
 
 # All that needs Rust alone.
 test-rust: fmt-check lint doc test-mechanics test-others
@@ -107,6 +107,22 @@ test-page: page-where-node
 	    CHROMIUM="$(CHROMIUM)" $(NPM) run browser; \
 	else \
 	    echo "skipped: the viewer's page is tested with Node 20.19 or later and Chromium (Debian: apt-get install nodejs npm chromium)" >&2; \
+	fi
+
+# The C and C++ library with its headers, under a prefix of one's own: make install-c PREFIX=$$HOME/.local
+install-c:
+	@[ -n "$(PREFIX)" ] || { echo "give the folder to install to: make install-c PREFIX=\$$HOME/.local" >&2; exit 2; }
+	$(CARGO) build --release --locked -p whipcord-c
+	crates/whipcord-c/package/install.sh "$(PREFIX)" target/release
+
+# The library as people install it: from a prefix, in an empty folder, beside the command.
+test-c:
+	@if command -v gcc >/dev/null && command -v g++ >/dev/null; then \
+	    set -ex; \
+	    $(CARGO) build --release --locked -p whipcord-c -p whipcord-cli; \
+	    crates/whipcord-c/package/test.sh target/release target/release/whipcord; \
+	else \
+	    echo "skipped: the C interface is tested with gcc and g++ (Debian: apt-get install g++)" >&2; \
 	fi
 
 $(VENV)/bin/maturin:

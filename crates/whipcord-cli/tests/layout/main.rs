@@ -45,6 +45,7 @@ const ALLOWED: [(&str, &[&str]); 15] = [
         "whipcord-study",
         &["whipcord", "whipcord-estimation", "whipcord-inverse", "whipcord-io", "whipcord-plot"],
     ),
+    ("whipcord-c", &["whipcord", "whipcord-inverse", "whipcord-io", "whipcord-motion"]),
     ("whipcord-sweep", &["whipcord", "whipcord-io", "whipcord-numerics"]),
     ("whipcord-export", &["whipcord", "whipcord-motion", "whipcord-numerics", "whipcord-plot"]),
     (
