@@ -99,6 +99,8 @@ export class Charts {
   readonly #pointed: (arcLength: number | undefined) => void;
   #scene: Scene | undefined;
   #answers: readonly Solved[] = [];
+  /** The models of the charts that are shown, and whether they touch something. */
+  #models: string | undefined;
 
   /** `pointed` is told the arc length in m that the pointer is at. */
   constructor(colourOf: (model: string) => string, pointed: (arcLength: number | undefined) => void) {
@@ -151,12 +153,15 @@ export class Charts {
     const scene = this.#scene;
     if (!scene) return;
     for (const name of this.#plots.keys()) if (!this.#chosen.has(name)) this.#remove(name);
+    const models = this.#answers.map(({ model, contacts }) => `${model} ${contacts.length > 0}`).join();
     for (const [i, chart] of this.#all.entries()) {
+      // What no model knows, as the moments of an exported page, has no chart. Which those are changes with the models alone.
+      const isChosen = this.#chosen.has(chart.name);
+      if (!isChosen && models === this.#models) continue;
       const { places, lines, points } = chart.data(scene, this.#answers);
-      // What no model knows, as the moments of an exported page, has no chart.
       this.#buttons[i]!.disabled = lines.length === 0;
       if (lines.length === 0) this.#remove(chart.name);
-      if (!this.#chosen.has(chart.name) || lines.length === 0) continue;
+      if (!isChosen || lines.length === 0) continue;
       const key = JSON.stringify([scene.length, lines.map(({ label, colour }) => [label, colour])]);
       const known = this.#plots.get(chart.name);
       const data = [places, ...lines.map(({ values }) => values)] as uPlot.AlignedData;
@@ -172,6 +177,7 @@ export class Charts {
       }
       this.#describe(chart, lines);
     }
+    this.#models = models;
   }
 
   #describe({ name, title, unit }: Chart, lines: readonly Line[]): void {

@@ -21,12 +21,15 @@ const COLUMNS: readonly [string, string][] = [
   ["time", "time that the solve took"],
 ];
 
+/** Stands where the others have their differences. */
+const REFERENCE = "reference";
+
 export function compare(scene: Scene, answers: readonly Answer[], reference: Reference | undefined, colourOf: (model: string) => string): HTMLElement | undefined {
   const solved = answers.filter((answer) => answer.status === "solved");
   const to: Reference | undefined = reference ?? (solved[0] && { name: solved[0].model, solved: solved[0] });
   if (!to || (answers.length < 2 && !reference)) return undefined;
   const row = (name: string, colour: string | undefined, cells: string[], model?: string): HTMLElement => {
-    const made = element("tr", {}, element("th", { scope: "row", title: name }, ...(colour ? [swatch(colour)] : []), name), ...cells.map((cell) => element("td", {}, cell)));
+    const made = element("tr", {}, element("th", { scope: "row", title: name }, ...(colour ? [swatch(colour)] : []), name), ...cells.map((cell) => element("td", cell === REFERENCE ? { colspan: 3 } : {}, cell)));
     if (model !== undefined) made.dataset["compared"] = model;
     return made;
   };
@@ -42,13 +45,13 @@ export function compare(scene: Scene, answers: readonly Answer[], reference: Ref
     const isReference = !reference && to.solved === answer;
     return row(model, colourOf(model), [
       tip.map((c) => fixed(1e3 * c, 1)).join(", "),
-      ...(isReference ? ["reference", "", ""] : [mm(off), significant((100 * off) / scene.length, 3), mm(rootMeanSquare(scene, answer.positions, to.solved.positions))]),
+      ...(isReference ? [REFERENCE] : [mm(off), significant((100 * off) / scene.length, 3), mm(rootMeanSquare(scene, answer.positions, to.solved.positions))]),
       answer.solve_time > 0 ? duration(answer.solve_time) : "–",
     ], model);
   });
   if (reference) {
     const tip = reference.solved.positions.at(-1)!;
-    rows.unshift(row(reference.name, "#9aa3ad", [tip.map((c) => fixed(1e3 * c, 1)).join(", "), "reference", "", "", ""]));
+    rows.unshift(row(reference.name, "#9aa3ad", [tip.map((c) => fixed(1e3 * c, 1)).join(", "), REFERENCE, ""]));
   }
   return element(
     "section",
