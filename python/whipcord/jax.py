@@ -38,7 +38,7 @@ from .errors import InputError
 if TYPE_CHECKING:
     import whipcord
 
-__all__ = ["Answer", "Motion", "Motions", "Solver"]
+__all__ = ["Answer", "Motions", "Solver", "Trajectory"]
 
 
 class Answer(NamedTuple):
@@ -115,7 +115,7 @@ class Solver(SolverBase):
         return Answer(*rowwise(commands, parameters))
 
 
-class Motion(NamedTuple):
+class Trajectory(NamedTuple):
     """What :class:`Motions` returns, with the leading dimensions of its commands: a row for each state, the first of them at the start."""
 
     position: jax.Array
@@ -156,7 +156,7 @@ class Motions:
     def __init__(self, motions: whipcord.Motions) -> None:
         self._motions = motions
 
-    def __call__(self, commands: Any) -> Motion:
+    def __call__(self, commands: Any) -> Trajectory:
         """Simulates.
 
         Parameters
@@ -165,7 +165,7 @@ class Motions:
             (..., N, c) command of each cable in each step, or (..., N, m) of each motor.
         """
         move = jnp.vectorize(partial(_move, self._motions), signature="(s,c)->(t,n,i),(t,n,j),(t,q,j),(t,k),(t,k)")
-        return Motion(*move(_commands(commands)))
+        return Trajectory(*move(_commands(commands)))
 
 
 def _commands(commands: Any) -> jax.Array:

@@ -33,7 +33,7 @@ from ._differentiable import Problem, SolverBase
 if TYPE_CHECKING:
     import whipcord
 
-__all__ = ["Answer", "Motion", "Motions", "Solver"]
+__all__ = ["Answer", "Motions", "Solver", "Trajectory"]
 
 
 class Answer(NamedTuple):
@@ -126,7 +126,7 @@ class _Solve(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
         return None, by_commands, by_parameters
 
 
-class Motion(NamedTuple):
+class Trajectory(NamedTuple):
     """What :class:`Motions` returns, with the leading dimensions of its commands: a row for each state, the first of them at the start."""
 
     position: torch.Tensor
@@ -167,7 +167,7 @@ class Motions:
     def __init__(self, motions: whipcord.Motions) -> None:
         self._motions = motions
 
-    def __call__(self, commands: torch.Tensor) -> Motion:
+    def __call__(self, commands: torch.Tensor) -> Trajectory:
         """Simulates.
 
         Parameters
@@ -177,7 +177,7 @@ class Motions:
         """
         given = torch.as_tensor(commands)
         motion = _Move.apply(self._motions, given.to("cpu", torch.float64))
-        return Motion(*(part.to(given.device) for part in motion))
+        return Trajectory(*(part.to(given.device) for part in motion))
 
 
 class _Move(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
