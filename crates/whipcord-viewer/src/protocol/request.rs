@@ -11,7 +11,7 @@ use crate::protocol::loads::Pull;
 pub struct Request {
     /// Number of the request, which the answer carries.
     pub id: u64,
-    /// One for each slider ([`Scene::sliders`]).
+    /// One for each slider ([`super::Scene::sliders`]).
     pub commands: Vec<Command>,
     /// Force at the tip in N.
     pub tip_force: [f64; 3],
