@@ -392,3 +392,62 @@ fn what_is_said_of_a_fit_besides_its_estimates() {
         assert!(message.contains(part), "{message}");
     }
 }
+
+/// Poses of a tracker's body, made with 1.3 GPa, a frame and a mounting of its own, 0.1 mm and 2 mrad of noise by another program (SciPy's rotations).
+const POSES: &str = "\
+a [N],b [N],x,y,z,qw,qx,qy,qz
+1.9471889,0.8823815,0.3841564,-0.0157890,-0.0937233,0.5836924,0.3011174,0.7267295,0.2012354
+1.6765125,2.8117100,0.3469516,-0.0003270,-0.0629210,0.7821585,0.2191313,0.5779634,0.0785359
+2.6032189,1.6702375,0.3854286,-0.0012897,-0.0828794,0.6177318,0.2124108,0.7378905,0.1697254
+1.8846168,1.2126649,0.3777460,-0.0144199,-0.0874304,0.6243463,0.2909854,0.7019839,0.1809356
+0.4917799,2.1923162,0.3303009,-0.0173333,-0.0701968,0.7937462,0.3338582,0.5007890,0.0878408
+1.7574365,1.0334212,0.3780198,-0.0171578,-0.0900519,0.6128654,0.3080210,0.7027457,0.1888584
+0.3436445,2.5146680,0.3213640,-0.0139337,-0.0665079,0.8255685,0.3233981,0.4580638,0.0634663
+1.4059842,2.4093404,0.3476807,-0.0077780,-0.0674660,0.7638676,0.2612263,0.5823002,0.0958835
+";
+
+const TRACKED: &str = r#"
+[backbone]
+length = "180 mm"
+diameter = "3 mm"
+young_modulus = "1 GPa"
+poisson_ratio = 0.3
+[disks]
+count = 10
+hole_circle_radius = "8 mm"
+[[cables]]
+name = "a"
+routing = { kind = "straight", angle = "0 deg", radius = "8 mm" }
+[[cables]]
+name = "b"
+routing = { kind = "straight", angle = "120 deg", radius = "8 mm" }
+[commands]
+table = "log.csv"
+[measured]
+table = "log.csv"
+registration = "rigid"
+orientation_arm = "50 mm"
+[fit]
+parameters = ["backbone.young_modulus"]
+"#;
+
+#[test]
+fn orientations_of_a_tracked_body_are_fitted() {
+    let scratch = Scratch::new();
+    scratch.write("log.csv", POSES);
+    let path = scratch.write("robot.toml", TRACKED);
+    let out = scratch.file("out");
+    let text = succeed(&["fit", &path, "--out", &out]);
+    assert!(text.contains("8 markers, RMS distance") && text.contains("8 orientations"), "{text}");
+    assert!(text.contains("measured.body_turn[2]"), "{text}");
+    let residuals = std::fs::read_to_string(scratch.path().join("out/residuals.csv")).unwrap();
+    assert_eq!(residuals.lines().count(), 1 + 16);
+    let json: Value = serde_json::from_str(&succeed(&["fit", &path, "--json"])).unwrap();
+    let estimate = json["estimates"][0]["value"].as_f64().unwrap();
+    assert!((estimate / 1.3e9 - 1.0).abs() < 5e-3, "{estimate}");
+    // Without orientations the frame is found from eight positions alone.
+    let plain = TRACKED.replace("orientation_arm = \"50 mm\"\n", "");
+    let path = scratch.write("plain.toml", &plain);
+    let text = succeed(&["fit", &path]);
+    assert!(!text.contains("orientations") && !text.contains("body_turn"), "{text}");
+}

@@ -1,6 +1,8 @@
 //! A fit in tables, for people and as CSV.
 
-use whipcord_estimation::identification::{Estimate, Fold, Robustness, Row, Unknown, rows};
+use whipcord_estimation::identification::{
+    Estimate, Fold, Residual, Robustness, Row, Unknown, rows,
+};
 use whipcord_estimation::{Observation, Seen};
 use whipcord_io::{CaseFile, Cell, CsvTable, loss_name};
 
@@ -44,6 +46,15 @@ pub fn more(fit: &Fit) -> [(&'static str, Table); 5] {
     ]
 }
 
+/// The angle in rad that is left of an orientation.
+fn turn(fit: &Fit, residual: &Residual) -> Option<f64> {
+    let seen = &fit.experiments[residual.experiment].observations[residual.observation];
+    match seen.seen {
+        Seen::Rotation { arm, .. } => Some(residual.distance() / arm),
+        _ => None,
+    }
+}
+
 /// One line on the whole.
 pub fn heading(fit: &Fit) -> String {
     let found = &fit.found;
@@ -51,8 +62,14 @@ pub fn heading(fit: &Fit) -> String {
         [one] => one.title.clone(),
         several => format!("{} files", several.len()),
     };
-    let mut parts = vec![format!("{files}: {}", markers(found.residuals.len()))];
+    let turns: Vec<f64> = found.residuals.iter().filter_map(|of| turn(fit, of)).collect();
+    let mut parts = vec![format!("{files}: {}", markers(found.residuals.len() - turns.len()))];
     parts.extend(found.rms_distance.map(|rms| format!("RMS distance {} mm", number(rms * 1e3, 3))));
+    if !turns.is_empty() {
+        let sum: f64 = turns.iter().map(|turn| turn * turn).sum();
+        let rms = (sum / turns.len() as f64).sqrt().to_degrees();
+        parts.push(format!("{} orientations, RMS turn {}°", turns.len(), number(rms, 3)));
+    }
     parts.extend(found.rms_pixels.map(|rms| format!("RMS distance {} pixels", number(rms, 3))));
     let weighed = match found.robustness {
         Robustness::Squares => String::new(),
