@@ -5,7 +5,7 @@ use whipcord::Wrench;
 use whipcord_numerics::{DenseLu, Twist};
 
 use crate::block::dot;
-use crate::element::{NODES, POINTS, SHAPES, SLOPES};
+use crate::element::{POINTS, add_to_nodes};
 use crate::iteration::{Mechanics, Solver};
 use crate::pose;
 use crate::rod::Rod;
@@ -282,10 +282,7 @@ fn add_transposed_changes(rod: &Rod, stage: &Stage, strains: &[Twist], out: &mut
         for k in 0..POINTS {
             let q = POINTS * e + k;
             let (slope, value) = stage.tangents[q].transposed_strain_change(&strains[q]);
-            for a in 0..NODES {
-                let node = &mut out[2 * e + a];
-                *node = *node + slope * (SLOPES[k][a] / rod.lengths[e]) + value * SHAPES[k][a];
-            }
+            add_to_nodes(&mut out[2 * e..], &slope, &value, 1.0, k, rod.lengths[e]);
         }
     }
 }
@@ -310,8 +307,7 @@ fn length_gradient(rod: &Rod, stage: &Stage, scheme: &Scheme, cable: usize, out:
     out.resize(rod.points.len(), Twist::default());
     for (q, out) in out.iter_mut().enumerate().take(POINTS * rod.cables[cable].elements) {
         let crossing = &rod.crossings[q * rod.cables.len() + cable];
-        let start = stage.start[q];
-        let end = start + (stage.strains[q] - start) * (1.0 / scheme.place);
+        let end = scheme.end(stage.start[q], stage.strains[q]);
         let pull = Pull::new(crossing, &end, &end, &Scheme::STATICS).wrench(crossing);
         *out = pull * (rod.points[q].weight / scheme.place);
     }

@@ -137,6 +137,13 @@ impl Commands {
         self.courses().filter_map(|course| course.next_jump(from, to)).min_by(f64::total_cmp)
     }
 
+    /// Writes the tensions of cables that all are driven by them, before any jump at a time.
+    pub(crate) fn tensions_at(&self, time: f64, out: &mut [f64]) {
+        for (tension, drive) in out.iter_mut().zip(&self.cables) {
+            *tension = drive.course().before(time).max(0.0);
+        }
+    }
+
     /// The motor that drives a cable, and its command.
     pub(crate) fn motor_of(&self, robot: &Robot, cable: usize) -> Option<(usize, &Course)> {
         let motor = robot.motor_of(cable)?;

@@ -35,6 +35,22 @@ pub(crate) fn strain_at(points: &[Twist], x: f64) -> Twist {
     points[0] * (1.0 - t) + points[1] * t
 }
 
+/// Adds to the three nodes of an element of length `h` what acts, with a weight, on the slope and the value of a field at a point.
+#[inline]
+pub(crate) fn add_to_nodes(
+    nodes: &mut [Twist],
+    slope: &Twist,
+    value: &Twist,
+    weight: f64,
+    k: usize,
+    h: f64,
+) {
+    for (a, node) in nodes.iter_mut().take(NODES).enumerate() {
+        let (f, d) = (weight * SHAPES[k][a], weight * SLOPES[k][a] / h);
+        *node = *node + *slope * d + *value * f;
+    }
+}
+
 /// The motion along a part of an element of length `h` with linear strain: `middle` is the strain at its middle, `change` what it changes by
 /// from end to end; the exponential of the fourth-order Magnus series, eq. (3) of the page on motion.
 #[inline]

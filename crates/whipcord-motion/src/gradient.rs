@@ -244,12 +244,7 @@ impl Simulation {
             let value = if self.is_by_length(commands, i) { -value } else { value };
             match commands.motor_of(&self.robot, i) {
                 None => cables[i] += value,
-                Some((motor, _)) => {
-                    let of = &self.robot.motors()[motor];
-                    let pull =
-                        of.cables.iter().find(|of| of.cable == i).map_or(0.0, |of| of.pull());
-                    costate.outputs[motor] += pull * value;
-                }
+                Some((motor, _)) => costate.outputs[motor] += self.pull(motor, i) * value,
             }
         }
         for (motor, output) in costate.outputs.iter_mut().enumerate() {
@@ -297,13 +292,9 @@ impl Simulation {
             let time = from.time + accurate::C[i] * h;
             let stage = &mut solver.stage;
             accurate.stage(i, from, h, stage);
-            for (tension, drive) in stage.tensions.iter_mut().zip(&commands.cables) {
-                *tension = drive.course().before(time).max(0.0);
-            }
+            commands.tensions_at(time, &mut stage.tensions);
             loads.at(time, &mut stage.loads);
-            stage.base = loads.base_pose(from.base, from.time, accurate::C[i] * h);
-            stage.velocities[0] = loads.base_velocity(time);
-            stage.velocity_history[0] = stage.velocities[0];
+            stage.move_base(loads, from.base, from.time, accurate::C[i] * h);
             add(&mut velocities, &velocity_rates[i], inverse);
             add(&mut strains, &strain_rates[i], inverse);
             adjoint.velocities = velocities;

@@ -4,7 +4,7 @@ use whipcord_numerics::Twist;
 
 use crate::block::{dot, transposed_bracket};
 use crate::complementarity::Complementarity;
-use crate::element::{NODES, POINTS, SHAPES, SLOPES};
+use crate::element::{POINTS, add_to_nodes};
 use crate::rod::Rod;
 use crate::stage::{Pull, Scheme, Stage};
 
@@ -97,7 +97,14 @@ impl Lengths {
             let crossing = &rod.crossings[q * rod.cables.len() + cable];
             let strain = stage.strains[q];
             let pull = Pull::new(crossing, &strain, &strain, &Scheme::STATICS).wrench(crossing);
-            add(&mut column[2 * e..], &pull, &transposed_bracket(&strain, &pull), weight, k, h);
+            add_to_nodes(
+                &mut column[2 * e..],
+                &pull,
+                &transposed_bracket(&strain, &pull),
+                weight,
+                k,
+                h,
+            );
         }
         column
     }
@@ -118,7 +125,7 @@ impl Lengths {
             let pull = Pull::new(crossing, &strain, &stage.start[q], scheme).wrench(crossing);
             let across = transposed_bracket(&strain, &pull);
             // At the end of the step.
-            let end = stage.start[q] + (strain - stage.start[q]) * (1.0 / scheme.place);
+            let end = scheme.end(stage.start[q], strain);
             let tangent = crossing.tangent(&end);
             let norm = tangent.norm();
             length += weight * norm;
@@ -126,18 +133,10 @@ impl Lengths {
             let gradient = Twist { linear: direction, angular: crossing.offset.cross(direction) };
             length += weight * dot(&gradient, &stage.lack[q]);
             let (slope, value) = stage.tangents[q].transposed_strain_change(&gradient);
-            add(&mut column[2 * e..], &pull, &across, weight, k, h);
-            add(&mut row[2 * e..], &slope, &value, weight, k, h);
+            add_to_nodes(&mut column[2 * e..], &pull, &across, weight, k, h);
+            add_to_nodes(&mut row[2 * e..], &slope, &value, weight, k, h);
         }
         row[0] = Twist::default();
         length
-    }
-}
-
-/// Adds to the nodes of an element what acts on the slope and the value of the velocities at a point.
-fn add(nodes: &mut [Twist], slope: &Twist, value: &Twist, weight: f64, k: usize, h: f64) {
-    for (a, node) in nodes.iter_mut().take(NODES).enumerate() {
-        let (f, d) = (weight * SHAPES[k][a], weight * SLOPES[k][a] / h);
-        *node = *node + *slope * d + *value * f;
     }
 }

@@ -122,8 +122,13 @@ impl Simulation {
         };
         let of = &self.robot.motors()[motor];
         let output = of.output(self.state.motor_outputs[motor], at(course));
-        let pull = of.cables.iter().find(|of| of.cable == cable).map_or(0.0, |of| of.pull());
-        pull * output
+        self.pull(motor, cable) * output
+    }
+
+    /// By how much in m a motor shortens a cable for each rad or m of its drive.
+    pub(crate) fn pull(&self, motor: usize, cable: usize) -> f64 {
+        let cables = &self.robot.motors()[motor].cables;
+        cables.iter().find(|of| of.cable == cable).map_or(0.0, |of| of.pull())
     }
 
     /// Whether a cable is driven by its length.
@@ -183,11 +188,7 @@ impl Simulation {
     ) -> Result<f64, Stalled> {
         let control = self.control(h, Method::Accurate, warm);
         let Self { rod, loads, solver, accurate, state, next, .. } = self;
-        let tensions = |time: f64, tensions: &mut [f64]| {
-            for (tension, drive) in tensions.iter_mut().zip(&commands.cables) {
-                *tension = drive.course().before(time).max(0.0);
-            }
-        };
+        let tensions = |time: f64, out: &mut [f64]| commands.tensions_at(time, out);
         let work = accurate.step(Mechanics { rod, loads }, solver, state, h, &control, tensions)?;
         next.velocities.copy_from_slice(&solver.stage.velocities);
         next.strains.copy_from_slice(&solver.stage.strains);

@@ -4,7 +4,7 @@ use whipcord::Wrench;
 use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 
 use crate::block::{Block, dot, skew_times, times_skew, transposed_bracket};
-use crate::element::{NODES, POINTS, SHAPES, SLOPES};
+use crate::element::{NODES, POINTS, SHAPES, SLOPES, add_to_nodes};
 use crate::elimination::Elimination;
 use crate::loads::{NodeLoad, NodeLoads};
 use crate::pose;
@@ -29,6 +29,12 @@ impl Scheme {
     /// A stage that lies at the end of its step.
     pub const fn at_end(g: f64) -> Self {
         Self { g, inertia: 1.0 / g, damping: 1.0 / g, place: 1.0, conserves: false }
+    }
+
+    /// The strain at the end of the step, from those at its start and at the stage.
+    #[inline]
+    pub fn end(&self, start: Twist, strain: Twist) -> Twist {
+        start + (strain - start) * (1.0 / self.place)
     }
 
     /// Equilibrium: velocities are displacements.
@@ -190,7 +196,7 @@ impl Stage {
         pose::nodes(rod, *base, start, other_poses);
         let mut work = -pose::work(other_poses, force);
         for ((end, start), strain) in end.iter_mut().zip(&*start).zip(&*strains) {
-            *end = *start + (*strain - *start) * (1.0 / scheme.place);
+            *end = scheme.end(*start, *strain);
         }
         pose::nodes(rod, *base, end, other_poses);
         work += pose::work(other_poses, force);
@@ -271,11 +277,7 @@ impl Stage {
         let tangent = &self.tangents[q];
         let along = wrench + tangent.wrench.apply(&lack);
         let across = transposed_bracket(&strain, &wrench) + tangent.turned.apply(&lack);
-        for a in 0..NODES {
-            let residual = &mut self.residual[2 * e + a];
-            let (f, d) = (point.weight * SHAPES[k][a], point.weight * SLOPES[k][a] / h);
-            *residual = *residual + along * d + across * f;
-        }
+        add_to_nodes(&mut self.residual[2 * e..], &along, &across, point.weight, k, h);
     }
 
     /// `Σ w (φ′φ′ T S₁ + φ′φ T S₂ + φφ′ P₂ S₁ + φφ P₂ S₂)`, eq. (11).
@@ -454,7 +456,7 @@ impl Pull {
         }
         // (a + b)/(|a| + |b|) of the tangents at start and end, eq. (16).
         let before = crossing.tangent(start);
-        let end = *start + (*strain - *start) * (1.0 / scheme.place);
+        let end = scheme.end(*start, *strain);
         let after = crossing.tangent(&end);
         let (from, to) = (before.norm(), after.norm());
         let inverse = 1.0 / (from + to);
