@@ -80,7 +80,7 @@ def of_robot(robot: Compared) -> whipcord.Case:
     return case
 
 
-def settled(
+def at_rest(
     model: Any, start: str, *, ramp: float = 0.5, slowest: float = 1e-5, longest: float = 60.0
 ) -> Any:
     """MuJoCo's data after all has come to rest: from a keyframe, with the controls of the case raised within `ramp` s. A robot at
@@ -120,7 +120,7 @@ def distance(case: whipcord.Case, exact: npt.NDArray[np.float64], per_span: int)
     with tempfile.TemporaryDirectory() as folder:
         made = case.export(Path(folder) / "robot.xml", model="cosserat-disks", per_span=per_span)
         model = mujoco.MjModel.from_xml_path(str(made.files[0]))
-    found = disks_in(model, settled(model, "rest"))
+    found = disks_in(model, at_rest(model, "rest"))
     return float(np.linalg.norm(found - exact, axis=1).max()), found
 
 

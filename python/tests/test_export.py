@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import whipcord
 
-from .mujoco_answers import ROBOTS, bodies, disks_in, of_robot, settled
+from .mujoco_answers import ROBOTS, at_rest, bodies, disks_in, of_robot
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -24,7 +24,7 @@ def test_mujoco_comes_to_rest_where_the_rod_with_disks_does(name: str, tmp_path:
     exact = case.solve(model="cosserat-disks")
     case.export(tmp_path / "robot.xml", model="cosserat-disks", per_span=robot.per_span)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
-    data = settled(model, "rest")
+    data = at_rest(model, "rest")
     distance = np.linalg.norm(disks_in(model, data) - exact.position, axis=1).max()
     length = float(exact.arc_length[-1])
     assert distance < robot.within * length, f"{100 * distance / length} % of the length"
@@ -37,7 +37,7 @@ def test_the_error_falls_with_the_square_of_the_number_of_bodies(tmp_path: Path)
     for per_span in (1, 2, 4):
         case.export(tmp_path / "robot.xml", model="cosserat-disks", per_span=per_span)
         model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
-        data = settled(model, "case")
+        data = at_rest(model, "case")
         errors.append(np.linalg.norm(disks_in(model, data) - exact, axis=1).max())
     assert errors[0] / errors[1] > 3
     assert errors[1] / errors[2] > 3
@@ -68,7 +68,7 @@ def test_cables_driven_by_their_lengths_have_the_tensions_of_the_answer(tmp_path
     exact = case.solve(model="cosserat-disks", actuation="shortening")
     case.export(tmp_path / "robot.xml", model="cosserat-disks", actuation="shortening")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
-    data = settled(model, "case")
+    data = at_rest(model, "case")
     for cable in exact.cables:
         assert -data.actuator(cable.name).force[0] == pytest.approx(cable.tension, rel=0.02)
     distance = np.linalg.norm(disks_in(model, data) - exact.position, axis=1).max()
@@ -81,7 +81,7 @@ def test_contacts_hold_the_robot_in_mujoco_too(name: str, tmp_path: Path) -> Non
     exact = case.solve(model="cosserat-disks")
     case.export(tmp_path / "robot.xml", model="cosserat-disks")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
-    data = settled(model, "case")
+    data = at_rest(model, "case")
     assert data.ncon > 0
     distance = np.linalg.norm(disks_in(model, data) - exact.position, axis=1).max()
     assert distance < 0.005 * exact.arc_length[-1]
