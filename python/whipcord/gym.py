@@ -26,8 +26,8 @@ except ImportError as error:
 from ._commands import whole
 from ._tables import Quantity
 from .errors import InputError, MotionError
-from .reaching import positive
-from .simulating import Simulation
+from .simulating import Simulation, step_length
+from .solution import rotation
 
 if TYPE_CHECKING:
     from .case import Case
@@ -63,15 +63,12 @@ class Reach(gymnasium.Env[Array, Array]):
     def __init__(
         self, case: Case, dt: Quantity = "10 ms", *, steps: int = 100, greatest: float | npt.ArrayLike = 5.0
     ) -> None:
-        step = positive(dt, "dt", "time")
-        if step is None:
-            raise InputError("dt must be a time", path="dt")
         cables = len(case.robot.cables)
         limit = np.asarray(greatest, dtype=np.float64)
         if limit.shape not in ((), (cables,)) or not (np.isfinite(limit).all() and (limit > 0).all()):
             message = f"greatest must be a positive tension in N, or one for each of {cables} cables, but is {greatest!r}"
             raise InputError(message, path="greatest")
-        self._dt, self._steps = step, whole(steps, "steps")
+        self._dt, self._steps = step_length(dt), whole(steps, "steps")
         self._greatest: Array = np.broadcast_to(limit, cables).copy()
         self._case, self._length = case, float(case.robot.backbone.length)
         still = dict.fromkeys((cable.name for cable in case.robot.cables), 0.0)
@@ -141,8 +138,6 @@ class Reach(gymnasium.Env[Array, Array]):
 
     def _observation(self) -> Array:
         tip, state = self._simulation.tip, self._simulation.state
-        w, x, y, z = state.orientation[-1]
-        axis, turned = np.array([x, y, z]), state.velocity[-1, :3]
-        velocity = turned + 2 * np.cross(axis, np.cross(axis, turned) + w * turned)
+        velocity = rotation(state.orientation[-1]) @ state.velocity[-1, :3]
         parts = ((tip - self._place) / self._length, tip / self._length, velocity / self._length, self._action)
         return np.concatenate(parts)

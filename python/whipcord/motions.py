@@ -13,8 +13,7 @@ from . import _core
 from ._commands import whole
 from ._tables import Quantity
 from .errors import InputError, WhipcordError
-from .reaching import positive
-from .simulating import LoadsOverTime, Motion, State, setup_of
+from .simulating import LoadsOverTime, Motion, State, setup_of, step_length
 
 if TYPE_CHECKING:
     from .case import Case
@@ -134,9 +133,7 @@ class Motions:
         if actuation not in ("tension", "shortening", "motors"):
             message = f"actuation must be 'tension', 'shortening' or 'motors', but is {actuation!r}"
             raise InputError(message, path="actuation")
-        step = positive(dt, "dt", "time")
-        if step is None:
-            raise InputError("dt must be a time", path="dt")
+        step = step_length(dt)
         setup = setup_of(
             case,
             method=method,

@@ -481,6 +481,14 @@ def modes(case: Case, count: int, time: Quantity | None) -> Modes:
     return Modes(**_core.modes(case._setup, _count(count), at))
 
 
+def step_length(dt: Quantity) -> float:
+    """The length of a step in s."""
+    step = positive(dt, "dt", "time")
+    if step is None:
+        raise InputError("dt must be a time", path="dt")
+    return step
+
+
 def _count(count: int) -> int:
     number = whole(count, "count")
     if not 1 <= number <= 200:
