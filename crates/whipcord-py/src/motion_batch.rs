@@ -156,8 +156,9 @@ impl Motions {
                 asked.threads,
                 || Simulation::clone(&start),
                 |(row, out), simulation| {
-                    // A clone begins at the start; what another row left is put back.
-                    simulation.clone_from(&start);
+                    // What another row has left is put back; the state is of this very robot.
+                    let started = simulation.set_state(start.state());
+                    debug_assert!(started.is_ok());
                     *out = Some(work(simulation, &asked.commands(&own, row), row));
                     !cancel.is_cancelled()
                 },
