@@ -9,7 +9,7 @@ use parquet::file::reader::FileReader as _;
 use parquet::file::serialized_reader::SerializedFileReader;
 use whipcord::batch::BatchError;
 use whipcord::jobs::share;
-use whipcord_io::{Column, Values, columns_to_parquet, write_atomically};
+use whipcord_io::{Column, Values, columns_to_parquet, remove_stale, write_one_of_many};
 
 use crate::error::SweepError;
 use crate::manifest::claim;
@@ -70,6 +70,8 @@ pub fn run(plan: &Plan, folder: &Path, options: &RunOptions<'_>) -> Result<Summa
     let create = |source| SweepError::Write { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(create)?;
     let is_known = claim(folder, &plan.manifest())?;
+    // What killed processes left behind.
+    remove_stale(folder);
     let is_mine = |part: &u64| *part < plan.parts() && part % count == number;
     let kept: BTreeSet<u64> = match is_known {
         true => whole_parts(plan, folder)?.into_iter().filter(is_mine).collect(),
@@ -175,7 +177,7 @@ impl Plan {
                 .map(|(row, why)| (solved.first + *row as u64, why.clone())),
         };
         let path = folder.join(part_name(part));
-        let written = write_atomically(&path, &self.content(solved));
+        let written = write_one_of_many(&path, &self.content(solved));
         written.map_err(|source| SweepError::Write { path, source })?;
         Ok(made)
     }
@@ -208,7 +210,8 @@ impl Plan {
     fn content(&self, part: Part) -> Vec<u8> {
         let Part { first, rows, inputs, answers: Answers { columns, stable, failures } } = part;
         let axes = self.samples.axes().len();
-        let input = |k: usize| Values::Numbers(inputs.iter().skip(k).step_by(axes).copied().collect());
+        let input =
+            |k: usize| Values::Numbers(inputs.iter().skip(k).step_by(axes).copied().collect());
         #[expect(clippy::cast_possible_wrap, reason = "below 2⁵³")]
         let numbers = (0..rows).map(|row| Some((first + row as u64) as i64)).collect();
         let mut values = vec![Values::Integers(numbers)];
