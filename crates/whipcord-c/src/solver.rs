@@ -30,6 +30,8 @@ pub struct Solver {
     /// Where the motors have left their drives, and where the commands at hand would lead them: backlash remembers.
     outputs: Vec<f64>,
     next_outputs: Vec<f64>,
+    /// Of the tip, with the command of each cable.
+    motions: Vec<Twist>,
 }
 
 impl Solver {
@@ -51,6 +53,7 @@ impl Solver {
             answers: 0,
             outputs,
             next_outputs,
+            motions: Vec::new(),
             file,
         })
     }
@@ -232,32 +235,31 @@ impl Solver {
     }
 
     /// The motion of the tip in the world by the command of each cable.
-    pub(crate) fn jacobian(&mut self) -> Result<Vec<Twist>, Failure> {
-        let Self { file, model, prepared, case, answer, before, answers, .. } = self;
+    pub(crate) fn jacobian(&mut self) -> Result<&[Twist], Failure> {
+        let Self { file, model, prepared, case, answer, before, answers, motions, .. } = self;
         if *answers == 0 {
             return Err(unsolved());
         }
         let robot = &file.robot;
         let fail = |error| solve_failure(file, &error);
-        let motions = if !model.has_derivatives(robot) {
+        if !model.has_derivatives(robot) {
             let length = robot.backbone().length;
             let solved = model.solve_at_from(robot, case, length, Some(answer));
-            solved.map_err(fail)?.1.actuation_jacobian
+            *motions = solved.map_err(fail)?.1.actuation_jacobian;
         } else if robot.has_history() {
             // What slides is seen only on the way from the solution before.
             let from = (*answers > 1).then_some(&*before);
             let solved = prepared.solve_with_derivatives(case, from, &[]).map_err(fail)?;
-            solved.1.actuation_jacobian(Place::Tip)
+            *motions = solved.1.actuation_jacobian(Place::Tip);
         } else {
-            let linearization = prepared.linearize(case, answer, &[]).map_err(fail)?;
-            linearization.actuation_jacobian(Place::Tip)
-        };
+            prepared.tip_by_commands(case, answer, motions).map_err(fail)?;
+        }
         let turn = case.base.rotation;
-        let in_world = |motion: Twist| Twist {
-            linear: turn.rotate(motion.linear),
-            angular: turn.rotate(motion.angular),
-        };
-        Ok(motions.into_iter().map(in_world).collect())
+        for motion in &mut *motions {
+            motion.linear = turn.rotate(motion.linear);
+            motion.angular = turn.rotate(motion.angular);
+        }
+        Ok(motions)
     }
 }
 

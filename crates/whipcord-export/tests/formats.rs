@@ -205,7 +205,7 @@ fn the_force_in_a_section_is_what_strains_it_and_turns_its_moment() {
     // Dead, following and distributed loads, weight, and cables that end before the tip.
     let examples: [(&str, &[&str]); 4] = [
         ("two-segment-arm.toml", &["loads.tip_force=[0.1, 0.2, -0.3]"]),
-        ("two-segment-arm.toml", &["loads.tip_force=[0.1, 0.2, -0.3]", "loads.tip_follower=true"]),
+        ("two-segment-arm.toml", &["loads.tip_force=[0.1, 0.2, -0.3]", "loads.follower=true"]),
         ("wall-mounted-arm.toml", &[]),
         ("contact/arm-at-wall.toml", &[]),
     ];
@@ -245,9 +245,11 @@ fn the_force_in_a_section_is_what_strains_it_and_turns_its_moment() {
 
 #[test]
 fn steps_under_other_loads_have_keyframes() {
-    let text = std::fs::read_to_string(examples().join("three-cable-segment.toml")).unwrap();
-    let steps = "[[steps]]\nloads = { tip_force = [0.1, 0.0, 0.0] }\n[[steps]]\nloads = { tip_force = [0.2, 0.0, 0.0] }\n";
-    let file = whipcord_io::parse(&format!("{text}\n{steps}"), "robot.toml").unwrap();
+    let mut file = load("three-cable-segment.toml", &["loads.tip_force=[0.2, 0, 0]"]);
+    let half = file.case.loads.tip_force * 0.5;
+    let lighter = whipcord::Loads { tip_force: half, ..file.case.loads.clone() };
+    file.case.before = vec![file.case.commands.clone()];
+    file.case.loads_before = vec![lighter];
     let made = exported(&file, ModelKind::CosseratDisks, Format::Mjcf, None).unwrap();
     let document = Document::parse(core::str::from_utf8(&made.files[0].bytes).unwrap()).unwrap();
     let keys = document.descendants().filter(|n| n.has_tag_name("key"));

@@ -206,7 +206,10 @@ fn lanes_answer_as_single_solves_do_for_many_robots() {
             .collect();
         let turn = UnitQuaternion::exp(Vec3::new(0.3, -1.0, 0.2 * i as f64));
         let base = Pose { position: Vec3::new(0.1, -0.2, 0.3), rotation: turn };
-        let under = if i % 2 == 0 { Case::default() } else { Case { base, ..Case::default() } };
+        // What is said to be no load is none.
+        let loads = Loads { gravity: Some(Vec3::ZERO), ..Loads::default() };
+        let under =
+            if i % 2 == 0 { Case::default() } else { Case { base, loads, ..Case::default() } };
         let rows = Rows::Tensions { values: &tensions, case: &under };
         let accuracy = [
             Accuracy::Steps(12),
