@@ -81,15 +81,15 @@ def of_robot(robot: Compared) -> whipcord.Case:
 
 
 def at_rest(
-    model: Any, start: str, *, ramp: float = 0.5, slowest: float = 1e-5, longest: float = 60.0
+    model: Any, start: str, *, end: str = "case", ramp: float = 0.5, slowest: float = 1e-5, longest: float = 60.0
 ) -> Any:
-    """MuJoCo's data after all has come to rest: from a keyframe, with the controls of the case raised within `ramp` s. A robot at
+    """MuJoCo's data after all has come to rest: from a keyframe, with the controls of another one reached within `ramp` s. A robot at
     which a velocity is more than `slowest` after `longest` s is not at rest: a RuntimeError."""
     import mujoco
 
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(start).id)
-    first, last = data.ctrl.copy(), model.key("case").ctrl.copy()
+    first, last = data.ctrl.copy(), model.key(end).ctrl.copy()
     while data.time < longest:
         for _ in range(100):
             data.ctrl[:] = first + (last - first) * min(1.0, data.time / ramp)

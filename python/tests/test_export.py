@@ -87,6 +87,39 @@ def test_contacts_hold_the_robot_in_mujoco_too(name: str, tmp_path: Path) -> Non
     assert distance < 0.005 * exact.arc_length[-1]
 
 
+def test_steps_under_other_loads_have_keyframes_that_hold(tmp_path: Path) -> None:
+    rows = ["a [N],b [N],c [N],tip_force.x [N],tip_force.y [N]", "2,1,1,0,0.2", "2,1,1,0.1,0", "3,1,1,0.2,0"]
+    (tmp_path / "steps.csv").write_text("\n".join(rows) + "\n")
+    text = Path("examples/three-cable-segment.toml").read_text()
+    kept = [line for line in text.splitlines() if not line.startswith(("tension", "shortening"))]
+    (tmp_path / "robot.toml").write_text("\n".join([*kept, "[commands]", 'table = "steps.csv"', 'each = "in order"', ""]))
+    case = whipcord.load(tmp_path / "robot.toml")
+    case.export(tmp_path / "robot.xml", model="cosserat-disks")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    names = [model.actuator(i).name for i in range(model.nu)]
+    # The force along x grows; that along y is another one.
+    assert names == ["a", "b", "c", "load:tip", "load:tip:step-1"]
+    np.testing.assert_allclose([model.key(f"step-{k}").ctrl[3:] for k in (1, 2, 3)], [[0, 1], [0.5, 0], [1, 0]])
+    for k, exact in enumerate(case.solve_steps(model="cosserat-disks"), 1):
+        data = at_rest(model, f"step-{k}", end=f"step-{k}")
+        distance = np.linalg.norm(disks_in(model, data) - exact.position, axis=1).max()
+        assert distance < 0.005 * exact.arc_length[-1]
+
+
+def test_obstacles_are_read_as_closed_surfaces(tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    case = whipcord.load("examples/contact/gripping-finger.toml")
+    case.export(tmp_path / "finger.glb")
+    scene = trimesh.load(tmp_path / "finger.glb")
+    named = [name for name in scene.graph.nodes if name.startswith("obstacle ")]
+    assert named
+    for name in named:
+        _, geometry = scene.graph[name]
+        mesh = scene.geometry[geometry]
+        mesh.merge_vertices(merge_norm=True)
+        assert mesh.is_watertight, name
+
+
 def test_urdf_is_read_and_its_joint_angles_give_the_shape(tmp_path: Path) -> None:
     yourdfpy = pytest.importorskip("yourdfpy")
     case = whipcord.load("examples/wall-mounted-arm.toml")

@@ -298,6 +298,12 @@ whipcord_status_t whipcord_solver_set_budget(whipcord_solver_t *solver,
                                              size_t integration_steps);
 
 /**
+ * Estimated error of positions and lengths as a part of the length of the backbone, from 1e-13 to 0.01; 1e-6 is what a solver begins with. Models
+ * whose sections are their discretisation have none to choose, and ignore it. It allocates memory. The last solution stays.
+ */
+whipcord_status_t whipcord_solver_set_tolerance(whipcord_solver_t *solver, double tolerance);
+
+/**
  * Commands every cable by its tension in N. The commands before are kept where this fails.
  *
  * # Safety
@@ -316,6 +322,18 @@ whipcord_status_t whipcord_solver_set_tensions(whipcord_solver_t *solver,
 whipcord_status_t whipcord_solver_set_shortenings(whipcord_solver_t *solver,
                                                   const double *shortenings,
                                                   size_t count);
+
+/**
+ * Commands each cable in its own way: by its tension in N where its flag is 0, by its shortening in m where it is 1. The commands before are
+ * kept where this fails.
+ *
+ * # Safety
+ * `commands` and `by_shortening` are NULL or lead to `count` numbers and `count` bytes.
+ */
+whipcord_status_t whipcord_solver_set_commands(whipcord_solver_t *solver,
+                                               const double *commands,
+                                               const uint8_t *by_shortening,
+                                               size_t count);
 
 /**
  * Commands every motor: its angle in rad, or its travel in m. Cables without a motor keep their commands. The commands before are kept where this fails.
@@ -395,7 +413,8 @@ whipcord_status_t whipcord_solver_diagnostics(const whipcord_solver_t *solver,
 
 /**
  * The Jacobian of the tip at the last solution, before commands are set anew: 6 rows of one column for each cable, row by row. The rows are the
- * velocity of the tip's point in m and its angular velocity in rad, in the world, for each N or m of the command of the cable. It allocates memory.
+ * velocity of the tip's point in m and its angular velocity in rad, in the world, for each N or m of the command of the
+ * cable. By "cosserat" without obstacles and friction it allocates nothing once the solver has its memory.
  *
  * # Safety
  * `jacobian` is NULL or leads to memory for `count` numbers.
@@ -507,6 +526,18 @@ whipcord_status_t whipcord_simulation_set_tensions(whipcord_simulation_t *simula
 whipcord_status_t whipcord_simulation_set_shortenings(whipcord_simulation_t *simulation,
                                                       const double *shortenings,
                                                       size_t count);
+
+/**
+ * Commands each cable in its own way from now on: by its tension in N where its flag is 0, by its shortening in m where it is 1. The commands
+ * before are kept where this fails.
+ *
+ * # Safety
+ * `commands` and `by_shortening` are NULL or lead to `count` numbers and `count` bytes.
+ */
+whipcord_status_t whipcord_simulation_set_commands(whipcord_simulation_t *simulation,
+                                                   const double *commands,
+                                                   const uint8_t *by_shortening,
+                                                   size_t count);
 
 /**
  * Commands every motor from now on: its angle in rad, or its travel in m. The commands before are kept where this fails.

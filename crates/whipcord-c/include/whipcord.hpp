@@ -13,6 +13,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "whipcord.h"
@@ -38,6 +39,15 @@ using Vec3 = std::array<double, 3>;
 struct Pose {
     Vec3 position{};
     std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0};
+};
+
+/** The command of a cable: its tension in N, or its shortening in m. */
+struct CableCommand {
+    static CableCommand tension(double value) { return {value, false}; }
+    static CableCommand shortening(double value) { return {value, true}; }
+
+    double value;
+    bool by_shortening;
 };
 
 /** One command of an inverse problem: what it is, the number of its cable or motor, and its value in N, m or rad. */
@@ -78,6 +88,17 @@ inline std::vector<Pose> poses(const std::vector<double> &values) {
         all.push_back(pose(values.data() + i));
     }
     return all;
+}
+
+/** Values and flags as whipcord.h takes them. */
+inline std::pair<std::vector<double>, std::vector<std::uint8_t>>
+split(const std::vector<CableCommand> &commands) {
+    std::pair<std::vector<double>, std::vector<std::uint8_t>> arrays;
+    for (const CableCommand &command : commands) {
+        arrays.first.push_back(command.value);
+        arrays.second.push_back(command.by_shortening ? 1 : 0);
+    }
+    return arrays;
 }
 
 /** Frees a handle as its type is freed. */
@@ -152,11 +173,21 @@ public:
     void set_budget(std::size_t iterations, std::size_t integration_steps) {
         detail::check(whipcord_solver_set_budget(get(), iterations, integration_steps));
     }
+    /** Estimated error of positions and lengths as a part of the length of the backbone. */
+    void set_tolerance(double tolerance) {
+        detail::check(whipcord_solver_set_tolerance(get(), tolerance));
+    }
     void set_tensions(const std::vector<double> &tensions) {
         detail::check(whipcord_solver_set_tensions(get(), tensions.data(), tensions.size()));
     }
     void set_shortenings(const std::vector<double> &shortenings) {
         detail::check(whipcord_solver_set_shortenings(get(), shortenings.data(), shortenings.size()));
+    }
+    /** Commands each cable in its own way. */
+    void set_commands(const std::vector<CableCommand> &commands) {
+        const auto [values, by_shortening] = detail::split(commands);
+        detail::check(whipcord_solver_set_commands(get(), values.data(), by_shortening.data(),
+                                                   values.size()));
     }
     void set_motors(const std::vector<double> &commands) {
         detail::check(whipcord_solver_set_motors(get(), commands.data(), commands.size()));
@@ -288,6 +319,12 @@ public:
     void set_shortenings(const std::vector<double> &shortenings) {
         detail::check(
             whipcord_simulation_set_shortenings(get(), shortenings.data(), shortenings.size()));
+    }
+    /** Commands each cable in its own way from now on. */
+    void set_commands(const std::vector<CableCommand> &commands) {
+        const auto [values, by_shortening] = detail::split(commands);
+        detail::check(whipcord_simulation_set_commands(get(), values.data(), by_shortening.data(),
+                                                       values.size()));
     }
     void set_motors(const std::vector<double> &commands) {
         detail::check(whipcord_simulation_set_motors(get(), commands.data(), commands.size()));

@@ -62,6 +62,21 @@ int main(int argc, char **argv) {
     const double moved = solver.tip().position[0] - before.position[0];
     expect(std::abs(moved - 1e-3 * jacobian[0]) < 1e-3 * std::abs(moved) + 1e-9, "it is that of the tip");
 
+    // Each cable in its own way.
+    std::vector<whipcord::CableCommand> commands;
+    const std::vector<double> held = solver.lengths();
+    for (const double tension : solver.tensions()) {
+        commands.push_back(whipcord::CableCommand::tension(tension));
+    }
+    solver.set_commands(commands);
+    expect(solver.solve() && solver.lengths() == held, "the same tensions give the same lengths");
+    commands[0] = whipcord::CableCommand::shortening(2e-3);
+    solver.set_commands(commands);
+    expect(solver.solve() && solver.lengths()[0] != held[0], "one cable is driven by its length");
+    solver.set_tolerance(1e-9);
+    expect(solver.solve(), "a smaller tolerance is met");
+    expect_error(WHIPCORD_STATUS_INVALID_ARGUMENT, [&] { solver.set_tolerance(0.0); }, "no tolerance");
+
     const double nan = std::numeric_limits<double>::quiet_NaN();
     expect_error(WHIPCORD_STATUS_INVALID_ARGUMENT, [&] { solver.set_tip_load({nan, 0.0, 0.0}); }, "NaN");
     expect_error(WHIPCORD_STATUS_WRONG_LENGTH, [&] { solver.set_tensions({1.0}); }, "one tension");
@@ -72,6 +87,7 @@ int main(int argc, char **argv) {
     expect_error(WHIPCORD_STATUS_UNAVAILABLE, [&] { whipcord::Reach(robot).target(); }, "no target");
 
     whipcord::Reach reach(robot);
+    solver.set_tolerance(1e-6);
     const whipcord::Reached reached = reach.tip(before.position);
     expect(reached.is_reached() && reached.commands.size() == robot.cable_count(), "its own tip is reached");
     solver.reset();

@@ -32,6 +32,48 @@ pub unsafe fn numbers<'a>(
     needed: usize,
     what: &str,
 ) -> Result<&'a [f64], Failure> {
+    // SAFETY: the caller promises it.
+    let numbers = unsafe { array(pointer, given, needed, what)? };
+    match numbers.iter().position(|number| !number.is_finite()) {
+        None => Ok(numbers),
+        Some(i) => {
+            let message = format!("{what}[{i}] is {}: it must be finite", numbers[i]);
+            Err(Failure::new(Status::InvalidArgument, message))
+        }
+    }
+}
+
+/// The flags of an array that must have so many, each of them 0 or 1.
+///
+/// # Safety
+/// A pointer that is not NULL leads to `given` bytes that are not changed as long as the result is used.
+pub unsafe fn flags<'a>(
+    pointer: *const u8,
+    given: usize,
+    needed: usize,
+    what: &str,
+) -> Result<&'a [u8], Failure> {
+    // SAFETY: the caller promises it.
+    let flags = unsafe { array(pointer, given, needed, what)? };
+    match flags.iter().position(|flag| *flag > 1) {
+        None => Ok(flags),
+        Some(i) => {
+            let message = format!("{what}[{i}] is {}: it must be 0 or 1", flags[i]);
+            Err(Failure::new(Status::InvalidArgument, message))
+        }
+    }
+}
+
+/// An array that must have so many entries.
+///
+/// # Safety
+/// A pointer that is not NULL leads to `given` entries that are not changed as long as the result is used, and any bytes are a `T`.
+unsafe fn array<'a, T>(
+    pointer: *const T,
+    given: usize,
+    needed: usize,
+    what: &str,
+) -> Result<&'a [T], Failure> {
     check_length(given, needed, what)?;
     if needed == 0 {
         return Ok(&[]);
@@ -40,14 +82,7 @@ pub unsafe fn numbers<'a>(
         return Err(Failure::null(what));
     }
     // SAFETY: it is not NULL, so many numbers of a robot are far below isize::MAX bytes, and the caller promises that they are there.
-    let numbers = unsafe { core::slice::from_raw_parts(pointer, needed) };
-    match numbers.iter().position(|number| !number.is_finite()) {
-        None => Ok(numbers),
-        Some(i) => {
-            let message = format!("{what}[{i}] is {}: it must be finite", numbers[i]);
-            Err(Failure::new(Status::InvalidArgument, message))
-        }
-    }
+    Ok(unsafe { core::slice::from_raw_parts(pointer, needed) })
 }
 
 /// Writes values to an array that must have so many. Nothing is written where it has not.

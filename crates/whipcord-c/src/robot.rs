@@ -84,6 +84,21 @@ pub(crate) fn check_tensions(tensions: &[f64]) -> Result<(), Failure> {
     }
 }
 
+/// Refuses commands of which those that are tensions, by the flags, are negative.
+pub(crate) fn check_commands(commands: &[f64], by_shortening: &[u8]) -> Result<(), Failure> {
+    let wrong = |(command, flag): (&f64, &u8)| *flag == 0 && *command < 0.0;
+    match commands.iter().zip(by_shortening).position(wrong) {
+        None => Ok(()),
+        Some(i) => Err(Failure::new(
+            Status::InvalidArgument,
+            format!(
+                "commands[{i}] is a tension of {} N: a cable cannot push, give 0 or more, or set by_shortening[{i}] to 1",
+                commands[i]
+            ),
+        )),
+    }
+}
+
 /// Refuses commands that the motors of a robot cannot have.
 pub(crate) fn check_motors(robot: &Robot, commands: &[f64]) -> Result<(), Failure> {
     for (i, (motor, &command)) in robot.motors().iter().zip(commands).enumerate() {

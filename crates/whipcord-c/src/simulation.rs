@@ -5,7 +5,7 @@ use std::sync::Arc;
 use whipcord_io::CaseFile;
 use whipcord_motion::{Commands, Course, Simulation, State};
 
-use crate::robot::{RobotFile, check_motors, check_tensions, motion_failure};
+use crate::robot::{RobotFile, check_commands, check_motors, check_tensions, motion_failure};
 use crate::status::Failure;
 
 /// A robot in motion, with the commands in force.
@@ -45,6 +45,23 @@ impl MovingRobot {
             self.commands.set_shortening(i, by);
         }
         self.commands.motors.fill(None);
+    }
+
+    /// Of each cable its shortening where the flag is 1, else its tension.
+    pub(crate) fn set_commands(
+        &mut self,
+        commands: &[f64],
+        by_shortening: &[u8],
+    ) -> Result<(), Failure> {
+        check_commands(commands, by_shortening)?;
+        for (i, (&value, &flag)) in commands.iter().zip(by_shortening).enumerate() {
+            match flag {
+                0 => self.commands.set_tension(i, value),
+                _ => self.commands.set_shortening(i, value),
+            }
+        }
+        self.commands.motors.fill(None);
+        Ok(())
     }
 
     pub(crate) fn set_motors(&mut self, commands: &[f64]) -> Result<(), Failure> {

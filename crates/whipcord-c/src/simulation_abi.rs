@@ -4,7 +4,7 @@
 
 use whipcord_motion::CableMotion;
 
-use crate::pointer::{give, numbers, store};
+use crate::pointer::{flags, give, numbers, store};
 use crate::robot::{POSE, RobotFile, pose_values, poses_values};
 use crate::simulation::MovingRobot;
 use crate::status::{Failure, Status, guard, guarded};
@@ -77,6 +77,33 @@ pub unsafe extern "C" fn whipcord_simulation_set_shortenings(
         // SAFETY: the caller promises it.
         simulation.set_shortenings(unsafe { numbers(shortenings, count, cables, "shortenings")? });
         Ok(())
+    })
+}
+
+/// Commands each cable in its own way from now on: by its tension in N where its flag is 0, by its shortening in m where it is 1. The commands
+/// before are kept where this fails.
+///
+/// # Safety
+/// `commands` and `by_shortening` are NULL or lead to `count` numbers and `count` bytes.
+// SAFETY: no other symbol has this name.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn whipcord_simulation_set_commands(
+    simulation: Option<&mut MovingRobot>,
+    commands: *const f64,
+    by_shortening: *const u8,
+    count: usize,
+) -> Status {
+    guard(|| {
+        let simulation = given(simulation)?;
+        let cables = simulation.file().robot.cables().len();
+        // SAFETY: the caller promises it.
+        let (commands, by_shortening) = unsafe {
+            (
+                numbers(commands, count, cables, "commands")?,
+                flags(by_shortening, count, cables, "by_shortening")?,
+            )
+        };
+        simulation.set_commands(commands, by_shortening)
     })
 }
 

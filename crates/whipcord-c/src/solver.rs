@@ -9,7 +9,9 @@ use whipcord::{
 };
 use whipcord_io::CaseFile;
 
-use crate::robot::{RobotFile, check_motors, check_tensions, model_kind, solve_failure};
+use crate::robot::{
+    RobotFile, check_commands, check_motors, check_tensions, model_kind, solve_failure,
+};
 use crate::status::{Failure, Status};
 use crate::values::{Diagnostics, Stability};
 
@@ -18,6 +20,7 @@ pub struct Solver {
     file: Arc<CaseFile>,
     model: Model,
     prepared: Prepared,
+    budget: Budget,
     case: Case,
     /// The answers of this solve and of the one before: a failed solve leaves them.
     answer: Solution,
@@ -27,6 +30,8 @@ pub struct Solver {
     /// Where the motors have left their drives, and where the commands at hand would lead them: backlash remembers.
     outputs: Vec<f64>,
     next_outputs: Vec<f64>,
+    /// Of the tip, with the command of each cable.
+    motions: Vec<Twist>,
 }
 
 impl Solver {
@@ -41,12 +46,14 @@ impl Solver {
         Ok(Self {
             model,
             prepared,
+            budget: Budget::default(),
             case: file.case.clone(),
             answer: Solution::empty(kind),
             before: Solution::empty(kind),
             answers: 0,
             outputs,
             next_outputs,
+            motions: Vec::new(),
             file,
         })
     }
@@ -63,13 +70,32 @@ impl Solver {
     }
 
     pub(crate) fn set_budget(&mut self, iterations: usize, integration_steps: usize) {
-        self.prepared.set_budget(Budget { iterations, integration_steps });
+        self.budget = Budget { iterations, integration_steps };
+        self.prepared.set_budget(self.budget);
+    }
+
+    pub(crate) fn set_tolerance(&mut self, tolerance: f64) -> Result<(), Failure> {
+        if !Model::TOLERANCES.contains(&tolerance) {
+            let (least, greatest) = (Model::TOLERANCES.start(), Model::TOLERANCES.end());
+            return Err(Failure::new(
+                Status::InvalidArgument,
+                format!(
+                    "the tolerance is {tolerance}: give a part of the backbone's length from {least:e} to {greatest}"
+                ),
+            ));
+        }
+        let model = self.model.clone().with_tolerance(tolerance);
+        let prepared = model.prepare(&self.file.robot, &self.case.loads);
+        self.prepared = prepared.map_err(|error| solve_failure(&self.file, &error))?;
+        self.prepared.set_budget(self.budget);
+        self.model = model;
+        Ok(())
     }
 
     pub(crate) fn set_tensions(&mut self, tensions: &[f64]) -> Result<(), Failure> {
         check_tensions(tensions)?;
         for (command, &tension) in self.case.commands.iter_mut().zip(tensions) {
-            *command = CableCommand { tension: Some(tension), shortening: None };
+            *command = by_tension(tension);
         }
         self.let_go_of_motors();
         Ok(())
@@ -77,9 +103,25 @@ impl Solver {
 
     pub(crate) fn set_shortenings(&mut self, shortenings: &[f64]) {
         for (command, &by) in self.case.commands.iter_mut().zip(shortenings) {
-            *command = CableCommand { tension: None, shortening: Some(Shortening::Length(by)) };
+            *command = shortened(by);
         }
         self.let_go_of_motors();
+    }
+
+    /// Of each cable its shortening where the flag is 1, else its tension.
+    pub(crate) fn set_commands(
+        &mut self,
+        commands: &[f64],
+        by_shortening: &[u8],
+    ) -> Result<(), Failure> {
+        check_commands(commands, by_shortening)?;
+        for (command, (&value, &flag)) in
+            self.case.commands.iter_mut().zip(commands.iter().zip(by_shortening))
+        {
+            *command = if flag == 0 { by_tension(value) } else { shortened(value) };
+        }
+        self.let_go_of_motors();
+        Ok(())
     }
 
     pub(crate) fn set_motors(&mut self, commands: &[f64]) -> Result<(), Failure> {
@@ -89,8 +131,7 @@ impl Solver {
             let output = motor.output(self.outputs[i], command);
             self.next_outputs[i] = output;
             for of in &motor.cables {
-                let by = Shortening::Length(of.pull() * output);
-                self.case.commands[of.cable] = CableCommand { tension: None, shortening: Some(by) };
+                self.case.commands[of.cable] = shortened(of.pull() * output);
             }
         }
         Ok(())
@@ -194,33 +235,40 @@ impl Solver {
     }
 
     /// The motion of the tip in the world by the command of each cable.
-    pub(crate) fn jacobian(&mut self) -> Result<Vec<Twist>, Failure> {
-        let Self { file, model, prepared, case, answer, before, answers, .. } = self;
+    pub(crate) fn jacobian(&mut self) -> Result<&[Twist], Failure> {
+        let Self { file, model, prepared, case, answer, before, answers, motions, .. } = self;
         if *answers == 0 {
             return Err(unsolved());
         }
         let robot = &file.robot;
         let fail = |error| solve_failure(file, &error);
-        let motions = if !model.has_derivatives(robot) {
+        if !model.has_derivatives(robot) {
             let length = robot.backbone().length;
             let solved = model.solve_at_from(robot, case, length, Some(answer));
-            solved.map_err(fail)?.1.actuation_jacobian
+            *motions = solved.map_err(fail)?.1.actuation_jacobian;
         } else if robot.has_history() {
             // What slides is seen only on the way from the solution before.
             let from = (*answers > 1).then_some(&*before);
             let solved = prepared.solve_with_derivatives(case, from, &[]).map_err(fail)?;
-            solved.1.actuation_jacobian(Place::Tip)
+            *motions = solved.1.actuation_jacobian(Place::Tip);
         } else {
-            let linearization = prepared.linearize(case, answer, &[]).map_err(fail)?;
-            linearization.actuation_jacobian(Place::Tip)
-        };
+            prepared.tip_by_commands(case, answer, motions).map_err(fail)?;
+        }
         let turn = case.base.rotation;
-        let in_world = |motion: Twist| Twist {
-            linear: turn.rotate(motion.linear),
-            angular: turn.rotate(motion.angular),
-        };
-        Ok(motions.into_iter().map(in_world).collect())
+        for motion in &mut *motions {
+            motion.linear = turn.rotate(motion.linear);
+            motion.angular = turn.rotate(motion.angular);
+        }
+        Ok(motions)
     }
+}
+
+const fn by_tension(tension: f64) -> CableCommand {
+    CableCommand { tension: Some(tension), shortening: None }
+}
+
+const fn shortened(by: f64) -> CableCommand {
+    CableCommand { tension: None, shortening: Some(Shortening::Length(by)) }
 }
 
 fn unsolved() -> Failure {

@@ -6,7 +6,7 @@ use core::ffi::c_char;
 
 use whipcord::{CableState, Vec3};
 
-use crate::pointer::{give, numbers, store, store_one, text};
+use crate::pointer::{flags, give, numbers, store, store_one, text};
 use crate::robot::{POSE, RobotFile, pose_values, poses_values};
 use crate::solver::Solver;
 use crate::status::{Failure, Status, guard, guarded};
@@ -71,6 +71,17 @@ pub extern "C" fn whipcord_solver_set_budget(
     })
 }
 
+/// Estimated error of positions and lengths as a part of the length of the backbone, from 1e-13 to 0.01; 1e-6 is what a solver begins with. Models
+/// whose sections are their discretisation have none to choose, and ignore it. It allocates memory. The last solution stays.
+// SAFETY: no other symbol has this name.
+#[unsafe(no_mangle)]
+pub extern "C" fn whipcord_solver_set_tolerance(
+    solver: Option<&mut Solver>,
+    tolerance: f64,
+) -> Status {
+    guard(|| given(solver)?.set_tolerance(tolerance))
+}
+
 /// Commands every cable by its tension in N. The commands before are kept where this fails.
 ///
 /// # Safety
@@ -107,6 +118,33 @@ pub unsafe extern "C" fn whipcord_solver_set_shortenings(
         // SAFETY: the caller promises it.
         solver.set_shortenings(unsafe { numbers(shortenings, count, cables, "shortenings")? });
         Ok(())
+    })
+}
+
+/// Commands each cable in its own way: by its tension in N where its flag is 0, by its shortening in m where it is 1. The commands before are
+/// kept where this fails.
+///
+/// # Safety
+/// `commands` and `by_shortening` are NULL or lead to `count` numbers and `count` bytes.
+// SAFETY: no other symbol has this name.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn whipcord_solver_set_commands(
+    solver: Option<&mut Solver>,
+    commands: *const f64,
+    by_shortening: *const u8,
+    count: usize,
+) -> Status {
+    guard(|| {
+        let solver = given(solver)?;
+        let cables = solver.file().robot.cables().len();
+        // SAFETY: the caller promises it.
+        let (commands, by_shortening) = unsafe {
+            (
+                numbers(commands, count, cables, "commands")?,
+                flags(by_shortening, count, cables, "by_shortening")?,
+            )
+        };
+        solver.set_commands(commands, by_shortening)
     })
 }
 
@@ -274,7 +312,8 @@ pub unsafe extern "C" fn whipcord_solver_diagnostics(
 }
 
 /// The Jacobian of the tip at the last solution, before commands are set anew: 6 rows of one column for each cable, row by row. The rows are the
-/// velocity of the tip's point in m and its angular velocity in rad, in the world, for each N or m of the command of the cable. It allocates memory.
+/// velocity of the tip's point in m and its angular velocity in rad, in the world, for each N or m of the command of the
+/// cable. By "cosserat" without obstacles and friction it allocates nothing once the solver has its memory.
 ///
 /// # Safety
 /// `jacobian` is NULL or leads to memory for `count` numbers.

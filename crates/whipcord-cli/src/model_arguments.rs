@@ -38,15 +38,10 @@ pub struct FourBarArguments {
     length_rule: Option<four_bar::LengthRule>,
 }
 
-/// Below it rounding counts.
-const LEAST_TOLERANCE: f64 = 1e-13;
-/// Above it an answer says nothing.
-const GREATEST_TOLERANCE: f64 = 0.01;
-
 fn tolerance(text: &str) -> Result<f64, String> {
-    let range = LEAST_TOLERANCE..=GREATEST_TOLERANCE;
+    let range = Model::TOLERANCES;
     let given = text.parse::<f64>().ok().filter(|tolerance| range.contains(tolerance));
-    given.ok_or_else(|| format!("give a number from {LEAST_TOLERANCE:e} to {GREATEST_TOLERANCE}"))
+    given.ok_or_else(|| format!("give a number from {:e} to {}", range.start(), range.end()))
 }
 
 /// What drives all cables.

@@ -6,7 +6,7 @@
 //! is reversed from joint to joint, so that this cancels and the error is of second order in the distance of the nodes.
 
 use whipcord::section::{section_compliance, section_stiffness};
-use whipcord::{Case, Mat3, Pose, Robot, Shape, Twist, UnitQuaternion, Vec3};
+use whipcord::{Case, Disks, Mat3, Pose, Robot, Shape, Twist, UnitQuaternion, Vec3};
 use whipcord_motion::Damping;
 use whipcord_numerics::{GAUSS_3, magnus_6};
 use whipcord_plot::{Plate, plates_of};
@@ -324,9 +324,8 @@ impl Bulk {
 
     /// Adds a disk at the node.
     fn add_plate(&mut self, mass: f64, plate: &Plate) {
-        let of_disk = mass * plate.radius * plate.radius;
-        let across = 0.25 * of_disk + mass * plate.thickness * plate.thickness / 12.0;
-        self.add(mass, Vec3::ZERO, Vec3::new(across, across, 0.5 * of_disk));
+        let inertia = Disks::moments_of_inertia(mass, plate.radius, plate.thickness);
+        self.add(mass, Vec3::ZERO, inertia);
     }
 
     /// Mass, centre of mass and moments of inertia about it.

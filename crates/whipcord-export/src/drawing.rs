@@ -1,7 +1,7 @@
 //! The curves and surfaces of an answer, for formats that draw.
 
-use whipcord::{Along, Pose, Robot, Section, Solution, Vec3};
-use whipcord_plot::{Plate, plates_of};
+use whipcord::{Along, Case, Pose, Robot, Section, Solution, Vec3};
+use whipcord_plot::{ObstacleSurface, Plate, obstacle_surface, plates_of};
 
 use crate::answers::Answers;
 use crate::error::ExportError;
@@ -10,6 +10,8 @@ use crate::job::Job;
 
 /// Radius of what has none, as a part of the length of the backbone.
 pub const THIN: f64 = 0.002;
+/// Room around the robot in which planes are drawn, relative to its greatest extent.
+const ROOM: f64 = 0.4;
 
 /// What is drawn of the answers to a case.
 #[derive(Clone, Debug)]
@@ -47,6 +49,29 @@ impl<'a> Drawing<'a> {
     /// The disks with their poses.
     pub fn disks<'b>(&'b self, solution: &'b Solution) -> impl Iterator<Item = (&'b Plate, Pose)> {
         self.plates.iter().zip(solution.disks.poses.iter().copied())
+    }
+
+    /// The obstacles of a step by their names, movable ones where they are in its answer.
+    pub fn obstacles<'b>(
+        &self,
+        case: &'b Case,
+        solution: &'b Solution,
+    ) -> impl Iterator<Item = (&'b str, ObstacleSurface)> {
+        let points: Vec<Vec3> = solution.shape.positions().collect();
+        let ranges = [0, 1, 2].map(|i| {
+            let along = || points.iter().map(|p| p[i]);
+            [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)]
+        });
+        let extent = ranges.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+        let room = [0, 1].map(|k| {
+            let out = if k == 0 { -ROOM } else { ROOM };
+            Vec3::from(ranges.map(|ends| ends[k] + out * extent))
+        });
+        case.obstacles.iter().enumerate().map(move |(number, obstacle)| {
+            let moved = solution.objects.iter().find(|object| object.obstacle == number);
+            let pose = moved.map_or(obstacle.pose, |object| object.pose);
+            (obstacle.name.as_str(), obstacle_surface(&obstacle.form, &pose, room))
+        })
     }
 
     /// Half extents of the cross-section along x and y at an arc length in m; `None` where it is round.

@@ -1,6 +1,7 @@
 //! glTF: backbone, disks and cables as named meshes.
 
 use core::f64::consts::TAU;
+use std::collections::HashMap;
 
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::buffer::{Target, View};
@@ -11,7 +12,7 @@ use gltf_json::validation::Checked::Valid;
 use gltf_json::validation::USize64;
 use gltf_json::{Accessor, Asset, Buffer, Index, Material, Mesh, Node, Root, Scene};
 use whipcord::{Pose, UnitQuaternion, Vec3};
-use whipcord_plot::Colour;
+use whipcord_plot::{Colour, OBSTACLE, ObstacleSurface};
 
 use crate::drawing::Drawing;
 use crate::error::ExportError;
@@ -21,6 +22,8 @@ use crate::job::Job;
 const FORMAT: &str = "glTF";
 /// Corners of a round section, of a disk and of a cable.
 const CORNERS: [usize; 3] = [24, 48, 8];
+/// Cosine of the angle between two triangles from which on the edge between them is sharp.
+const EDGE: f64 = 0.866;
 /// The z axis of the robot is the y axis of glTF, which viewers show upwards.
 const Z_TO_Y: [f32; 4] =
     [-core::f32::consts::FRAC_1_SQRT_2, 0.0, 0.0, core::f32::consts::FRAC_1_SQRT_2];
@@ -58,12 +61,15 @@ pub fn gltf(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
             let colour = file.material(&name, Colour::nth(i));
             file.object(&name, &sweep(&poses, &profiles), colour, Pose::IDENTITY);
         }
+        let case = drawing.answers.cases.last().unwrap_or(job.case);
+        let brown = file.material("obstacle", OBSTACLE);
+        for (name, surface) in drawing.obstacles(case, solution) {
+            file.object(&format!("obstacle {name}"), &shaded(surface), brown, Pose::IDENTITY);
+        }
     }
     let title = if job.title.is_empty() { "robot" } else { job.title };
-    let mut lost = vec![
-        "all numbers but the shape; holes of disks, inner diameters, loads and obstacles"
-            .to_owned(),
-    ];
+    let mut lost =
+        vec!["all numbers but the shape; holes of disks, inner diameters and loads".to_owned()];
     if drawing.answers.steps.len() > 1 {
         lost.push("steps before the last one".to_owned());
     }
@@ -140,6 +146,37 @@ fn sweep(poses: &[Pose], profiles: &[Vec<Corner>]) -> Surface {
         }
     }
     surface
+}
+
+/// A surface with normals, smooth where it bends less than at an edge. Each triangle has its own corners.
+fn shaded(surface: ObstacleSurface) -> Surface {
+    let ObstacleSurface { points, triangles, .. } = surface;
+    // Corners that are one point, whatever triangle they are of.
+    let key = |point: Vec3| point.to_array().map(f64::to_bits);
+    let across = |corners: &[usize; 3]| {
+        let [a, b, c] = corners.map(|k| points[k]);
+        (b - a).cross(c - a)
+    };
+    let mut around: HashMap<[u64; 3], Vec<Vec3>> = HashMap::new();
+    for corners in &triangles {
+        for k in corners {
+            around.entry(key(points[*k])).or_default().push(across(corners));
+        }
+    }
+    let mut made = Surface::default();
+    for corners in &triangles {
+        let own = across(corners);
+        let first = made.points.len();
+        for k in corners {
+            let beside = around.get(&key(points[*k])).into_iter().flatten();
+            let smooth = beside.filter(|other| own.dot(**other) > EDGE * own.norm() * other.norm());
+            let normal = smooth.fold(Vec3::ZERO, |sum, other| sum + *other);
+            made.points.push(points[*k]);
+            made.normals.push(normal / normal.norm());
+        }
+        made.triangles.push([first, first + 1, first + 2]);
+    }
+    made
 }
 
 /// Frames along points whose z axes follow them, and which turn as little as they can.

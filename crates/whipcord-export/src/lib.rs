@@ -15,6 +15,7 @@ mod job;
 mod mjcf;
 mod nodal;
 mod places;
+mod section_force;
 mod step;
 mod urdf;
 mod vtk;

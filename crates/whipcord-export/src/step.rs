@@ -56,6 +56,14 @@ pub fn step(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
                 file.add(&format!("POLYLINE({},{})", text(&name), list(&points)))
             });
         }
+        let case = drawing.answers.cases.last().unwrap_or(job.case);
+        for (name, surface) in drawing.obstacles(case, solution) {
+            let name = text(&format!("obstacle {name}"));
+            for line in surface.lines {
+                let points: Vec<usize> = line.iter().map(|p| file.point("", *p)).collect();
+                items.push(file.add(&format!("POLYLINE({name},{})", list(&points))));
+            }
+        }
     }
     let set = format!("GEOMETRIC_CURVE_SET({},{})", text(job.title), list(&items));
     let set = file.add(&set);
@@ -65,7 +73,7 @@ pub fn step(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
     ));
     file.add(&format!("SHAPE_DEFINITION_REPRESENTATION(#{definition},#{shape})"));
     let mut lost =
-        vec!["all but curves and points: solids, forces, loads and obstacles".to_owned()];
+        vec!["all but curves and points: solids, forces and loads; obstacles are the lines of their edges and sections".to_owned()];
     if drawing.answers.steps.len() > 1 {
         lost.push("steps before the last one".to_owned());
     }

@@ -4,12 +4,13 @@
 use core::f64::consts::TAU;
 
 use whipcord::section::section_stiffness;
-use whipcord::{Mat3, Robot, Shape, Solution, Vec3};
+use whipcord::{Case, Mat3, Robot, Shape, Solution, Vec3};
 
 use crate::drawing::Drawing;
 use crate::error::ExportError;
 use crate::files::{Exported, ExportedFile};
 use crate::job::Job;
+use crate::section_force::section_forces;
 use crate::xml::{Element, check_name, numbers};
 
 const FORMAT: &str = "VTK";
@@ -26,11 +27,13 @@ pub fn vtk(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
     let mut collection = Element::new("Collection");
     let mut files = Vec::new();
     for (step, solution) in drawing.answers.steps.iter().enumerate() {
+        let case = &drawing.answers.cases[step];
         let parts = [
-            ("backbone", backbone(job.robot, &drawing, solution)),
+            ("backbone", backbone((job.robot, case), &drawing, solution)),
             ("cables", cables(job.robot, &drawing, solution)),
             ("disks", disks(&drawing, solution)),
             ("contacts", contacts(solution)),
+            ("obstacles", obstacles(case, &drawing, solution)),
         ];
         for (part, (name, data)) in parts.into_iter().enumerate() {
             // Readers take a file without points for damaged.
@@ -51,7 +54,7 @@ pub fn vtk(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
     let index = vtk_file("Collection").and(collection).document()?;
     files.insert(0, ExportedFile { name: format!("{stem}.pvd"), bytes: index });
     let lost = vec![
-        "loads, obstacles, and the names of cables: cables are numbered from 1 as in the robot file"
+        "loads, and the names of cables and obstacles: they are numbered from 1 as in the robot file"
             .to_owned(),
     ];
     Ok(Exported { files, lost })
@@ -140,18 +143,28 @@ impl PolyData {
 }
 
 /// A line for each span between two disks, so that what jumps at a disk has both of its values there.
-fn backbone(robot: &Robot, drawing: &Drawing<'_>, solution: &Solution) -> PolyData {
+fn backbone(
+    (robot, case): (&Robot, &Case),
+    drawing: &Drawing<'_>,
+    solution: &Solution,
+) -> PolyData {
     let shape = &solution.shape;
     let mut data = PolyData { kind: "Lines", ..PolyData::default() };
     let (mut arc_length, mut radius, mut span_of) = (Vec::new(), Vec::new(), Vec::new());
     let (mut curvature, mut moment) = (Vec::new(), Vec::new());
     let mut axes: [Vec<Vec3>; 3] = Default::default();
+    let of_pieces = section_forces(robot, case, drawing, solution);
+    let mut force = Vec::new();
     let mut is_elastic = true;
     for (span, stations) in spans(robot, shape).into_iter().enumerate() {
         let first = data.points.len();
         data.cells.push((first..first + stations.len()).collect());
         span_of.push((span + 1) as f64);
         let inside = 0.5 * (shape.arc_length[stations[0]] + shape.arc_length[stations[1]]);
+        if let Some(of_pieces) = &of_pieces {
+            let s: Vec<f64> = stations.iter().map(|&i| shape.arc_length[i]).collect();
+            force.extend(between_middles(&s, &of_pieces[stations[0]..stations[0] + s.len() - 1]));
+        }
         for (i, u) in stations.iter().zip(curvatures(shape, &stations)) {
             let (s, pose) = (shape.arc_length[*i], shape.poses[*i]);
             data.points.push(pose.position);
@@ -187,6 +200,9 @@ fn backbone(robot: &Robot, drawing: &Drawing<'_>, solution: &Solution) -> PolyDa
     if is_elastic {
         data.point_data.push(Field::vectors("moment", moment));
     }
+    if of_pieces.is_some() {
+        data.point_data.push(Field::vectors("force", force));
+    }
     data.cell_data = vec![Field::scalars("span", span_of)];
     data
 }
@@ -210,8 +226,12 @@ fn curvatures(shape: &Shape, stations: &[usize]) -> Vec<Vec3> {
         poses: stations.iter().map(|&i| shape.poses[i]).collect(),
     };
     let of_pieces: Vec<Vec3> = part.strains().map(|strain| strain.angular).collect();
-    let middles: Vec<f64> =
-        part.arc_length.windows(2).map(|ends| 0.5 * (ends[0] + ends[1])).collect();
+    between_middles(&part.arc_length, &of_pieces)
+}
+
+/// Values at these places from those in the middles of the pieces between them: linear from middle to middle and beyond the last ones.
+fn between_middles(places: &[f64], of_pieces: &[Vec3]) -> Vec<Vec3> {
+    let middles: Vec<f64> = places.windows(2).map(|ends| 0.5 * (ends[0] + ends[1])).collect();
     let at = |s: &f64| {
         if of_pieces.len() < 2 {
             return of_pieces[0];
@@ -220,7 +240,7 @@ fn curvatures(shape: &Shape, stations: &[usize]) -> Vec<Vec3> {
         let along = (s - middles[after - 1]) / (middles[after] - middles[after - 1]);
         of_pieces[after - 1] * (1.0 - along) + of_pieces[after] * along
     };
-    part.arc_length.iter().map(at).collect()
+    places.iter().map(at).collect()
 }
 
 fn cables(robot: &Robot, drawing: &Drawing<'_>, solution: &Solution) -> PolyData {
@@ -266,6 +286,20 @@ fn disks(drawing: &Drawing<'_>, solution: &Solution) -> PolyData {
         }));
     }
     data.cell_data = vec![Field::scalars("disk", numbers)];
+    data
+}
+
+fn obstacles(case: &Case, drawing: &Drawing<'_>, solution: &Solution) -> PolyData {
+    let mut data = PolyData { kind: "Polys", ..PolyData::default() };
+    let mut numbers = Vec::new();
+    for (number, (_, surface)) in drawing.obstacles(case, solution).enumerate() {
+        let first = data.points.len();
+        data.points.extend(surface.points);
+        data.cells
+            .extend(surface.triangles.iter().map(|corners| corners.map(|k| first + k).into()));
+        numbers.resize(data.cells.len(), (number + 1) as f64);
+    }
+    data.cell_data = vec![Field::scalars("obstacle", numbers)];
     data
 }
 

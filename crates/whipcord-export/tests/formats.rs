@@ -186,6 +186,93 @@ fn steps_friction_and_contacts_have_their_fields() {
     let document = Document::parse(core::str::from_utf8(&contacts.bytes).unwrap()).unwrap();
     let force = document.descendants().find(|n| n.attribute("Name") == Some("force")).unwrap();
     assert!(numbers(force.text().unwrap()).iter().any(|component| component.abs() > 1e-3));
+    assert!(made.files.iter().any(|file| file.name.contains("obstacles")));
+}
+
+/// The fields of the last file of a part.
+fn fields_of(made: &Exported, part: &str) -> BTreeMap<String, Vec<f64>> {
+    let file = made.files.iter().rfind(|file| file.name.contains(part)).unwrap();
+    let document = Document::parse(core::str::from_utf8(&file.bytes).unwrap()).unwrap();
+    let arrays = document.descendants().filter(|n| n.has_tag_name("DataArray"));
+    let array = |n: roxmltree::Node<'_, '_>| {
+        (n.attribute("Name").unwrap().to_owned(), numbers(n.text().unwrap()))
+    };
+    arrays.map(array).collect()
+}
+
+#[test]
+fn the_force_in_a_section_is_what_strains_it_and_turns_its_moment() {
+    // Dead, following and distributed loads, weight, and cables that end before the tip.
+    let examples: [(&str, &[&str]); 4] = [
+        ("two-segment-arm.toml", &["loads.tip_force=[0.1, 0.2, -0.3]"]),
+        ("two-segment-arm.toml", &["loads.tip_force=[0.1, 0.2, -0.3]", "loads.follower=true"]),
+        ("wall-mounted-arm.toml", &[]),
+        ("contact/arm-at-wall.toml", &[]),
+    ];
+    for (name, settings) in examples {
+        let file = load(name, settings);
+        let made = exported(&file, ModelKind::CosseratDisks, Format::Vtk, Some(16)).unwrap();
+        let of = fields_of(&made, "backbone");
+        let vectors = |name: &str| -> Vec<[f64; 3]> {
+            of[name].chunks(3).map(|v| [v[0], v[1], v[2]]).collect()
+        };
+        let (points, moments, forces) = (vectors("Points"), vectors("moment"), vectors("force"));
+        // M′ = −p′ × F within a span, by differences; ends of spans have one-sided differences of curvature.
+        let (mut checked, mut greatest) = (0, 0.0_f64);
+        let scale = moments.iter().flatten().fold(0.0, |most: f64, m| most.max(m.abs()));
+        let mut end = 0;
+        for offset in &of["offsets"] {
+            let (first, last) = (end, *offset as usize);
+            end = last;
+            for k in first + 3..last.saturating_sub(3) {
+                let way: [f64; 3] = core::array::from_fn(|i| points[k + 1][i] - points[k - 1][i]);
+                let f = forces[k];
+                let turned = [
+                    way[1] * f[2] - way[2] * f[1],
+                    way[2] * f[0] - way[0] * f[2],
+                    way[0] * f[1] - way[1] * f[0],
+                ];
+                for i in 0..3 {
+                    let change = moments[k + 1][i] - moments[k - 1][i];
+                    greatest = greatest.max((change + turned[i]).abs());
+                    checked += 1;
+                }
+            }
+        }
+        assert!(checked > 100 && greatest < 1e-3 * scale, "{name} {settings:?} {greatest} {scale}");
+    }
+}
+
+#[test]
+fn steps_under_other_loads_have_keyframes() {
+    let mut file = load("three-cable-segment.toml", &["loads.tip_force=[0.2, 0, 0]"]);
+    let half = file.case.loads.tip_force * 0.5;
+    let lighter = whipcord::Loads { tip_force: half, ..file.case.loads.clone() };
+    file.case.before = vec![file.case.commands.clone()];
+    file.case.loads_before = vec![lighter];
+    let made = exported(&file, ModelKind::CosseratDisks, Format::Mjcf, None).unwrap();
+    let document = Document::parse(core::str::from_utf8(&made.files[0].bytes).unwrap()).unwrap();
+    let keys = document.descendants().filter(|n| n.has_tag_name("key"));
+    let last = |n: roxmltree::Node<'_, '_>| *numbers(n.attribute("ctrl").unwrap()).last().unwrap();
+    assert_eq!(keys.map(last).collect::<Vec<_>>(), [0.0, 0.5, 1.0]);
+}
+
+#[test]
+fn obstacles_are_drawn_where_they_are() {
+    let file = load("contact/gripping-finger.toml", &[]);
+    let count = file.case.obstacles.len();
+    assert!(count > 0);
+    let vtk = exported(&file, ModelKind::Cosserat, Format::Vtk, Some(2)).unwrap();
+    let numbered = &fields_of(&vtk, "obstacles")["obstacle"];
+    assert_eq!(numbered.last(), Some(&(count as f64)));
+    let gltf = exported(&file, ModelKind::Cosserat, Format::Gltf, Some(2)).unwrap();
+    let step = exported(&file, ModelKind::Cosserat, Format::StepPoints, Some(2)).unwrap();
+    for obstacle in &file.case.obstacles {
+        let name = format!("obstacle {}", obstacle.name);
+        let json = String::from_utf8_lossy(&gltf.files[0].bytes);
+        assert!(json.contains(&format!("\"name\":\"{name}\"")), "{name}");
+        assert!(text(&step, 0).contains(&format!("POLYLINE('{name}'")), "{name}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use whipcord::robot::StiffnessMatrix;
 use whipcord::section::section_stiffness;
-use whipcord::{Loads, Robot, SolveError};
+use whipcord::{Disks, Loads, Robot, SolveError};
 use whipcord_numerics::{GAUSS_2, Mat3, Twist, Vec3};
 
 use crate::block::Block;
@@ -194,10 +194,8 @@ impl Rod {
             let radius = disks.rim_radius(i);
             let thickness = disks.thickness.unwrap_or(0.1 * radius);
             let node = self.node_at(s);
-            let across = disks.mass * (0.25 * radius * radius + thickness * thickness / 12.0);
             self.nodes[node].mass += disks.mass;
-            self.nodes[node].inertia +=
-                Vec3::new(across, across, 0.5 * disks.mass * radius * radius);
+            self.nodes[node].inertia += Disks::moments_of_inertia(disks.mass, radius, thickness);
         }
     }
 

@@ -1,18 +1,19 @@
 //! Obstacles on paper: outlines of bodies, bores of pipes, and hatched planes.
 
-use core::f64::consts::{FRAC_PI_2, TAU};
+use core::f64::consts::FRAC_PI_2;
 
-use whipcord::obstacle::{Bends, Pipe, Superellipsoid};
 use whipcord::{Form, Obstacle, Pose, Vec3};
 
 use crate::colour::Colour;
 use crate::hull::{convex, plane_in_box};
 use crate::legend::{Entry, Swatch};
+use crate::obstacle_surface::{bore, box_rings, cylinder_rings, globe_rings};
 use crate::projection::Projection;
 use crate::robot_figure::range;
 use crate::svg::{Fill, Point, Stroke, Svg};
 
-const OBSTACLE: Colour = Colour::new(0x7d, 0x70, 0x5c);
+/// Colour of obstacles.
+pub const OBSTACLE: Colour = Colour::new(0x7d, 0x70, 0x5c);
 /// How much of its colour the area of an obstacle has, a bore, and a plane seen from the front.
 const AREA: f64 = 0.32;
 const BORE: f64 = 0.13;
@@ -23,12 +24,8 @@ const BEFORE: f64 = 0.45;
 const EDGE_ON: f64 = 0.12;
 /// Distance and length of the strokes that hatch the body behind a plane, in px.
 const HATCH: f64 = 7.0;
-/// Points on a circle.
-const CIRCLE: u32 = 64;
 /// More triangles than this are drawn by their outline alone.
 const MOST_TRIANGLES: usize = 6000;
-/// Sections of a pipe that are drawn at most.
-const SECTIONS: usize = 160;
 /// Obstacles beyond this number share one entry of the legend.
 const NAMED: usize = 3;
 /// Room around the robot in which obstacles are drawn, relative to its extent.
@@ -143,42 +140,24 @@ fn drawing(form: &Form, pose: &Pose, room: [Vec3; 2]) -> Drawing {
             let foot = middle - (middle - pose.position).dot(normal) * normal;
             Drawing::Plane { polygon: plane_in_box(pose.position, normal, room), foot, normal }
         }
-        Form::Sphere { radius } => round(globe(|n| *radius * n)),
-        Form::Capsule { radius, length } => round(globe(|n| {
-            let end = if n.z < 0.0 { -0.5 } else { 0.5 };
-            *radius * n + Vec3::Z * (end * length)
-        })),
-        Form::Superellipsoid(body) => round(globe(|n| on_superellipsoid(body, n))),
+        Form::Sphere { .. } | Form::Capsule { .. } | Form::Superellipsoid(_) => {
+            round(globe_rings(form).concat())
+        }
         Form::Cylinder { radius, length } => {
-            let cap = |z: f64| -> Vec<Vec3> {
-                let rim = ring(*radius, Vec3::X, Vec3::Y).map(|p| p + Vec3::Z * (z * length));
-                place(rim.collect())
-            };
+            let [low, high] = cylinder_rings(*radius, *length).map(place);
             let up = pose.rotation.rotate(Vec3::Z);
-            let sides = vec![(up, cap(0.5)), (-up, cap(-0.5))];
-            Drawing::Hull { points: sides.iter().flat_map(|(_, rim)| rim.clone()).collect(), sides }
+            let points = [high.clone(), low.clone()].concat();
+            Drawing::Hull { points, sides: vec![(up, high), (-up, low)] }
         }
         Form::Box { size } => {
-            let mut sides = Vec::new();
-            for axis in 0..3 {
-                for sign in [-0.5, 0.5] {
-                    let corner = |[a, b]: [f64; 2]| {
-                        let mut corner = [0.0; 3];
-                        corner[axis] = sign * size[axis];
-                        corner[(axis + 1) % 3] = a * size[(axis + 1) % 3];
-                        corner[(axis + 2) % 3] = b * size[(axis + 2) % 3];
-                        Vec3::from(corner)
-                    };
-                    let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(corner);
-                    let mut normal = [0.0; 3];
-                    normal[axis] = 2.0 * sign;
-                    sides.push((pose.rotation.rotate(normal.into()), place(corners.into())));
-                }
-            }
-            Drawing::Hull {
-                points: sides.iter().flat_map(|(_, side)| side.clone()).collect(),
-                sides,
-            }
+            let [low, high] = box_rings(*size).map(place);
+            let side = |k: usize| vec![low[k], low[(k + 1) % 4], high[(k + 1) % 4], high[k]];
+            let axes =
+                [-Vec3::Y, Vec3::X, Vec3::Y, -Vec3::X].map(|axis| pose.rotation.rotate(axis));
+            let up = pose.rotation.rotate(Vec3::Z);
+            let mut sides: Vec<_> = axes.into_iter().zip((0..4).map(side)).collect();
+            sides.extend([(-up, low.clone()), (up, high.clone())]);
+            Drawing::Hull { points: [low, high].concat(), sides }
         }
         Form::Pipe(pipe) => Drawing::Bore { pieces: bore(pipe, pose) },
         Form::Mesh(mesh) => {
@@ -189,59 +168,6 @@ fn drawing(form: &Form, pose: &Pose, room: [Vec3; 2]) -> Drawing {
             Drawing::Triangles(mesh.triangles().iter().map(|t| t.map(corner)).collect())
         }
     }
-}
-
-/// A circle about the origin in the plane of two unit vectors.
-fn ring(radius: f64, u: Vec3, v: Vec3) -> impl Iterator<Item = Vec3> {
-    (0..CIRCLE).map(move |k| {
-        let (sin, cos) = (TAU * f64::from(k) / f64::from(CIRCLE)).sin_cos();
-        radius * (cos * u + sin * v)
-    })
-}
-
-/// Points of a surface by unit vectors in all directions.
-fn globe(point: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
-    let rings = CIRCLE / 2;
-    let mut points = vec![point(-Vec3::Z), point(Vec3::Z)];
-    for i in 1..rings {
-        let z = -(TAU * f64::from(i) / f64::from(2 * rings)).cos();
-        let across = (1.0 - z * z).sqrt();
-        points.extend(ring(across, Vec3::X, Vec3::Y).map(|p| point(p + Vec3::Z * z)));
-        // Both hemispheres of a capsule begin at the equator.
-        if z.abs() < 1e-12 {
-            points.extend(ring(across, Vec3::X, Vec3::Y).map(|p| point(p - Vec3::Z * 1e-12)));
-        }
-    }
-    points
-}
-
-/// The point of a superellipsoid whose spherical angles are those of a unit vector.
-fn on_superellipsoid(body: &Superellipsoid, n: Vec3) -> Vec3 {
-    let [e1, e2] = body.exponents();
-    let power = |x: f64, e: f64| x.signum() * x.abs().powf(e);
-    let across = n.x.hypot(n.y);
-    let (x, y) = if across > 0.0 { (n.x / across, n.y / across) } else { (1.0, 0.0) };
-    let ring = power(across, e1);
-    body.semi_axes().scale(Vec3::new(ring * power(x, e2), ring * power(y, e2), power(n.z, e1)))
-}
-
-/// Rings around the middle of a pipe, those of each straight piece for themselves.
-fn bore(pipe: &Pipe, pose: &Pose) -> Vec<Vec<Vec<Vec3>>> {
-    let (points, tangents) = pipe.middle();
-    let around = |at: Vec3, tangent: Vec3| -> Vec<Vec3> {
-        let other = if tangent.x.abs() < 0.6 { Vec3::X } else { Vec3::Y };
-        let u = tangent.cross(other);
-        let u = u / u.norm();
-        let circle = ring(pipe.radius(), u, tangent.cross(u));
-        circle.map(|p| pose.transform(at + p)).collect()
-    };
-    if pipe.bends() == Bends::Corners {
-        let chord = |k: usize| [k, k + 1].map(|i| around(points[i], tangents[k])).to_vec();
-        return (0..points.len() - 1).map(chord).collect();
-    }
-    let last = points.len() - 1;
-    let count = last.min(SECTIONS);
-    vec![(0..=count).map(|k| k * last / count).map(|k| around(points[k], tangents[k])).collect()]
 }
 
 impl Drawing {

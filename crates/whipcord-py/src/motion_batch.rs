@@ -150,7 +150,7 @@ impl Motions {
         let cancel = limit.cancel.clone();
         let found = within(py, &limit, move || {
             let mut results: Vec<Option<T>> = (0..asked.rows).map(|_| None).collect();
-            let rows = results.iter_mut().enumerate().collect();
+            let rows = results.iter_mut().enumerate();
             let shared = jobs::share(
                 rows,
                 asked.threads,

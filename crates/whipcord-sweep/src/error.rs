@@ -79,7 +79,7 @@ pub enum SweepError {
     },
     /// A shard that there is not.
     #[error(
-        "there is no shard {number} of {count}: shards count from 0 to {count} − 1, as in --shard 0/4"
+        "there is no shard {number} of {count}: shards count from 0, and their number is 1 at least, as in --shard 0/4 to 3/4"
     )]
     Shard {
         /// Number of the shard.

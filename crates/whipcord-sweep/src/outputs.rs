@@ -3,7 +3,7 @@
 use core::fmt;
 use core::str::FromStr;
 
-use whipcord::batch::Row;
+use whipcord::batch::{Batch, Solved};
 use whipcord::derivatives::Place;
 use whipcord::{Case, Linearization, Robot, Solution};
 
@@ -125,21 +125,39 @@ impl Columns {
         self.outputs.contains(&output)
     }
 
-    /// Adds the numbers of a row of a batch, whose stations are the disks.
-    pub fn push_row(&self, row: &Row<'_>, out: &mut Vec<f64>) {
-        let last = self.disks - 1;
+    /// Writes the numbers of a batch to the columns, each row to its place in them. The last station of the batch is the tip; where
+    /// disks are asked for, its stations are the disks.
+    pub fn write(&self, batch: &Batch, place: impl Fn(usize) -> usize, columns: &mut [Vec<f64>]) {
+        let stations = batch.arc_lengths().len();
+        let tip = stations.saturating_sub(1);
+        let (positions, orientations) = (batch.positions(), batch.orientations());
+        let knows_tensions = |solved: &Solved| solved.tensions;
+        let mut columns = columns.iter_mut();
+        // Of an array by rows with so many numbers each, those at a place of each row.
+        let mut column = |array: &[f64], width: usize, at: usize| {
+            if let Some(column) = columns.next() {
+                for (row, value) in array.iter().skip(at).step_by(width).enumerate() {
+                    column[place(row)] = *value;
+                }
+            }
+        };
         for output in &self.outputs {
             match output {
                 Output::Tip => {
-                    out.extend(row.position(last));
-                    out.extend_from_slice(&row.orientations[4 * last..4 * last + 4]);
+                    (0..3).for_each(|k| column(positions, 3 * stations, 3 * tip + k));
+                    (0..4).for_each(|k| column(orientations, 4 * stations, 4 * tip + k));
                 }
-                Output::Disks => out.extend_from_slice(row.positions),
-                Output::Tensions => match row.tensions {
-                    Some(tensions) => out.extend_from_slice(tensions),
-                    None => out.extend(core::iter::repeat_n(f64::NAN, self.cables)),
-                },
-                Output::Lengths => out.extend_from_slice(row.lengths),
+                Output::Disks => {
+                    (0..3 * stations).for_each(|k| column(positions, 3 * stations, k));
+                }
+                Output::Tensions => {
+                    let known = batch.outcomes().iter().flatten().all(knows_tensions);
+                    let tensions = if known { batch.tensions() } else { &[] };
+                    (0..self.cables).for_each(|k| column(tensions, self.cables, k));
+                }
+                Output::Lengths => {
+                    (0..self.cables).for_each(|k| column(batch.lengths(), self.cables, k));
+                }
                 Output::Stability | Output::Jacobian => {}
             }
         }

@@ -34,7 +34,7 @@ pub struct Question {
     pub rows_per_part: Option<u64>,
 }
 
-/// Most rows and numbers of a part: three of them are in memory at a time.
+/// Most rows and numbers of a part: each thread has one of them in memory, some three times over.
 const MOST_ROWS_OF_PART: u64 = 65_536;
 const NUMBERS_OF_PART: u64 = 4_000_000;
 /// Numbers of a part that is asked for.
@@ -61,7 +61,13 @@ impl Plan {
             true => StabilityAnalysis::Verdict,
             false => StabilityAnalysis::Off,
         };
-        let model = model.at(Stations::Disks).with_stability(analysis);
+        let is_read = setters.iter().any(|setter| setter.what == What::Key);
+        // The shape at the tip alone, where it has the same arc length in all rows.
+        let stations = match outputs.contains(&Output::Disks) || is_read {
+            true => Stations::Disks,
+            false => Stations::At(vec![file.robot.backbone().length]),
+        };
+        let model = model.at(stations).with_stability(analysis);
         let mut plan = Self {
             file: file.clone(),
             columns: Columns::new(&file.robot, outputs, |_| true),

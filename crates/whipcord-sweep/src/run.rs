@@ -2,13 +2,14 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::sync_channel;
-use std::thread;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use parquet::file::reader::FileReader as _;
 use parquet::file::serialized_reader::SerializedFileReader;
-use whipcord_io::{Column, Values, columns_to_parquet, write_atomically};
+use whipcord::batch::BatchError;
+use whipcord::jobs::share;
+use whipcord_io::{Column, Values, columns_to_parquet, remove_stale, write_one_of_many};
 
 use crate::error::SweepError;
 use crate::manifest::claim;
@@ -23,8 +24,8 @@ pub struct RunOptions<'a> {
     pub shard: (u64, u64),
     /// Go on with a data set that was begun.
     pub resume: bool,
-    /// Called with the number of rows of this shard that are written, and of all of them.
-    pub progress: Option<&'a dyn Fn(u64, u64)>,
+    /// Called with the number of rows of this shard that are written, and of all of them, by one thread at a time.
+    pub progress: Option<&'a (dyn Fn(u64, u64) + Sync)>,
 }
 
 impl Default for RunOptions<'_> {
@@ -69,6 +70,8 @@ pub fn run(plan: &Plan, folder: &Path, options: &RunOptions<'_>) -> Result<Summa
     let create = |source| SweepError::Write { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(create)?;
     let is_known = claim(folder, &plan.manifest())?;
+    // What killed processes left behind.
+    remove_stale(folder);
     let is_mine = |part: &u64| *part < plan.parts() && part % count == number;
     let kept: BTreeSet<u64> = match is_known {
         true => whole_parts(plan, folder)?.into_iter().filter(is_mine).collect(),
@@ -81,67 +84,102 @@ pub fn run(plan: &Plan, folder: &Path, options: &RunOptions<'_>) -> Result<Summa
     let last = plan.parts() - 1;
     let short = if is_mine(&last) { plan.rows_per_part() - plan.rows_of(last).1 } else { 0 };
     let rows = parts * plan.rows_per_part() - short;
-    let mut done = kept.iter().map(|part| plan.rows_of(*part).1).sum();
-    let mut summary = Summary { rows, parts, kept: kept.len() as u64, ..Summary::default() };
+    let done = kept.iter().map(|part| plan.rows_of(*part).1).sum();
+    let summary = Summary { rows, parts, kept: kept.len() as u64, ..Summary::default() };
+    let tally = Mutex::new(Tally { summary, done, failure: None });
     let tell = |done| options.progress.iter().for_each(|progress| progress(done, rows));
     tell(done);
-    // One part is written while the next is solved.
-    let (solved, written) = thread::scope(|scope| {
-        let (send, receive) = sync_channel::<(PathBuf, Part)>(0);
-        let writer = scope.spawn(move || {
-            for (path, part) in receive {
-                let content = plan.content(part);
-                let outcome = write_atomically(&path, &content);
-                outcome.map_err(|source| SweepError::Write { path, source })?;
+    let step = usize::try_from(count).unwrap_or(usize::MAX);
+    let mine = (number..plan.parts()).step_by(step).filter(|part| !kept.contains(part));
+    // Each thread makes whole parts, so that none waits for another to write; where fewer parts are left than threads, these share
+    // the rows of a part.
+    let shared = share(
+        mine,
+        None,
+        || (),
+        |part, ()| {
+            let made = plan.make(part, folder);
+            // What panics elsewhere ends all.
+            let mut tally = tally.lock().unwrap_or_else(PoisonError::into_inner);
+            let outcome = made.map(|made| {
+                tally.done += plan.rows_of(part).1;
+                tally.summary.add(made);
+                tell(tally.done);
+            });
+            let error = outcome.err();
+            let goes_on = error.is_none();
+            if tally.failure.is_none() {
+                tally.failure = error;
             }
-            Ok(())
-        });
-        let mut solved = Ok(());
-        let step = usize::try_from(count).unwrap_or(usize::MAX);
-        let mine = (number..plan.parts()).step_by(step);
-        for part in mine.filter(|part| !kept.contains(part)) {
-            let of_part = match plan.solve(plan.rows_of(part)) {
-                Ok(of_part) => of_part,
-                Err(error) => {
-                    solved = Err(error);
-                    break;
-                }
-            };
-            // What was cancelled has rows that others would take for failed ones.
-            if plan.model.cancel().is_cancelled() {
-                solved = Err(SweepError::Stopped { done, rows });
-                break;
-            }
-            summary.add(&of_part);
-            let count = of_part.answers.outcomes.len() as u64;
-            if send.send((folder.join(part_name(part)), of_part)).is_err() {
-                // The writer has ended, and says why.
-                break;
-            }
-            done += count;
-            tell(done);
-        }
-        drop(send);
-        // A writer that panicked has had no part to write.
-        let written: Result<(), SweepError> = writer.join().unwrap_or(Ok(()));
-        (solved, written)
-    });
-    written?;
-    solved?;
-    Ok(summary)
+            goes_on
+        },
+    );
+    shared.map_err(BatchError::from)?;
+    let Tally { summary, done, failure } =
+        tally.into_inner().unwrap_or_else(PoisonError::into_inner);
+    match failure {
+        None => Ok(summary),
+        Some(NotMade::Stopped) => Err(SweepError::Stopped { done, rows }),
+        Some(NotMade::Failed(error)) => Err(error),
+    }
+}
+
+/// How far a run is.
+struct Tally {
+    summary: Summary,
+    done: u64,
+    failure: Option<NotMade>,
+}
+
+/// Why a part was not made.
+enum NotMade {
+    Stopped,
+    Failed(SweepError),
+}
+
+impl From<SweepError> for NotMade {
+    fn from(error: SweepError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// What became of the rows of a part.
+#[derive(Default)]
+struct Made {
+    failed: u64,
+    unstable: u64,
+    first_failure: Option<(u64, String)>,
 }
 
 impl Summary {
-    fn add(&mut self, part: &Part) {
-        for (row, outcome) in (part.first..).zip(&part.answers.outcomes) {
-            match outcome {
-                Ok(stable) => self.unstable += u64::from(*stable == Some(false)),
-                Err(error) => {
-                    self.failed += 1;
-                    self.first_failure.get_or_insert_with(|| (row, error.clone()));
-                }
-            }
+    fn add(&mut self, part: Made) {
+        self.failed += part.failed;
+        self.unstable += part.unstable;
+        let all = self.first_failure.take().into_iter().chain(part.first_failure);
+        self.first_failure = all.min_by_key(|(row, _)| *row);
+    }
+}
+
+impl Plan {
+    /// Solves a part and writes it.
+    fn make(&self, part: u64, folder: &Path) -> Result<Made, NotMade> {
+        let solved = self.solve(self.rows_of(part))?;
+        // What was cancelled has rows that others would take for failed ones.
+        if self.model.cancel().is_cancelled() {
+            return Err(NotMade::Stopped);
         }
+        let Answers { stable, failures, .. } = &solved.answers;
+        let made = Made {
+            failed: failures.len() as u64,
+            unstable: stable.iter().filter(|stable| **stable == Some(false)).count() as u64,
+            first_failure: failures
+                .first()
+                .map(|(row, why)| (solved.first + *row as u64, why.clone())),
+        };
+        let path = folder.join(part_name(part));
+        let written = write_one_of_many(&path, &self.content(solved));
+        written.map_err(|source| SweepError::Write { path, source })?;
+        Ok(made)
     }
 }
 
@@ -170,23 +208,21 @@ fn is_whole(path: &Path, rows: u64) -> bool {
 impl Plan {
     /// A part as the bytes of a Parquet file.
     fn content(&self, part: Part) -> Vec<u8> {
-        let Part { first, inputs, answers: Answers { numbers, outcomes, .. } } = part;
+        let Part { first, rows, inputs, answers: Answers { columns, stable, failures } } = part;
         let axes = self.samples.axes().len();
-        let width = self.columns.names().len();
-        let column = |values: &[f64], width: usize, k: usize| {
-            Values::Numbers(values.iter().skip(k).step_by(width).copied().collect())
-        };
+        let input =
+            |k: usize| Values::Numbers(inputs.iter().skip(k).step_by(axes).copied().collect());
         #[expect(clippy::cast_possible_wrap, reason = "below 2⁵³")]
-        let rows = (0..outcomes.len()).map(|row| Some((first + row as u64) as i64)).collect();
-        let mut values = vec![Values::Integers(rows)];
-        values.extend((0..axes).map(|k| column(&inputs, axes, k)));
-        values.extend((0..width).map(|k| column(&numbers, width, k)));
+        let numbers = (0..rows).map(|row| Some((first + row as u64) as i64)).collect();
+        let mut values = vec![Values::Integers(numbers)];
+        values.extend((0..axes).map(input));
+        values.extend(columns.into_iter().map(Values::Numbers));
         if self.columns.has(Output::Stability) {
-            values.push(Values::Flags(
-                outcomes.iter().map(|of| of.as_ref().ok().copied().flatten()).collect(),
-            ));
+            values.push(Values::Flags(stable));
         }
-        values.push(Values::Texts(outcomes.into_iter().map(Result::err).collect()));
+        let mut errors = vec![None; rows];
+        failures.into_iter().for_each(|(row, why)| errors[row] = Some(why));
+        values.push(Values::Texts(errors));
         let names = self.column_names();
         let columns = names.into_iter().zip(values);
         let columns: Vec<Column> = columns.map(|(name, values)| Column { name, values }).collect();

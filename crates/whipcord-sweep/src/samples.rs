@@ -140,6 +140,31 @@ impl Samples {
         &self.sampling
     }
 
+    /// Adds the values of so many rows from a first one, as [`Self::push`] does for each.
+    pub fn extend(&self, first: u64, count: u64, out: &mut Vec<f64>) {
+        let Sampling::Sobol { seed, .. } = self.sampling else {
+            return (first..first + count).for_each(|row| self.push(row, out));
+        };
+        // From row to row one direction number comes or goes.
+        let mut points: Vec<u64> =
+            (0..self.axes.len()).map(|k| self.sobol_point(seed, k, first)).collect();
+        for row in first..first + count {
+            out.extend(self.axes.iter().zip(&points).map(|(axis, point)| axis.part(part(*point))));
+            let changed = (row + 1).trailing_zeros() as usize;
+            for (point, directions) in points.iter_mut().zip(&self.directions) {
+                *point ^= directions.get(changed).copied().unwrap_or_default();
+            }
+        }
+    }
+
+    /// The digits of a point of the sequence of Sobol on an axis.
+    fn sobol_point(&self, seed: u64, axis: usize, row: u64) -> u64 {
+        let gray = row ^ (row >> 1);
+        let set = self.directions[axis].iter().enumerate();
+        let of_row = set.filter(|(bit, _)| gray >> bit & 1 == 1);
+        of_row.fold(stream(seed, axis), |sum, (_, direction)| sum ^ direction)
+    }
+
     /// Adds the values of a row, in the units of the axes.
     pub fn push(&self, row: u64, out: &mut Vec<f64>) {
         match &self.sampling {
@@ -169,12 +194,7 @@ impl Samples {
                 out.extend(self.axes.iter().enumerate().map(|(k, axis)| axis.part(at(k))));
             }
             Sampling::Sobol { seed, .. } => {
-                let gray = row ^ (row >> 1);
-                let at = |k: usize| {
-                    let set = self.directions[k].iter().enumerate();
-                    let of_row = set.filter(|(bit, _)| gray >> bit & 1 == 1);
-                    part(of_row.fold(stream(*seed, k), |sum, (_, direction)| sum ^ direction))
-                };
+                let at = |k: usize| part(self.sobol_point(*seed, k, row));
                 out.extend(self.axes.iter().enumerate().map(|(k, axis)| axis.part(at(k))));
             }
             Sampling::Table { values } => {
@@ -250,6 +270,23 @@ mod tests {
         boxes.sort_unstable();
         boxes.dedup();
         assert_eq!(boxes.len(), 256);
+    }
+
+    #[test]
+    fn many_rows_are_those_one_by_one() {
+        for sampling in [
+            Sampling::Sobol { rows: 100, seed: 9 },
+            Sampling::LatinHypercube { rows: 100, seed: 9 },
+        ] {
+            let of = samples(&["a=0:1", "b=3,5,8", "c=-1:1"], sampling);
+            let all: Vec<f64> = rows(&of).concat();
+            for (first, count) in [(0, 100), (7, 1), (31, 33), (99, 1)] {
+                let mut out = Vec::new();
+                of.extend(first, count, &mut out);
+                let first = 3 * usize::try_from(first).unwrap();
+                assert_eq!(out, all[first..first + 3 * usize::try_from(count).unwrap()]);
+            }
+        }
     }
 
     #[test]

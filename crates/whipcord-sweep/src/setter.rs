@@ -32,8 +32,13 @@ impl Setter {
     pub fn of(axis: &Axis, robot: &Robot) -> Self {
         let key = Self { what: What::Key, factor: 1.0 };
         let Some((what, dimensions)) = known(&axis.path, robot) else { return key };
-        let factor = |dimension| {
-            parse_quantity(&format!("1 {}", axis.unit), &[dimension]).ok().map(|(factor, _)| factor)
+        let factor = |dimension| match axis.unit.as_str() {
+            // As the file has it: a number is in SI units.
+            "" => Some(1.0),
+            unit => {
+                let one = parse_quantity(&format!("1 {unit}"), &[dimension]);
+                one.ok().map(|(factor, _)| factor)
+            }
         };
         match (what, factor(dimensions)) {
             (what, Some(factor)) => Self { what, factor },

@@ -14,6 +14,7 @@ use crate::setter::What;
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub first: u64,
+    pub rows: usize,
     /// Rows × axes, in the units of the axes.
     pub inputs: Vec<f64>,
     pub answers: Answers,
@@ -22,30 +23,27 @@ pub(crate) struct Part {
 /// What became of rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Answers {
-    width: usize,
-    /// Rows × columns; NaN in a row without an answer.
-    pub numbers: Vec<f64>,
-    pub outcomes: Vec<Outcome>,
+    /// The numbers of each column; NaN in a row without an answer.
+    pub columns: Vec<Vec<f64>>,
+    /// Of each row whether its equilibrium is stable, where that was asked for and is known; empty where it was not.
+    pub stable: Vec<Option<bool>>,
+    /// The rows without an answer by their place, ascending, and why they have none.
+    pub failures: Vec<(usize, String)>,
 }
 
 /// Whether an equilibrium is stable, where that was asked for and is known; or why there is no answer.
-pub(crate) type Outcome = Result<Option<bool>, String>;
+type Outcome = Result<Option<bool>, String>;
 
 impl Answers {
-    fn new(width: usize, rows: usize) -> Self {
-        let (numbers, outcomes) = (Vec::with_capacity(rows * width), Vec::with_capacity(rows));
-        Self { width, numbers, outcomes }
-    }
-
-    /// Adds a row, whose numbers are written behind the others.
-    fn push(&mut self, write: impl FnOnce(&mut Vec<f64>) -> Outcome) {
-        let first = self.numbers.len();
-        let outcome = write(&mut self.numbers);
-        if outcome.is_err() {
-            self.numbers.truncate(first);
-            self.numbers.resize(first + self.width, f64::NAN);
+    fn set(&mut self, row: usize, outcome: Outcome) {
+        match outcome {
+            Ok(stable) => {
+                if let Some(of_row) = self.stable.get_mut(row) {
+                    *of_row = stable;
+                }
+            }
+            Err(why) => self.failures.push((row, why)),
         }
-        self.outcomes.push(outcome);
     }
 }
 
@@ -54,30 +52,47 @@ impl Plan {
     pub(crate) fn solve(&self, (first, count): (u64, u64)) -> Result<Part, SweepError> {
         let width = self.samples.axes().len();
         #[expect(clippy::cast_possible_truncation, reason = "a part fits into memory")]
-        let count = count as usize;
-        let mut inputs = Vec::with_capacity(count * width);
-        (0..count).for_each(|row| self.samples.push(first + row as u64, &mut inputs));
-        let mut answers = Answers::new(self.columns.names().len(), count);
+        let rows = count as usize;
+        let mut inputs = Vec::with_capacity(rows * width);
+        self.samples.extend(first, count, &mut inputs);
+        let stable = if self.columns.has(Output::Stability) { rows } else { 0 };
+        let mut answers = Answers {
+            columns: vec![vec![f64::NAN; rows]; self.columns.names().len()],
+            stable: vec![None; stable],
+            failures: Vec::new(),
+        };
         if self.reads_file() || self.columns.has(Output::Jacobian) {
             self.row_by_row(&inputs, &mut answers)?;
         } else if let Some(values) = self.tensions(&inputs) {
             let batch = self.batch(Rows::Tensions { values: &values, case: &self.file.case })?;
-            (0..count).for_each(|row| answers.push(|out| self.write_row(&batch, row, out)));
+            self.take(&batch, |row| row, &mut answers);
         } else {
-            let cases = inputs.chunks_exact(width).map(|values| self.case(&self.file, values));
-            let cases: Vec<Result<Case, String>> = cases.collect();
-            let solvable: Vec<Case> = cases.iter().flatten().cloned().collect();
-            let batch = self.batch(Rows::Cases(&solvable))?;
-            let mut row = 0;
-            for case in cases {
-                answers.push(|out| {
-                    case?;
-                    row += 1;
-                    self.write_row(&batch, row - 1, out)
-                });
+            let (mut cases, mut places) = (Vec::with_capacity(rows), Vec::with_capacity(rows));
+            for (row, values) in inputs.chunks_exact(width).enumerate() {
+                match self.case(&self.file, values) {
+                    Ok(case) => {
+                        cases.push(case);
+                        places.push(row);
+                    }
+                    Err(why) => answers.set(row, Err(why)),
+                }
+            }
+            let batch = self.batch(Rows::Cases(&cases))?;
+            self.take(&batch, |row| places[row], &mut answers);
+            answers.failures.sort_unstable_by_key(|(row, _)| *row);
+        }
+        Ok(Part { first, rows, inputs, answers })
+    }
+
+    /// Takes what a batch has, each row to its place.
+    fn take(&self, batch: &Batch, place: impl Fn(usize) -> usize, answers: &mut Answers) {
+        self.columns.write(batch, &place, &mut answers.columns);
+        for (row, outcome) in batch.outcomes().iter().enumerate() {
+            match outcome {
+                Ok(solved) => answers.set(place(row), Ok(solved.is_stable())),
+                Err(error) => answers.set(place(row), Err(error.to_string())),
             }
         }
-        Ok(Part { first, inputs, answers })
     }
 
     /// The tensions of all cables in all rows, where nothing but tensions varies and every cable has one.
@@ -126,22 +141,10 @@ impl Plan {
         Ok(solve_batch(&self.model, &self.file.robot, rows, &BatchOptions::default())?)
     }
 
-    fn write_row(&self, batch: &Batch, row: usize, out: &mut Vec<f64>) -> Outcome {
-        match batch.row(row) {
-            Some(Ok(found)) => {
-                self.columns.push_row(&found, out);
-                Ok(found.diagnostics.stable)
-            }
-            Some(Err(error)) => Err(error.to_string()),
-            // A batch has as many rows as it was given.
-            None => Err("the row was not solved".to_owned()),
-        }
-    }
-
     fn row_by_row(&self, inputs: &[f64], answers: &mut Answers) -> Result<(), SweepError> {
         let rows = inputs.chunks_exact(self.samples.axes().len());
         let mut found: Vec<(Vec<f64>, Outcome)> = vec![(Vec::new(), Ok(None)); rows.len()];
-        let jobs = rows.zip(&mut found).collect();
+        let jobs = rows.zip(&mut found);
         let solved = share(
             jobs,
             None,
@@ -152,11 +155,13 @@ impl Plan {
             },
         );
         solved.map_err(BatchError::from)?;
-        for (numbers, outcome) in found {
-            answers.push(|out| {
-                out.extend(numbers);
-                outcome
-            });
+        for (row, (numbers, outcome)) in found.into_iter().enumerate() {
+            if outcome.is_ok() {
+                for (column, value) in answers.columns.iter_mut().zip(numbers) {
+                    column[row] = value;
+                }
+            }
+            answers.set(row, outcome);
         }
         Ok(())
     }

@@ -15,13 +15,14 @@ pub struct NoThreads {
 }
 
 /// Does all jobs, shared by so many threads: by default those of the pool of rayon that the caller is in. Each thread makes its
-/// scratch memory once, and takes the next job in their order when it has done one. After a job that returns `false` no other is begun.
+/// scratch memory once, and takes the next job in their order when it has done one: jobs may be made as they are taken. After a job that
+/// returns `false` no other is begun.
 ///
 /// Without the cargo feature `parallel` the caller does them all.
 ///
 /// ```
 /// let mut squares = vec![0; 100];
-/// let jobs = squares.iter_mut().enumerate().collect();
+/// let jobs = squares.iter_mut().enumerate();
 /// whipcord::jobs::share(jobs, None, || (), |(i, square), ()| {
 ///     *square = i * i;
 ///     true
@@ -33,14 +34,15 @@ pub struct NoThreads {
 /// # Errors
 /// [`NoThreads`] where so many threads cannot be started; then no job is done.
 pub fn share<J: Send, W>(
-    jobs: Vec<J>,
+    jobs: impl IntoIterator<Item = J, IntoIter: Send>,
     threads: Option<NonZero<usize>>,
     scratch: impl Fn() -> W + Sync + Send,
     work: impl Fn(J, &mut W) -> bool + Sync + Send,
 ) -> Result<(), NoThreads> {
-    let count = jobs.len();
+    let jobs = jobs.into_iter();
+    let count = jobs.size_hint().1.unwrap_or(usize::MAX);
     let ended = AtomicBool::new(false);
-    let queue = Mutex::new(jobs.into_iter());
+    let queue = Mutex::new(jobs);
     // What panics in a job ends all: the queue itself is whole.
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     let worker = || {

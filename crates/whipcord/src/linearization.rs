@@ -408,6 +408,29 @@ impl Prepared {
         found.map(|(_, linearization)| linearization)
     }
 
+    /// The motion of the tip, base frame, with the command of each cable at the answer to a case: the actuation Jacobian of
+    /// [`Self::linearize`]. A Cosserat rod without friction and obstacles allocates nothing for it once it has its memory.
+    ///
+    /// # Errors
+    /// As [`Self::linearize`].
+    pub fn tip_by_commands(
+        &mut self,
+        case: &Case,
+        solution: &Solution,
+        out: &mut Vec<Twist>,
+    ) -> Result<(), SolveError> {
+        let Self::Cosserat(model, workspace) = self else {
+            let linearization = self.linearize(case, solution, &[])?;
+            out.clear();
+            out.extend(linearization.actuation_jacobian(Place::Tip));
+            return Ok(());
+        };
+        let asked = core::mem::replace(model.stability_mut(), StabilityAnalysis::Off);
+        let found = model.tip_by_commands(case, solution, workspace, out);
+        *model.stability_mut() = asked;
+        found
+    }
+
     /// What is asked of the stability of answers; `None` of models that know nothing of it.
     fn stability_mut(&mut self) -> Option<&mut StabilityAnalysis> {
         match self {

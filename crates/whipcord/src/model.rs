@@ -1,5 +1,7 @@
 //! What all models have in common, and the choice between them.
 
+use core::ops::RangeInclusive;
+
 use whipcord_numerics::Pose;
 
 use crate::budget::Budget;
@@ -120,6 +122,9 @@ impl Model {
         }
         self
     }
+
+    /// Tolerances that make sense ([`Self::with_tolerance`]): below the first rounding counts, above the last an answer says nothing.
+    pub const TOLERANCES: RangeInclusive<f64> = 1e-13..=0.01;
 
     /// The same model, to this estimated error of positions and lengths as a part of the length of the backbone
     /// ([`crate::cosserat::Accuracy::Tolerance`]); models whose sections are their discretisation have none to choose.

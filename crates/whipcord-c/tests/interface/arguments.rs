@@ -33,6 +33,8 @@ fn null_is_an_error_everywhere() {
             whipcord_solver_reset(None),
             whipcord_solver_set_budget(None, 1, 1),
             whipcord_solver_set_tensions(None, n, 1),
+            whipcord_solver_set_tolerance(None, 1e-6),
+            whipcord_solver_set_commands(None, n, ptr::null(), 1),
             whipcord_solver_set_shortenings(None, n, 1),
             whipcord_solver_set_motors(None, n, 1),
             whipcord_solver_set_tip_load(None, n, n),
@@ -52,6 +54,7 @@ fn null_is_an_error_everywhere() {
             whipcord_reach_commands(None, n, 1),
             whipcord_simulation_new(None, &mut ptr::null_mut()),
             whipcord_simulation_set_tensions(None, n, 1),
+            whipcord_simulation_set_commands(None, n, ptr::null(), 1),
             whipcord_simulation_set_shortenings(None, n, 1),
             whipcord_simulation_set_motors(None, n, 1),
             whipcord_simulation_step(None, 0.1),
@@ -69,6 +72,8 @@ fn null_is_an_error_everywhere() {
         assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
         for status in [
             whipcord_solver_set_tensions(Some(&mut solver), ptr::null(), 6),
+            whipcord_solver_set_commands(Some(&mut solver), [1.0; 6].as_ptr(), ptr::null(), 6),
+            whipcord_solver_set_commands(Some(&mut solver), ptr::null(), [1; 6].as_ptr(), 6),
             whipcord_solver_tip_pose(Some(&solver), ptr::null_mut()),
             whipcord_solver_disk_poses(Some(&solver), ptr::null_mut(), 7 * 15),
             whipcord_solver_slack(Some(&solver), ptr::null_mut(), 6),
@@ -155,6 +160,25 @@ fn wrong_commands_change_nothing() {
             assert_eq!(status, expected);
         }
         assert!(message().contains("tensions[3] is -1 N"), "{}", message());
+        let mut flags = [1; 6];
+        flags[3] = 0;
+        for (flag, words) in [(0, "commands[3] is a tension of -1 N"), (2, "by_shortening[3] is 2")]
+        {
+            flags[3] = flag;
+            let status = whipcord_solver_set_commands(
+                Some(&mut solver),
+                tensions.as_ptr(),
+                flags.as_ptr(),
+                6,
+            );
+            assert_eq!(status, Status::InvalidArgument);
+            assert!(message().contains(words), "{}", message());
+        }
+        for tolerance in [0.0, -1.0, 1e-14, 0.1, f64::NAN, f64::INFINITY] {
+            let status = whipcord_solver_set_tolerance(Some(&mut solver), tolerance);
+            assert_eq!(status, Status::InvalidArgument);
+            assert!(message().contains("from 1e-13 to 0.01"), "{}", message());
+        }
         let status = whipcord_solver_set_motors(Some(&mut solver), tensions.as_ptr(), 1);
         assert_eq!(status, Status::WrongLength);
         let force = [0.0, f64::NAN, 0.0];
@@ -246,7 +270,7 @@ proptest! {
 
     #[test]
     fn random_calls_of_a_solver_are_answered(
-        calls in prop::collection::vec((0..7_u8, any_numbers(), 0..60_usize), 1..12),
+        calls in prop::collection::vec((0..9_u8, any_numbers(), 0..60_usize), 1..12),
         kind in 0..6_usize,
     ) {
         let model = whipcord::ModelKind::ALL[kind].name();
@@ -263,6 +287,11 @@ proptest! {
                     2 => whipcord_solver_set_motors(Some(solver), given, n),
                     3 if n >= 3 => whipcord_solver_set_tip_load(Some(solver), given, ptr::null()),
                     4 => whipcord_solver_reset(Some(solver)),
+                    5 => whipcord_solver_set_tolerance(Some(solver), numbers.first().copied().unwrap_or(1e-4)),
+                    6 => {
+                        let flags: Vec<u8> = (0..n).map(|i| u8::try_from((count >> i) % 3).unwrap()).collect();
+                        whipcord_solver_set_commands(Some(solver), given, flags.as_ptr(), n)
+                    }
                     _ => whipcord_solver_solve(Some(solver)),
                 }
             };
@@ -281,7 +310,7 @@ proptest! {
 
     #[test]
     fn random_calls_of_a_simulation_are_answered(
-        calls in prop::collection::vec((0..5_u8, any_numbers(), any_number()), 1..10),
+        calls in prop::collection::vec((0..6_u8, any_numbers(), any_number()), 1..10),
     ) {
         let mut simulation = simulation(&parse(MOTORS));
         for (call, numbers, number) in calls {
@@ -293,6 +322,10 @@ proptest! {
                     1 => whipcord_simulation_set_shortenings(Some(simulation), given, n),
                     2 => whipcord_simulation_set_motors(Some(simulation), given, n),
                     3 => whipcord_simulation_step(Some(simulation), number),
+                    4 => {
+                        let flags: Vec<u8> = numbers.iter().map(|x| u8::from(x.abs() < 0.5)).collect();
+                        whipcord_simulation_set_commands(Some(simulation), given, flags.as_ptr(), n)
+                    }
                     _ => whipcord_simulation_step(Some(simulation), 5e-3),
                 }
             };

@@ -140,6 +140,46 @@ fn the_tip_load_is_that_of_the_case() {
 }
 
 #[test]
+fn each_cable_can_be_driven_in_its_own_way() {
+    let file = whipcord_io::load(example("three-cable-segment.toml")).unwrap();
+    let mut case = file.case.clone();
+    let by = |tension, shortening: Option<f64>| CableCommand {
+        tension,
+        shortening: shortening.map(Shortening::Length),
+    };
+    case.commands = vec![by(Some(4.0), None), by(None, Some(-2e-3)), by(Some(0.5), None)];
+    for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks, ModelKind::PseudoRigidBody] {
+        let mut solver = solver(&load("three-cable-segment.toml"), kind.name());
+        let (commands, flags) = ([4.0, -2e-3, 0.5], [0, 1, 0]);
+        let status = unsafe {
+            whipcord_solver_set_commands(Some(&mut solver), commands.as_ptr(), flags.as_ptr(), 3)
+        };
+        assert_eq!(status, Status::Ok);
+        assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
+        let mut prepared = model(kind).prepare(&file.robot, &case.loads).unwrap();
+        check(&solver, &prepared.solve(&case, None).unwrap());
+    }
+}
+
+#[test]
+fn the_tolerance_is_that_of_the_model() {
+    let file = whipcord_io::load(example("two-segment-arm.toml")).unwrap();
+    let mut solver = solver(&load("two-segment-arm.toml"), "cosserat");
+    let mut steps = Vec::new();
+    for tolerance in [1e-3, 1e-6, 1e-10] {
+        assert_eq!(whipcord_solver_set_tolerance(Some(&mut solver), tolerance), Status::Ok);
+        assert_eq!(whipcord_solver_reset(Some(&mut solver)), Status::Ok);
+        assert_eq!(whipcord_solver_solve(Some(&mut solver)), Status::Ok);
+        let model = model(ModelKind::Cosserat).with_tolerance(tolerance);
+        let mut prepared = model.prepare(&file.robot, &file.case.loads).unwrap();
+        let expected = prepared.solve(&file.case, None).unwrap();
+        check(&solver, &expected);
+        steps.push(expected.diagnostics.steps);
+    }
+    assert!(steps[0] < steps[2], "{steps:?}");
+}
+
+#[test]
 fn files_of_several_steps_are_followed_through_them() {
     for name in ["rubbing-finger.toml", "hysteresis-loop.toml"] {
         let file = whipcord_io::load(example(name)).unwrap();
@@ -327,6 +367,21 @@ fn motions_are_those_of_rust() {
             let tensions = [1.0, 2.5];
             let status = unsafe {
                 whipcord_simulation_set_tensions(Some(&mut simulation), tensions.as_ptr(), 2)
+            };
+            assert_eq!(status, Status::Ok);
+        }
+        if step == 20 {
+            let by = 1e-3;
+            commands.set_tension(0, 0.5);
+            commands.set_shortening(1, by);
+            let (values, flags) = ([0.5, by], [0, 1]);
+            let status = unsafe {
+                whipcord_simulation_set_commands(
+                    Some(&mut simulation),
+                    values.as_ptr(),
+                    flags.as_ptr(),
+                    2,
+                )
             };
             assert_eq!(status, Status::Ok);
         }

@@ -30,7 +30,7 @@ impl Forward<'_> {
         let mut found: Vec<Option<Result<T, NoAnswerReason>>> =
             tasks.iter().map(|_| None).collect();
         let first_failed = AtomicUsize::new(tasks.len());
-        let jobs = tasks.iter().zip(&mut found).enumerate().collect();
+        let jobs = tasks.iter().zip(&mut found).enumerate();
         let solver = || Solver::new(self);
         share(jobs, self.threads, solver, |(number, ((piece, key), found)), solver| {
             // Which tasks were done before one fails depends on the threads: of several that fail the first one counts.

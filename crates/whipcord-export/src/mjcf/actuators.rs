@@ -37,7 +37,7 @@ enum Drive {
 }
 
 /// A force and a moment at a site.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Applied {
     /// What it is called.
     pub name: String,
@@ -58,6 +58,53 @@ pub struct Actuators {
     loads: Vec<Applied>,
     /// Of the cables, for each step.
     commands: Vec<Vec<f64>>,
+    /// Which part of each load acts, for each step.
+    parts: Vec<Vec<f64>>,
+}
+
+impl Applied {
+    /// The number that makes this load, times it, another one; `None` where there is none.
+    fn part_in(&self, other: &Self) -> Option<f64> {
+        if (&self.name, &self.site, self.follower) != (&other.name, &other.site, other.follower) {
+            return None;
+        }
+        let numbers = |load: &Self| [load.force.to_array(), load.moment.to_array()].concat();
+        let (mine, others) = (numbers(self), numbers(other));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let part = dot(&mine, &others) / dot(&mine, &mine);
+        let rest: Vec<f64> = mine.iter().zip(&others).map(|(a, b)| b - part * a).collect();
+        let greatest = others.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        // Forces in N and moments in N·m beside one another: as a part of the greatest number all is rounding.
+        rest.iter().all(|x| x.abs() <= 1e-12 * greatest).then_some(part)
+    }
+}
+
+/// The loads of all steps, the last step's with their names, and which part of each acts in each step. A load of an earlier step
+/// that is no part of one with its name has an actuator of its own.
+fn merged(of_steps: Vec<Vec<Applied>>) -> (Vec<Applied>, Vec<Vec<f64>>) {
+    let mut loads = of_steps.last().cloned().unwrap_or_default();
+    // Of each load the name that it has in its step.
+    let mut known = loads.clone();
+    let mut parts = Vec::new();
+    for (step, of_step) in of_steps.iter().enumerate() {
+        let mut of_loads = vec![0.0; loads.len()];
+        for load in of_step {
+            let found = known.iter().enumerate().find_map(|(k, of)| Some((k, of.part_in(load)?)));
+            if let Some((k, part)) = found {
+                of_loads[k] = part;
+            } else {
+                known.push(load.clone());
+                loads.push(Applied {
+                    name: format!("{}:step-{}", load.name, step + 1),
+                    ..load.clone()
+                });
+                of_loads.push(1.0);
+            }
+        }
+        parts.push(of_loads);
+    }
+    parts.iter_mut().for_each(|of_loads| of_loads.resize(loads.len(), 0.0));
+    (loads, parts)
 }
 
 impl Actuators {
@@ -70,9 +117,10 @@ impl Actuators {
         chain: &Chain,
         held: &[Vec<Guide>],
         answers: &Answers,
-        mut loads: Vec<Applied>,
+        loads_of_steps: Vec<Vec<Applied>>,
     ) -> Result<Self, ExportError> {
         let (robot, model) = (job.robot, job.model);
+        let (mut loads, parts) = merged(loads_of_steps);
         let tension = |step: usize, cable: usize| {
             let known = answers.steps[step].cables.get(cable).and_then(|cable| cable.tension);
             let model = model.kind().name();
@@ -125,7 +173,7 @@ impl Actuators {
                 load.name.push('_');
             }
         }
-        Ok(Self { cables, loads, commands })
+        Ok(Self { cables, loads, commands, parts })
     }
 
     /// Controls of the robot at rest: no tensions, cables as long as they are, no loads.
@@ -139,11 +187,9 @@ impl Actuators {
         controls
     }
 
-    /// Controls of a step: commands of the cables, and all of the loads.
+    /// Controls of a step: commands of the cables, and which part of each load acts.
     pub fn controls(&self, step: usize) -> Vec<f64> {
-        let mut controls = self.commands[step].clone();
-        controls.resize(self.cables.len() + self.loads.len(), 1.0);
-        controls
+        [&self.commands[step][..], &self.parts[step]].concat()
     }
 
     /// The section of the file.
@@ -212,4 +258,31 @@ fn stiffness(job: &Job<'_>, chain: &Chain, cable: usize, guides: &[Guide], rest:
     // That of all joints in a row, times the length.
     let yields: f64 = chain.joints.iter().map(|joint| 1.0 / joint.least_stiffness()).sum();
     STIFF / (yields * reach * reach)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(name: &str, force: Vec3) -> Applied {
+        let (name, site) = (name.to_owned(), "node:3".to_owned());
+        Applied { name, site, force, moment: Vec3::ZERO, follower: false }
+    }
+
+    #[test]
+    fn loads_that_grow_have_one_actuator_and_others_their_own() {
+        let steps = vec![
+            vec![load("load:tip", Vec3::X * 0.5)],
+            vec![],
+            vec![load("load:tip", Vec3::Y * 2.0), load("load:point-1", Vec3::Z)],
+            vec![load("load:tip", Vec3::Y * 3.0)],
+            vec![load("load:tip", Vec3::X * 2.0)],
+        ];
+        let (loads, parts) = merged(steps);
+        let names: Vec<&str> = loads.iter().map(|load| load.name.as_str()).collect();
+        assert_eq!(names, ["load:tip", "load:tip:step-3", "load:point-1:step-3"]);
+        let expected =
+            [[0.25, 0.0, 0.0], [0.0; 3], [0.0, 1.0, 1.0], [0.0, 1.5, 0.0], [1.0, 0.0, 0.0]];
+        assert_eq!(parts, expected);
+    }
 }

@@ -6,9 +6,9 @@ mod contact;
 mod names;
 mod obstacles;
 
-use whipcord::{Robot, Vec3};
+use whipcord::{Case, Robot};
 
-use crate::answers::Answers;
+use crate::answers::{Answers, weight};
 use crate::chain::{Chain, DAMPING_TIME, DENSITY, LINEAR_DENSITY};
 use crate::error::ExportError;
 use crate::files::{Exported, ExportedFile};
@@ -42,19 +42,21 @@ pub fn mjcf(job: &Job<'_>, stem: &str) -> Result<Exported, ExportError> {
     let answers = job.solve(&places)?;
     let held = guides(robot, kind, &places);
     let obstacles = obstacles::of(case)?;
-    let of_robot = nodal_loads(&case.loads, case.base.rotation, &places).into_iter();
-    let of_robot = of_robot.map(|load| Applied {
-        name: load.name,
-        site: node_site(load.node),
-        force: load.force,
-        moment: load.moment,
-        follower: load.follower,
-    });
-    let loads = of_robot.chain(obstacles.iter().filter_map(|body| body.load(case))).collect();
+    let loads_of = |case: &Case| -> Vec<Applied> {
+        let of_robot = nodal_loads(&case.loads, case.base.rotation, &places).into_iter();
+        let of_robot = of_robot.map(|load| Applied {
+            name: load.name,
+            site: node_site(load.node),
+            force: load.force,
+            moment: load.moment,
+            follower: load.follower,
+        });
+        of_robot.chain(obstacles.iter().filter_map(|body| body.load(case))).collect()
+    };
+    let loads = answers.cases.iter().map(loads_of).collect();
     let actuators = Actuators::of(job, &chain, &held, &answers, loads)?;
 
-    let gravity = case.loads.gravity.unwrap_or(Vec3::ZERO);
-    let gravity = case.loads.to_world(case.base.rotation).rotate(gravity);
+    let gravity = weight(case);
     let [least_mass, least_inertia] = LEAST_BULK;
     let compiler = Element::new("compiler")
         .with("angle", "radian")
@@ -160,7 +162,7 @@ fn keyframes(
     };
     let mut keys = Element::new("keyframe");
     keys.push(key("rest".to_owned(), &rest, &actuators.at_rest()));
-    for (step, solution) in answers.under_last_loads(job.case) {
+    for (step, solution) in answers.under_last_weight(job.case) {
         let mut position: Vec<f64> = chain.angles(&solution.shape)?.into_iter().flatten().collect();
         position.extend(obstacles.iter().flat_map(|obstacle| obstacle.position_in(solution)));
         let name =
@@ -229,8 +231,8 @@ fn lost(job: &Job<'_>, answers: &Answers) -> Vec<String> {
         "motors: each cable has its own actuator; gear, backlash and pretension are not exported",
     );
     say(
-        answers.steps.len() > 1 && !case.loads_before.is_empty(),
-        "loads of earlier steps: only the last step has a keyframe",
+        answers.under_last_weight(case).count() < answers.steps.len(),
+        "steps under another gravity or with other masses than the last one: MuJoCo has one of each, and they have no keyframe",
     );
     say(
         !case.obstacles.is_empty(),

@@ -34,6 +34,19 @@ const STALE_AFTER: Duration = Duration::from_secs(60);
 /// What the operating system says. The file that was there before is then untouched.
 pub fn write_atomically(path: impl AsRef<Path>, content: &[u8]) -> io::Result<()> {
     let path = path.as_ref();
+    if let Ok(target) = target_of(path) {
+        remove_stale(folder_of(&target));
+    }
+    write_one_of_many(path, content)
+}
+
+/// [`write_atomically`] of one of many files in a folder: it does not look through the folder for what killed processes left behind,
+/// which [`remove_stale`] does once for all.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_one_of_many(path: impl AsRef<Path>, content: &[u8]) -> io::Result<()> {
+    let path = path.as_ref();
     match fs::metadata(path) {
         // A device or a pipe must not be replaced by a file.
         Ok(found) if !found.is_file() => {
@@ -46,7 +59,6 @@ pub fn write_atomically(path: impl AsRef<Path>, content: &[u8]) -> io::Result<()
     if !folder.exists() {
         return Err(no_folder(path, &target, folder));
     }
-    remove_stale(folder);
     let (temporary, file) = create_in(folder)?;
     let written = fill(&file, content).and_then(|()| {
         // A file that is replaced keeps its permissions.
@@ -133,7 +145,7 @@ fn create_in(folder: &Path) -> io::Result<(PathBuf, File)> {
 
 /// Removes temporary files that nobody writes any more: their process was killed. What cannot be looked at or removed
 /// stays: the file that is to be written does not depend on it.
-fn remove_stale(folder: &Path) {
+pub fn remove_stale(folder: impl AsRef<Path>) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();

@@ -17,7 +17,7 @@ mod workspace;
 
 use thiserror::Error;
 
-pub use atomic::{remove_unfinished, write_atomically};
+pub use atomic::{remove_stale, remove_unfinished, write_atomically, write_one_of_many};
 pub use csv::{
     Cell, CsvTable, SpacePoint, contacts_csv, marks_csv, points_csv, shape_csv, steps_csv,
 };

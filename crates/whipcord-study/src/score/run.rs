@@ -98,7 +98,7 @@ fn solve(
     let done = AtomicUsize::new(0);
     tell(0, jobs.len());
     let mut found: Vec<Answers> = jobs.iter().map(|_| Answers::new()).collect();
-    let all = jobs.iter().zip(&mut found).collect();
+    let all = jobs.iter().zip(&mut found);
     let shared = share(
         all,
         threads,

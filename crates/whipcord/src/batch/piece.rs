@@ -5,7 +5,7 @@ use super::error::BatchError;
 use super::options::{BatchOptions, PATH_ROWS};
 use super::rows::Rows;
 use super::run::{Tally, run};
-use crate::case::{CableCommand, Case, Loads};
+use crate::case::{CableCommand, Case};
 use crate::cosserat::UnloadedLanes;
 use crate::error::SolveError;
 use crate::model::{Model, Prepared};
@@ -98,10 +98,7 @@ fn lanes<'a>(
     let (Prepared::Cosserat(model, _), Rows::Tensions { values, case }) = (prepared, rows) else {
         return None;
     };
-    if options.no_lanes
-        || options.warm_path
-        || case.loads != Loads::default()
-        || !case.obstacles.is_empty()
+    if options.no_lanes || options.warm_path || !case.loads.is_none() || !case.obstacles.is_empty()
     {
         return None;
     }

@@ -8,14 +8,14 @@
 //! ∂W/∂z δz + ∂W/∂τ δτ = 0,   δg = ∂g/∂z δz + ∂g/∂τ δτ,   δℓ = ∂ℓ/∂z δz + ∂ℓ/∂τ δτ
 //! ```
 
-use whipcord_numerics::{DenseLu, Vec3};
+use whipcord_numerics::{DenseLu, Twist, Vec3};
 
-use super::prepared::{Cosserat, Workspace};
+use super::prepared::{Cosserat, TipRatesMemory, Workspace};
 use super::scratch::Scratch;
 use super::sensitivity::Sensitivity;
 use super::shooting::sample;
 use crate::case::Case;
-use crate::derivatives::{Change, CommandedCable, Solved, TensionChanges};
+use crate::derivatives::{Change, CommandedCable, Place, Solved, TensionChanges};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::shape::{Solution, Wrench};
@@ -69,6 +69,42 @@ impl Cosserat {
         });
         workspace.tension_changes = changes;
         Ok((solution, by_commands?))
+    }
+
+    /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case: to the bits of
+    /// [`crate::derivatives::Derivatives::actuation_jacobian`] of [`Self::solve_with_derivatives`] from that answer, but without friction and obstacles in
+    /// memory that the workspace keeps, so that it allocates nothing once it has that.
+    ///
+    /// # Errors
+    /// As [`Self::solve_with_derivatives`].
+    pub fn tip_by_commands(
+        &self,
+        case: &Case,
+        solution: &Solution,
+        workspace: &mut Workspace,
+        out: &mut Vec<Twist>,
+    ) -> Result<(), SolveError> {
+        let has_history = self.has_friction() || self.robot.has_bending_friction();
+        if has_history || !case.obstacles.is_empty() {
+            let (_, derivatives) =
+                self.solve_with_derivatives(case, Some(solution), &[], workspace)?;
+            out.clear();
+            out.extend(derivatives.actuation_jacobian(Place::Tip));
+            return Ok(());
+        }
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        let mut memory = core::mem::take(&mut workspace.tip_rates);
+        let TipRatesMemory { rates, answer, lists } = &mut memory;
+        let answer = answer.get_or_insert_with(|| Solution::empty(ModelKind::Cosserat));
+        let solved = self.solve_keeping_grid(case, Some(solution).into(), workspace, answer);
+        let found = workspace.meter.checked(solved).and_then(|grid| {
+            let by_commands = |solved: &Solved<'_>| rates.by_commands(solved, out);
+            let found =
+                self.with_lists_of_answer(case, &grid, &[], (&*workspace, lists), by_commands);
+            found.map_err(|none| self.no_derivatives(none, workspace))
+        });
+        workspace.tip_rates = memory;
+        found
     }
 
     fn with_all_derivatives(

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::lanes::{Setting, UnloadedLanes};
 use super::prepared::{
-    COARSE_STEPS, Cosserat, FOLD_LEVEL, MAX_REFINEMENTS, Progress, Refined, Workspace,
+    AnswerLists, COARSE_STEPS, Cosserat, FOLD_LEVEL, MAX_REFINEMENTS, Progress, Refined, Workspace,
 };
 use super::problem::{self, StabilityCheck};
 use super::redundant_cables;
@@ -216,11 +216,16 @@ impl Cosserat {
         workspace: &Workspace,
     ) -> Result<Derivatives, SolveError> {
         let of = |solved: &Solved<'_>| Derivatives::of(solved, parameters);
-        match self.with_answer(case, grid, history, workspace, of) {
-            Ok(derivatives) => Ok(derivatives),
-            Err(NoDerivatives::Parameter(error)) => Err(error.into()),
-            Err(NoDerivatives::Critical) => Err(SolveError::NoDerivatives),
-            Err(NoDerivatives::Fault(fault)) => Err(self.fault(fault, workspace)),
+        let found = self.with_answer(case, grid, history, workspace, of);
+        found.map_err(|none| self.no_derivatives(none, workspace))
+    }
+
+    /// Why the answer that the workspace holds has no derivatives.
+    pub(super) fn no_derivatives(&self, why: NoDerivatives, workspace: &Workspace) -> SolveError {
+        match why {
+            NoDerivatives::Parameter(error) => error.into(),
+            NoDerivatives::Critical => SolveError::NoDerivatives,
+            NoDerivatives::Fault(fault) => self.fault(fault, workspace),
         }
     }
 
@@ -233,9 +238,25 @@ impl Cosserat {
         workspace: &Workspace,
         act: impl FnOnce(&Solved<'_>) -> T,
     ) -> T {
+        let mut lists = AnswerLists::default();
+        self.with_lists_of_answer(case, grid, history, (workspace, &mut lists), act)
+    }
+
+    /// The same in memory that is kept.
+    pub(super) fn with_lists_of_answer<T>(
+        &self,
+        case: &Case,
+        grid: &Grid,
+        history: &[PlasticCurvature],
+        (workspace, lists): (&Workspace, &mut AnswerLists),
+        act: impl FnOnce(&Solved<'_>) -> T,
+    ) -> T {
         let Workspace { scratch, commands, .. } = workspace;
-        let starts = scratch.chain_starts();
-        let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
+        let AnswerLists { taut, starts } = lists;
+        starts.clear();
+        starts.extend(scratch.chain_starts());
+        taut.clear();
+        taut.extend(scratch.tensions.iter().map(|&tension| tension > 0.0));
         act(&Solved {
             robot: &self.robot,
             case,
@@ -244,10 +265,10 @@ impl Cosserat {
             loads: &scratch.applied,
             commands,
             tensions: &scratch.tensions,
-            taut: &taut,
+            taut,
             poses: &scratch.poses,
             base_wrench: scratch.base_wrench,
-            starts: &starts,
+            starts,
             // Without load no shot has been fired: its strains would be those of another case.
             strains: match scratch.applied.any() {
                 true => scratch.trajectory.strains(),

@@ -82,11 +82,11 @@ pub(super) struct Scratch {
 impl Scratch {
     /// Moment, and force of the followers, in the base frame at the start of each step, of an answer
     /// that single shooting would miss.
-    pub fn chain_starts(&self) -> Vec<Option<Wrench>> {
+    pub fn chain_starts(&self) -> impl Iterator<Item = Option<Wrench>> {
         let start =
             |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
         let nodes = self.chain.state.nodes.iter().filter(|_| self.on_chain);
-        nodes.map(|node| Some(start(node))).collect()
+        nodes.map(move |node| Some(start(node)))
     }
 
     /// Keeps the answer as the start of another solve.

@@ -104,6 +104,8 @@ impl Unloaded {
         self.length_by_tension.resize(cables * cables, 0.0);
         self.pulls.resize(cables, BodyWrench::default());
         let mut guess = Guess::default();
+        let mut last_of_one = None;
+        let mut last_tangent = None;
         for (k, step) in grid.steps.iter().enumerate() {
             let active = &tensions[..step.active];
             if k > 0 && grid.steps[k - 1].active != step.active {
@@ -116,18 +118,28 @@ impl Unloaded {
                 let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
                 let fault = |kind| Fault { kind, arc_length };
                 let none = BodyWrench::default();
+                // A section that is the same as the one before has the same answer.
+                let repeats = grid.gauss.repeats(k, j);
                 let strain = if let Some(reduced) = &grid.gauss.one_cable[3 * k + j] {
-                    let one = reduced.solve(active[0]).map_err(fault)?;
+                    let one = match last_of_one.filter(|_| repeats) {
+                        Some(one) => one,
+                        None => *last_of_one.insert(reduced.solve(active[0]).map_err(fault)?),
+                    };
                     self.lengths[0] += weight * one.stretch;
                     self.length_by_tension[0] += weight * one.stretch_by_tension;
                     one.strain
                 } else {
-                    let mut strain = if warm {
-                        self.strains[3 * k + j]
+                    let strain = if repeats {
+                        guess.strains[2]
                     } else {
-                        guess.at(arc_length).unwrap_or_else(|| section.rest_strain())
+                        let mut strain = match warm {
+                            true => self.strains[3 * k + j],
+                            false => guess.at(arc_length).unwrap_or_else(|| section.rest_strain()),
+                        };
+                        equilibrium(section, crossings, active, none, &mut strain)
+                            .map_err(fault)?;
+                        strain
                     };
-                    equilibrium(section, crossings, active, none, &mut strain).map_err(fault)?;
                     guess.learn(arc_length, strain);
                     for (i, crossing) in crossings.iter().enumerate() {
                         let (pull, stretch) = crossing.pull(&strain);
@@ -135,8 +147,12 @@ impl Unloaded {
                         self.lengths[i] += weight * stretch;
                     }
                     if derivatives {
-                        let tangent =
-                            Tangent::at(section, crossings, active, &strain).map_err(fault)?;
+                        let tangent = match last_tangent.filter(|_| repeats) {
+                            Some(tangent) => tangent,
+                            None => *last_tangent.insert(
+                                Tangent::at(section, crossings, active, &strain).map_err(fault)?,
+                            ),
+                        };
                         self.add_length_by_tension(cables, step.active, weight, &tangent);
                     }
                     strain

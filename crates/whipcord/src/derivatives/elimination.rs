@@ -74,7 +74,8 @@ impl Elimination {
         maps: &mut Maps,
         follower: impl Fn(usize) -> Wrench,
     ) -> Result<(), Critical> {
-        self.maps = core::mem::take(&mut maps.steps);
+        // What was kept before gives its memory to the next maps.
+        core::mem::swap(&mut self.maps, &mut maps.steps);
         self.steps.clear();
         self.steps.reserve(self.maps.len());
         let mut before = [Mat3::ZERO; 2];

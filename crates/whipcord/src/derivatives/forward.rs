@@ -137,6 +137,8 @@ pub(super) struct Maps {
     pub inputs: usize,
     /// Number of the outputs of a step.
     pub rows: usize,
+    /// Rates of the outputs of a step, of a few columns.
+    outputs: Vec<Lane>,
 }
 
 /// The columns of one pass.
@@ -272,7 +274,9 @@ impl WithSimd for AllSteps<'_> {
         let rows = maps.rows;
         let inputs = maps.inputs;
         let columns = STATES + inputs;
-        let mut lengths = vec![Lane::default(); rows];
+        let mut lengths = core::mem::take(&mut maps.outputs);
+        lengths.clear();
+        lengths.resize(rows, Lane::default());
         for (k, step) in steps.iter().enumerate() {
             let active = step.active;
             let force = replay.spread(k).map(|_| Default::default());
@@ -309,6 +313,7 @@ impl WithSimd for AllSteps<'_> {
             }
             maps.steps.push(map);
         }
+        maps.outputs = lengths;
     }
 }
 

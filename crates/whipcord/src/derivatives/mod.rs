@@ -11,7 +11,8 @@
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
 //! tensions of their own, which follow from `sliding_holes`. `coordinates` has the same of
 //! models that have generalised coordinates for a rod, from their `linear_system`. `command_changes` are
-//! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives.
+//! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives; `tip_rates` those of the tip in memory that is
+//! kept.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
 //! [`crate::cosserat::Cosserat::solve`] on the same steps to rounding, and with those of the rod to its
@@ -52,6 +53,7 @@ mod spans;
 mod spread_change;
 mod step_ends;
 mod strands;
+mod tip_rates;
 mod touching;
 
 pub use self::backward::{Cotangent, Gradient};
@@ -73,4 +75,5 @@ pub(crate) use self::rod::NoDerivatives;
 pub(crate) use self::sliding_holes::AnswerHoles;
 pub(crate) use self::spans::StraightSpan;
 pub(crate) use self::strands::{PLACES, Share, Strands};
+pub(crate) use self::tip_rates::TipRates;
 pub use crate::statics::hold::Hold;

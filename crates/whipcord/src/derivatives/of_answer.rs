@@ -145,9 +145,7 @@ impl Derivatives {
         let mut elimination = Elimination::default();
         elimination.eliminate(&mut maps, |step| {
             let node = linear.spans().map_or(step + 1, |spans| spans.far_disk(step));
-            let Wrench { force, moment } = *loads.follower(node);
-            let rotation = poses[node].rotation;
-            Wrench { force: rotation.rotate(force), moment: rotation.rotate(moment) }
+            loads.follower_in_base(node, &poses[node])
         })?;
         let mut place_of = vec![0; cables];
         for (place, &cable) in of_robot.order.iter().enumerate() {

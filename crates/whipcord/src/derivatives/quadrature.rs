@@ -183,7 +183,7 @@ impl Quadrature {
         forcing: &dyn Fn(usize, usize, usize) -> Forcing,
     ) {
         maps.prepare(steps.len(), cables, more, cables);
-        maps.steps = core::mem::take(&mut self.steps);
+        core::mem::swap(&mut maps.steps, &mut self.steps);
         let inputs = cables + more;
         for (k, step) in steps.iter().enumerate() {
             let arm = self.shifts[k];

@@ -1,4 +1,4 @@
-use whipcord_numerics::equally_spaced;
+use whipcord_numerics::{Vec3, equally_spaced};
 
 use super::error::{Problem, RobotError};
 use super::limits::{COORDINATE, LEAST_PITCH, LENGTH, MASS, MOST_DISKS, check_count};
@@ -74,6 +74,14 @@ impl Disks {
         }
         let circle = self.hole_circle_radii.get(disk).copied().unwrap_or(0.0);
         self.outer_radius.unwrap_or(circle)
+    }
+
+    /// Moments of inertia in kg·m² of a disk as a cylinder of this mass in kg, radius and thickness in m, about axes through its
+    /// middle: across it twice, then along its axis.
+    #[must_use]
+    pub fn moments_of_inertia(mass: f64, radius: f64, thickness: f64) -> Vec3 {
+        let across = mass * (0.25 * radius * radius + thickness * thickness / 12.0);
+        Vec3::new(across, across, 0.5 * mass * radius * radius)
     }
 
     /// The section an arc length lies in, counted from 0, and the fraction of it that lies behind.

@@ -49,20 +49,42 @@ pub(crate) struct Nodes {
     /// What eq. (9) at a node has beside the tension when nothing but its one cable pulls; `None` where
     /// there are more cables, or the section is not equally stiff about x and y.
     pub one_cable: Vec<Option<Reduced>>,
+    /// Whether the section at a node, and how cables cross it, is that at the node before it: on a straight robot with straight
+    /// cables one is solved for all.
+    repeats: Vec<bool>,
 }
 
 impl Nodes {
-    /// Fills [`Self::one_cable`].
+    /// Fills [`Self::one_cable`] and [`Self::repeats`].
     fn reduced(mut self, steps: &[Step]) -> Self {
         let places = (0..steps.len()).flat_map(|k| (0..self.per_step).map(move |j| (k, j)));
-        let reduced = places.map(|(k, j)| match self.at(k, j, steps[k].active) {
+        let reduced = places.clone().map(|(k, j)| match self.at(k, j, steps[k].active) {
             (Node { section, .. }, [crossing]) if section.isotropic => {
                 Some(Reduced::of(section, crossing, BodyWrench::default()))
             }
             _ => None,
         });
         self.one_cable = reduced.collect();
+        let repeats = places.map(|(k, j)| {
+            let before = match j {
+                0 => (k.checked_sub(1)?, self.per_step - 1),
+                _ => (k, j - 1),
+            };
+            let active = steps[k].active;
+            let (node, crossings) = self.at(k, j, active);
+            let (last, last_crossings) = self.at(before.0, before.1, steps[before.0].active);
+            // Friction against bending changes with the steps of actuation.
+            let is_fixed = node.section.beside.is_none();
+            Some(is_fixed && node.section == last.section && crossings == last_crossings)
+        });
+        self.repeats = repeats.map(Option::unwrap_or_default).collect();
         self
+    }
+
+    /// Whether the section at node `j` of step `k` is that at the node before it.
+    #[inline]
+    pub fn repeats(&self, k: usize, j: usize) -> bool {
+        self.repeats[k * self.per_step + j]
     }
 
     /// Node `j` of step `k`, and how the first `active` cables cross it.
@@ -356,6 +378,7 @@ fn nodes(
         crossings: vec![Crossing::default(); steps.len() * places.len() * cables],
         rest_excess: layout.rest_lengths.iter().map(|length| -length).collect(),
         one_cable: Vec::new(),
+        repeats: Vec::new(),
     };
     let mut next = 0;
     for (k, step) in steps.iter().enumerate() {

@@ -46,12 +46,23 @@ struct Set {
     system: LeastSystem,
 }
 
+/// Memory of [`HeldCables::commanded_into`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct HoldScratch {
+    right: Vec<f64>,
+    of_members: Vec<f64>,
+    solution: Vec<f64>,
+    rest: Vec<f64>,
+}
+
 /// A linear system that may be singular, and its transpose: their least solutions.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LeastSystem {
     /// By rows.
     matrix: Vec<f64>,
     transposed: Vec<f64>,
+    /// Made regular.
+    regular: Vec<f64>,
     lu: DenseLu,
     transposed_lu: DenseLu,
 }
@@ -70,18 +81,27 @@ impl HeldCables {
         taut: impl Fn(usize) -> bool,
         driven: impl Fn(usize) -> bool,
     ) -> Result<Self, Critical> {
-        let set = |members: Vec<usize>| {
-            let entry = |i: usize, j: usize| {
-                let own = if i == j { compliance(i) } else { 0.0 };
-                length_by_tension(i, j) - own
-            };
-            Set::new(members, entry)
+        let mut held = Self::default();
+        held.renew(cables, length_by_tension, compliance, taut, driven)?;
+        Ok(held)
+    }
+
+    /// [`Self::new`] in the memory of others.
+    pub fn renew(
+        &mut self,
+        cables: usize,
+        length_by_tension: impl Fn(usize, usize) -> f64,
+        compliance: impl Fn(usize) -> f64,
+        taut: impl Fn(usize) -> bool,
+        driven: impl Fn(usize) -> bool,
+    ) -> Result<(), Critical> {
+        let entry = |i: usize, j: usize| {
+            let own = if i == j { compliance(i) } else { 0.0 };
+            length_by_tension(i, j) - own
         };
-        Ok(Self {
-            cables,
-            driven: set((0..cables).filter(|&i| taut(i) && driven(i)).collect())?,
-            taut: set((0..cables).filter(|&i| taut(i)).collect())?,
-        })
+        self.cables = cables;
+        self.driven.renew((0..cables).filter(|&i| taut(i) && driven(i)), entry)?;
+        self.taut.renew((0..cables).filter(|&i| taut(i)), entry)
     }
 
     fn set(&self, hold: Hold) -> Option<&Set> {
@@ -106,17 +126,43 @@ impl HeldCables {
         is_tension: bool,
         length_by_tension: &[f64],
     ) -> Vec<f64> {
-        let mut right = vec![0.0; self.cables];
+        let mut tensions = Vec::new();
+        let of_command = (cable, is_tension, length_by_tension);
+        self.commanded_into(hold, of_command, &mut HoldScratch::default(), &mut tensions);
+        tensions
+    }
+
+    /// [`Self::commanded`], of cable, kind of its command and changes of lengths, in memory that is kept.
+    pub fn commanded_into(
+        &self,
+        hold: Hold,
+        (cable, is_tension, length_by_tension): (usize, bool, &[f64]),
+        scratch: &mut HoldScratch,
+        tensions: &mut Vec<f64>,
+    ) {
+        let HoldScratch { right, of_members, solution, rest } = scratch;
+        right.clear();
+        right.resize(self.cables, 0.0);
         if is_tension {
             right.iter_mut().zip(length_by_tension).for_each(|(right, by)| *right = -by);
         } else {
             right[cable] = -1.0;
         }
-        let mut tensions = self.tensions(hold, &right);
+        tensions.clear();
+        tensions.resize(self.cables, 0.0);
+        if let Some(set) = self.set(hold)
+            && !set.members.is_empty()
+        {
+            of_members.clear();
+            of_members.extend(set.members.iter().map(|&i| right[i]));
+            least((&set.system.matrix, &set.system.lu), of_members, solution, rest);
+            for (&i, x) in set.members.iter().zip(&*solution) {
+                tensions[i] = *x;
+            }
+        }
         if is_tension {
             tensions[cable] += 1.0;
         }
-        tensions
     }
 
     /// The transpose of [`Self::tensions`].
@@ -144,12 +190,19 @@ impl HeldCables {
 }
 
 impl Set {
-    fn new(members: Vec<usize>, entry: impl Fn(usize, usize) -> f64) -> Result<Self, Critical> {
-        let n = members.len();
-        let matrix: Vec<f64> = (0..n * n).map(|k| entry(members[k / n], members[k % n])).collect();
-        let greatest = (0..n).map(|i| matrix[i * n + i].abs()).fold(0.0, f64::max);
-        let system = LeastSystem::new(n, matrix, |_| -REGULARISATION * greatest)?;
-        Ok(Self { members, system })
+    fn renew(
+        &mut self,
+        members: impl Iterator<Item = usize>,
+        entry: impl Fn(usize, usize) -> f64,
+    ) -> Result<(), Critical> {
+        let Self { members: own, system } = self;
+        own.clear();
+        own.extend(members);
+        let n = own.len();
+        system.matrix.clear();
+        system.matrix.extend((0..n * n).map(|k| entry(own[k / n], own[k % n])));
+        let greatest = (0..n).map(|i| system.matrix[i * n + i].abs()).fold(0.0, f64::max);
+        system.factor(n, |_| -REGULARISATION * greatest)
     }
 }
 
@@ -160,40 +213,52 @@ impl LeastSystem {
         matrix: Vec<f64>,
         regular: impl Fn(usize) -> f64,
     ) -> Result<Self, Critical> {
-        let transposed: Vec<f64> = (0..n * n).map(|k| matrix[(k % n) * n + k / n]).collect();
-        let factored = |matrix: &[f64]| {
-            let mut with = matrix.to_vec();
+        let mut system = Self { matrix, ..Self::default() };
+        system.factor(n, regular)?;
+        Ok(system)
+    }
+
+    fn factor(&mut self, n: usize, regular: impl Fn(usize) -> f64) -> Result<(), Critical> {
+        let Self { matrix, transposed, regular: with, lu, transposed_lu } = self;
+        transposed.clear();
+        transposed.extend((0..n * n).map(|k| matrix[(k % n) * n + k / n]));
+        for (matrix, lu) in [(&*matrix, lu), (&*transposed, transposed_lu)] {
+            with.clone_from(matrix);
             for i in 0..n {
                 with[i * n + i] += regular(i);
             }
-            let mut lu = DenseLu::default();
-            lu.factor(n, &with).map(|()| lu).map_err(|_| Critical)
-        };
-        let (lu, transposed_lu) = (factored(&matrix)?, factored(&transposed)?);
-        Ok(Self { matrix, transposed, lu, transposed_lu })
+            lu.factor(n, with).map_err(|_| Critical)?;
+        }
+        Ok(())
     }
 
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
-        least(&self.matrix, &self.lu, right)
+        solved((&self.matrix, &self.lu), right)
     }
 
     pub fn solve_transposed(&self, right: &[f64]) -> Vec<f64> {
-        least(&self.transposed, &self.transposed_lu, right)
+        solved((&self.transposed, &self.transposed_lu), right)
     }
 }
 
+fn solved(system: (&[f64], &DenseLu), right: &[f64]) -> Vec<f64> {
+    let mut x = Vec::new();
+    least(system, right, &mut x, &mut Vec::new());
+    x
+}
+
 /// The least solution of a system whose matrix may be singular, by iterated regularisation.
-fn least(matrix: &[f64], lu: &DenseLu, right: &[f64]) -> Vec<f64> {
+fn least((matrix, lu): (&[f64], &DenseLu), right: &[f64], x: &mut Vec<f64>, rest: &mut Vec<f64>) {
     let n = right.len();
-    let mut x = vec![0.0; n];
+    x.clear();
+    x.resize(n, 0.0);
     for _ in 0..CORRECTIONS {
-        let mut rest: Vec<f64> = (0..n)
-            .map(|i| right[i] - (0..n).map(|j| matrix[i * n + j] * x[j]).sum::<f64>())
-            .collect();
-        lu.solve(&mut rest);
-        for (x, change) in x.iter_mut().zip(&rest) {
+        rest.clear();
+        let left = |i: usize| (0..n).map(|j| matrix[i * n + j] * x[j]).sum::<f64>();
+        rest.extend((0..n).map(|i| right[i] - left(i)));
+        lu.solve(rest);
+        for (x, change) in x.iter_mut().zip(&*rest) {
             *x += change;
         }
     }
-    x
 }

@@ -1,6 +1,6 @@
 //! The loads of a case, gathered by where they act on the grid, in the frame of the base.
 
-use whipcord_numerics::{UnitQuaternion, Vec3};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use super::grid::{Grid, SHOOTING_NODES};
 use crate::case::{Loads, Piece};
@@ -260,6 +260,12 @@ impl AppliedLoads {
     #[inline]
     pub fn follower(&self, k: usize) -> &Wrench {
         &self.followers[k]
+    }
+
+    /// The same in the base frame, for this pose of that section.
+    pub fn follower_in_base(&self, k: usize, pose: &Pose) -> Wrench {
+        let Wrench { force, moment } = *self.follower(k);
+        Wrench { force: pose.rotation.rotate(force), moment: pose.rotation.rotate(moment) }
     }
 
     /// What is spread along step `k` that the forces do not know: moments and followers.

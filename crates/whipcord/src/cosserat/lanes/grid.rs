@@ -25,6 +25,8 @@ pub(super) struct LaneNode {
     pub section: LaneSection,
     /// Of the quadrature in m.
     pub weight: f64,
+    /// Whether the section is that of the node before it ([`crate::statics::grid::Nodes::repeats`]).
+    pub repeats: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -60,7 +62,11 @@ impl LaneGrid {
                     before.push(arc_length);
                     LaneSection::Several(Several::new(&node.section, crossings, guess)?)
                 };
-                nodes.push(LaneNode { section, weight: GAUSS_3.weights[j] * step.length });
+                nodes.push(LaneNode {
+                    section,
+                    weight: GAUSS_3.weights[j] * step.length,
+                    repeats: grid.gauss.repeats(k, j),
+                });
             }
         }
         let mut active: Vec<usize> = grid.steps.iter().map(|step| step.active).collect();

@@ -282,6 +282,8 @@ struct Sweep<S: Simd> {
     /// In N and m, in the order of the grid.
     tensions: Vec<Lanes<S>>,
     lengths: Vec<Lanes<S>>,
+    /// Of the cables that cross the last section.
+    stretches: Vec<Lanes<S>>,
     /// Three to each step.
     strains: Vec<LaneTwist<S>>,
     /// Not positive where the lane's answer is one.
@@ -295,6 +297,7 @@ impl<S: Simd> Sweep<S> {
             simd,
             tensions: Vec::new(),
             lengths: Vec::new(),
+            stretches: Vec::new(),
             strains: Vec::new(),
             bad: Lanes::splat(simd, 0.0),
         }
@@ -303,7 +306,7 @@ impl<S: Simd> Sweep<S> {
     /// Sections and frames; the frames at the kept places are left as numbers × lanes for each place.
     #[inline(always)]
     fn run(&mut self, grid: &LaneGrid, frames: &mut [f64]) {
-        let Self { simd, tensions, lengths, strains, .. } = self;
+        let Self { simd, tensions, lengths, stretches, strains, .. } = self;
         let simd = *simd;
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         lengths.clear();
@@ -312,6 +315,7 @@ impl<S: Simd> Sweep<S> {
         let mut bad = zero;
         let null = LaneVec3::new(zero, zero, zero);
         let mut before = [LaneTwist { linear: null, angular: null }; 3];
+        let mut last = before[0];
         let mut pose = LanePose::identity(simd);
         let mut kept = grid.kept.iter().peekable();
         let mut slots = frames.chunks_exact_mut(NUMBERS * Lanes::<S>::COUNT);
@@ -327,19 +331,24 @@ impl<S: Simd> Sweep<S> {
         for (k, (&h, nodes)) in grid.steps.iter().zip(nodes).enumerate() {
             let mut twists = before;
             for (node, twist) in nodes.iter().zip(&mut twists) {
-                let (strain, solved) = match &node.section {
-                    LaneSection::One(at) => {
-                        one_cable(simd, at, node.weight, tensions[0], &mut lengths[0])
-                    }
-                    LaneSection::Several(at) => {
-                        let answer = at.solve(simd, node.weight, &before, tensions, lengths);
-                        before = [before[1], before[2], answer.0];
-                        answer
-                    }
-                };
-                bad = bad.max(solved.select(zero, one));
-                strains.push(strain);
-                *twist = strain * h;
+                // A section that is the same as the one before has the same answer.
+                if !node.repeats {
+                    stretches.clear();
+                    let solved;
+                    (last, solved) = match &node.section {
+                        LaneSection::One(at) => one_cable(simd, at, tensions[0], stretches),
+                        LaneSection::Several(at) => at.solve(simd, &before, tensions, stretches),
+                    };
+                    bad = bad.max(solved.select(zero, one));
+                }
+                if let LaneSection::Several(_) = node.section {
+                    before = [before[1], before[2], last];
+                }
+                for (length, &stretch) in lengths.iter_mut().zip(&*stretches) {
+                    *length = *length + stretch * node.weight;
+                }
+                strains.push(last);
+                *twist = last * h;
             }
             let exponent = magnus_6_exponent(&twists);
             let turn = exponent.angular.dot(exponent.angular);

@@ -100,16 +100,15 @@ impl Several {
         self.stiffness.bending
     }
 
-    /// The strain from those of the three sections before, and in which lanes there is one; adds to the
-    /// cables' lengths.
+    /// The strain from those of the three sections before, and in which lanes there is one; adds the stretches of the
+    /// cables.
     #[inline(always)]
     pub fn solve<S: Simd>(
         &self,
         simd: S,
-        weight: f64,
         before: &[LaneTwist<S>; 3],
         tensions: &[Lanes<S>],
-        lengths: &mut [Lanes<S>],
+        stretches: &mut Vec<Lanes<S>>,
     ) -> (LaneTwist<S>, LaneMask<S>) {
         let [a, b, c] = *before;
         let mut strain = match self.guess {
@@ -147,9 +146,8 @@ impl Several {
                 break;
             }
         }
-        for (crossing, length) in self.crossings.iter().zip(lengths) {
-            *length = *length + stretched(simd, crossing, &strain).norm() * weight;
-        }
+        let crossings = self.crossings.iter();
+        stretches.extend(crossings.map(|crossing| stretched(simd, crossing, &strain).norm()));
         (strain, met)
     }
 
@@ -275,15 +273,13 @@ impl<S: Simd> LaneTangent<S> {
     }
 }
 
-/// The strain of a section with one cable, [`Reduced::solve`], and in which lanes there is one; adds
-/// to the cable's length.
+/// The strain of a section with one cable, [`Reduced::solve`], and in which lanes there is one; adds the stretch of the cable.
 #[inline(always)]
 pub(super) fn one_cable<S: Simd>(
     simd: S,
     at: &Reduced,
-    weight: f64,
     tension: Lanes<S>,
-    length: &mut Lanes<S>,
+    stretches: &mut Vec<Lanes<S>>,
 ) -> (LaneTwist<S>, LaneMask<S>) {
     let (w, c) = (LaneVec3::splat(simd, at.w), LaneVec3::splat(simd, at.c));
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -323,7 +319,7 @@ pub(super) fn one_cable<S: Simd>(
         // Lanes that are there stay where they are.
         stretch = there.select(stretch, (stretch + change).at_least(FOLDED));
     };
-    *length = *length + (stretch + change) * weight;
+    stretches.push(stretch + change);
     let (radial, r) = (at.radial, at.offset);
     let pull = LaneVec3::new(t.x * radial.x - t.y * radial.y, t.x * radial.y + t.y * radial.x, t.z)
         * tension;

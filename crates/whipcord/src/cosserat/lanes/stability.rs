@@ -27,7 +27,14 @@ pub(super) fn stability<S: Simd>(
         return one;
     }
     let mut least = Lanes::splat(simd, f64::INFINITY);
+    let mut repeats = false;
     for (nodes, strains) in grid.nodes.chunks_exact(3).zip(strains.chunks_exact(3)) {
+        // The middle of a step where nothing differs from that of the step before.
+        let known = repeats && nodes[0].repeats && nodes[1].repeats;
+        repeats = nodes[2].repeats;
+        if known {
+            continue;
+        }
         // A step with a section of one cable has none with several taut ones.
         let LaneSection::Several(at) = &nodes[1].section else { return one };
         let (reduced, definite) = at.reduced(simd, &tensions[..at.cables()], &strains[1]);

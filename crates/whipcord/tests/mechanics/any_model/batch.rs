@@ -189,7 +189,13 @@ fn lanes_answer_as_single_solves_do_for_many_robots() {
     for (i, (robot, case)) in common::samples(common::robot(wild), 60).enumerate() {
         let backbone =
             Backbone { extensible: i % 5 != 0, shearable: i % 7 != 0, ..robot.backbone().clone() };
-        let robot = Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec()).unwrap();
+        // Along straight cables all sections may be the same, and are solved once.
+        let radius = 0.03 * backbone.length;
+        let cables = robot.cables().iter().enumerate().map(|(k, cable)| match i % 3 {
+            0 => Cable { routing: Routing::Straight { angle: k as f64, radius }, ..cable.clone() },
+            _ => cable.clone(),
+        });
+        let robot = Robot::new(backbone, robot.disks().clone(), cables.collect()).unwrap();
         let most: Vec<f64> = case.commands.iter().map(|c| c.tension.unwrap()).collect();
         let cables = most.len();
         // Rows that leave the last lanes empty, some of them slack.
@@ -200,7 +206,10 @@ fn lanes_answer_as_single_solves_do_for_many_robots() {
             .collect();
         let turn = UnitQuaternion::exp(Vec3::new(0.3, -1.0, 0.2 * i as f64));
         let base = Pose { position: Vec3::new(0.1, -0.2, 0.3), rotation: turn };
-        let under = if i % 2 == 0 { Case::default() } else { Case { base, ..Case::default() } };
+        // What is said to be no load is none.
+        let loads = Loads { gravity: Some(Vec3::ZERO), ..Loads::default() };
+        let under =
+            if i % 2 == 0 { Case::default() } else { Case { base, loads, ..Case::default() } };
         let rows = Rows::Tensions { values: &tensions, case: &under };
         let accuracy = [
             Accuracy::Steps(12),

@@ -65,4 +65,29 @@ fn changes_under_load_are_near_the_exact_ones(tested: Tested) {
     }
 }
 
-for_every_model!(changes_without_load_are_exact, changes_under_load_are_near_the_exact_ones);
+/// Also in memory that is kept from the answer before.
+fn rates_of_the_tip_are_those_of_all_derivatives(tested: Tested) {
+    for wild in [Wildness::LOADED, Wildness::UNLOADED] {
+        for (i, (robot, case)) in taut(tested, wild, 8).enumerate() {
+            let (robot, case) = match i % 3 {
+                0 => (robot, case),
+                kind => by_length(tested, &robot, &case, kind == 1),
+            };
+            let options = options(tested, &case);
+            let mut prepared = tested.prepare(&robot, &case, &options).unwrap();
+            let solution = prepared.solve(&case, None).unwrap();
+            let mut rates = vec![Twist::default(); 99];
+            for _ in 0..2 {
+                let exact = prepared.linearize(&case, &solution, &[]).unwrap();
+                prepared.tip_by_commands(&case, &solution, &mut rates).unwrap();
+                assert_eq!(rates, exact.actuation_jacobian(Place::Tip), "{i}");
+            }
+        }
+    }
+}
+
+for_every_model!(
+    changes_without_load_are_exact,
+    changes_under_load_are_near_the_exact_ones,
+    rates_of_the_tip_are_those_of_all_derivatives
+);
