@@ -16,6 +16,8 @@ use crate::stage::Scheme;
 const MOST: usize = 60;
 /// Change of the strains at the end.
 const TOLERANCE: f64 = 1e-12;
+/// Distance of what may touch, as a part of the length.
+const NEAR: f64 = 5e-3;
 /// Change below which rounding may be what is left.
 const ROUNDING: f64 = 1e-9;
 
@@ -39,6 +41,10 @@ pub(crate) fn find(
         *tension = cable.tension.unwrap_or(*tension);
     }
     loads.at(0.0, &mut solver.stage.loads);
+    let known = (solution.contacts.as_slice(), statics.base);
+    let within = NEAR * rod.length;
+    solver.contacts.base = solver.stage.base;
+    solver.contacts.begin(rod, solver.stage.base, &solver.stage.strains, within, known);
     let mut change = f64::INFINITY;
     for _ in 0..MOST {
         let stage = &mut solver.stage;

@@ -104,7 +104,8 @@ impl OneStage {
         solver.solve(mechanics, &scheme, control)?;
         let stage = &solver.stage;
         let mut work = Power::default();
-        work.add(h, &Power::at(rod, stage, &scheme, solver.drag));
+        let power = Power::at(rod, stage, &scheme, solver.drag);
+        work.add(h, &Power { contacts: solver.contacts.power(stage), ..power });
         let end = |to: &mut [Twist],
                    to_rates: &mut [Twist],
                    from: &[Twist],
