@@ -26,6 +26,8 @@ pub(crate) struct Contact {
     start: Pose,
     /// Gap in m at the start of the step.
     pub start_gap: f64,
+    /// Least gap in m at the end of the step: what overlapped at its start is pushed out slowly.
+    least: f64,
     /// At the end of the step.
     pub nearest: Nearest,
     /// How far what touches has slid in the step, in m.
@@ -74,6 +76,8 @@ pub(crate) const MOST: usize = 48;
 pub(crate) const OVERLAP: f64 = 1e-5;
 /// Overlap that is no impact yet, as a part of the length.
 const HIT: f64 = 1e-7;
+/// Speed at which overlap is mended, as a part of the length in 1 s.
+const OUTWARD: f64 = 0.02;
 /// Contacts at which the surface is bent more than by this part of the length are taken as if it were bent by that.
 const SHARPEST: f64 = 1e-4;
 
@@ -145,6 +149,13 @@ impl Contacts {
     /// Forgets all contacts.
     pub fn clear(&mut self) {
         self.list.clear();
+    }
+
+    /// What overlaps at the start of a step of length `h` need not be out at its end.
+    pub fn admit_overlap(&mut self, rod: &Rod, h: f64) {
+        for contact in &mut self.list {
+            contact.least = (contact.start_gap + OUTWARD * rod.length * h).min(0.0);
+        }
     }
 
     /// Looks at all contacts at the end of the step as the stage has it now.
@@ -263,19 +274,21 @@ impl Contacts {
         (from_base, from): (Pose, &[Twist]),
         (to_base, to): (Pose, &[Twist]),
     ) -> Option<f64> {
-        let Self { surroundings, poses, start_poses, .. } = self;
+        let Self { surroundings: Some(surroundings), poses, start_poses, .. } = self else {
+            return None;
+        };
         pose::nodes(rod, from_base, from, start_poses);
         pose::nodes(rod, to_base, to, poses);
         let from = Posed { rod, strains: from, poses: start_poses };
         let to = Posed { rod, strains: to, poses };
-        surroundings.as_ref()?.first_hit(&from, &to, HIT * rod.length)
+        surroundings.first_hit(&from, &to, HIT * rod.length)
     }
 
     /// How deep in m a shape is in an obstacle, and in which.
     pub fn deepest(&mut self, rod: &Rod, base: Pose, strains: &[Twist]) -> Option<(usize, f64)> {
+        let surroundings = self.surroundings.as_ref()?;
         pose::nodes(rod, base, strains, &mut self.poses);
-        let shape = Posed { rod, strains, poses: &self.poses };
-        self.surroundings.as_ref()?.deepest(&shape)
+        surroundings.deepest(&Posed { rod, strains, poses: &self.poses })
     }
 
     /// Adds the places that overlap at the end of the step though no contact is there; whether there are any.
@@ -345,6 +358,7 @@ impl Contact {
             coefficient: obstacle.friction,
             start,
             start_gap,
+            least: 0.0,
             nearest: near.nearest,
             slip: Vec3::ZERO,
             bend: Mat3::ZERO,
@@ -384,7 +398,11 @@ impl Contact {
     fn line(&self, line: usize) -> Line {
         let normal = self.nearest.normal;
         if line == 0 {
-            return Line { direction: normal, lever: self.nearest.arm, value: self.nearest.gap };
+            return Line {
+                direction: normal,
+                lever: self.nearest.arm,
+                value: self.nearest.gap - self.least,
+            };
         }
         let direction = tangents(normal)[line - 1];
         let lever = self.nearest.lever(self.member.body.rounding);

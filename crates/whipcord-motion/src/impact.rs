@@ -5,11 +5,9 @@ use crate::iteration::Stalled;
 use crate::options::Method;
 use crate::simulation::Simulation;
 
-/// Parts without rates behind an impact: the first ends the motion into the obstacle, the second its rates, the third those that are left of where the
-/// first began.
-const PARTS: usize = 3;
-/// The length of these parts, as a part of the step.
-pub(crate) const SHORT: f64 = 0.02;
+/// Lengths of the parts without rates behind an impact, as parts of the step: the first ends the motion into the obstacle, the second its rates; the
+/// others grow, since rates in a short part are those of waves that a longer one cannot follow.
+pub(crate) const PARTS: [f64; 5] = [0.02, 0.02, 0.06, 0.15, 0.35];
 /// Impacts of one step whose times are looked for; the time of others is that of the end of their part.
 const LOCATED: usize = 6;
 /// A gap that closes from less than this part of the length is no impact.
@@ -53,15 +51,15 @@ impl Simulation {
         warm: bool,
     ) -> Result<(f64, f64), Stalled> {
         let is_located = self.state.impacts < LOCATED;
-        let taken = if is_located { h * part.max(SHORT) } else { h };
+        let taken = if is_located { h * part.max(PARTS[0]) } else { h };
         self.next.copy_from(&self.state);
         self.next.diagnostics.method = Method::Robust;
-        let touched = core::mem::replace(&mut self.state.impact_parts, PARTS);
+        let touched = core::mem::replace(&mut self.state.impact_parts, PARTS.len());
         let outcome = self.attempt_one_stage(commands, Method::Robust, taken, warm, false);
         self.state.impact_parts = touched;
         let error = outcome?;
         self.next.impacts = self.state.impacts + 1;
-        self.next.impact_parts = PARTS;
+        self.next.impact_parts = PARTS.len();
         self.next.has_rates = false;
         Ok((error, taken))
     }

@@ -95,6 +95,11 @@ impl Solver {
                     return Ok(());
                 }
             } else {
+                // Where a body touches is known to rounding of its own.
+                let settles = !self.contacts.list.is_empty() && number > 0 && ratio > 0.5;
+                if settles && size < ROUNDING {
+                    return Ok(());
+                }
                 let left = if ratio < 0.9 { size * ratio / (1.0 - ratio) } else { size };
                 if left <= control.tolerance && (ratio < 0.9 || size <= 0.1 * control.tolerance) {
                     return Ok(());

@@ -3,7 +3,7 @@
 use crate::commands::{CableDrive, Commands};
 use crate::energy::{Power, energies};
 use crate::error::MotionError;
-use crate::impact::SHORT;
+use crate::impact::PARTS;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::one_stage::OneStage;
 use crate::options::Method;
@@ -54,7 +54,8 @@ impl Simulation {
         let mut cold = false;
         while self.state.time < goal {
             let left = goal - self.state.time;
-            let impact = if self.state.impact_parts > 0 { SHORT } else { 1.0 };
+            let behind_impact = PARTS.len() - self.state.impact_parts;
+            let impact = PARTS.get(behind_impact).copied().unwrap_or(1.0);
             let part = total * impact * 0.5_f64.powi(halvings);
             // What rounding leaves is no part of its own.
             let h = if part > 0.999_999 * left { left } else { part };
@@ -164,8 +165,9 @@ impl Simulation {
         self.next.diagnostics.factorisations += self.solver.factorisations;
         let energy = &self.next.energy;
         let gained = energy.defect() - self.state.energy.defect();
-        let gains = self.next.diagnostics.method == Method::Accurate
-            && gained > GREATEST_GAIN * (energy.kinetic + energy.elastic);
+        let watches = self.next.diagnostics.method == Method::Accurate
+            || !self.solver.contacts.list.is_empty();
+        let gains = watches && gained > GREATEST_GAIN * (energy.kinetic + energy.elastic);
         Ok(Attempt { taken, error, gains })
     }
 
@@ -248,6 +250,7 @@ impl Simulation {
             this.look_for_contacts(h);
             let mut rounds = 0;
             let work = loop {
+                this.solver.contacts.admit_overlap(&this.rod, h);
                 let Self { rod, loads, solver, state, next, .. } = this;
                 let work =
                     scheme.step(Mechanics { rod, loads }, solver, state, next, h, &control)?;
