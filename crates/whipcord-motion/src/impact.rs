@@ -24,7 +24,7 @@ impl Simulation {
     ) -> Result<(f64, f64), Stalled> {
         self.solver.contacts.clear();
         if self.state.contacts.is_empty() && self.state.impact_parts == 0 {
-            let error = self.attempt_by(commands, method, h, warm)?;
+            let error = self.attempt_by(commands, method, h, warm, false)?;
             let Self { rod, solver, state, next, .. } = self;
             let from = (state.base, state.strains.as_slice());
             let to = (next.base, next.strains.as_slice());
@@ -33,7 +33,7 @@ impl Simulation {
             };
             return self.take_to_impact(commands, part, h, warm);
         }
-        let error = self.attempt_by(commands, Method::Robust, h, warm)?;
+        let error = self.attempt_by(commands, Method::Robust, h, warm, true)?;
         match self.first_new_contact(h) {
             Some(part) if self.state.impact_parts == 0 => {
                 self.take_to_impact(commands, part, h, warm)
@@ -55,7 +55,7 @@ impl Simulation {
         self.next.copy_from(&self.state);
         self.next.diagnostics.method = Method::Robust;
         let touched = core::mem::replace(&mut self.state.impact_parts, PARTS.len());
-        let outcome = self.attempt_one_stage(commands, Method::Robust, taken, warm, false);
+        let outcome = self.attempt_one_stage(commands, Method::Robust, taken, warm, false, true);
         self.state.impact_parts = touched;
         let error = outcome?;
         self.next.impacts = self.state.impacts + 1;

@@ -158,7 +158,7 @@ impl Simulation {
         self.next.copy_from(&self.state);
         (self.solver.iterations, self.solver.factorisations) = (0, 0);
         let (error, taken) = match self.solver.contacts.surroundings {
-            None => (self.attempt_by(commands, method, h, warm)?, h),
+            None => (self.attempt_by(commands, method, h, warm, false)?, h),
             Some(_) => self.attempt_among_obstacles(commands, method, h, warm)?,
         };
         self.next.diagnostics.iterations += self.solver.iterations;
@@ -171,20 +171,21 @@ impl Simulation {
         Ok(Attempt { taken, error, gains })
     }
 
-    /// Takes a part of a step by a method, into [`Self::next`]; its estimated error in m.
+    /// Takes a part of a step by a method, into [`Self::next`]; its estimated error in m. Obstacles count where the robot `touches` some.
     pub(crate) fn attempt_by(
         &mut self,
         commands: &Commands,
         method: Method,
         h: f64,
         warm: bool,
+        touches: bool,
     ) -> Result<f64, Stalled> {
         self.next.diagnostics.method = method;
         match method {
             Method::Accurate => self.attempt_accurate(commands, h, warm),
             Method::Energy | Method::Robust => {
                 let estimates = self.options.tolerance.is_some();
-                self.attempt_one_stage(commands, method, h, warm, estimates)
+                self.attempt_one_stage(commands, method, h, warm, estimates, touches)
             }
         }
     }
@@ -237,6 +238,7 @@ impl Simulation {
         h: f64,
         warm: bool,
         estimates: bool,
+        touches: bool,
     ) -> Result<f64, Stalled> {
         let one_step = |this: &mut Self, h: f64| {
             let control = this.control(h, method, warm);
@@ -247,7 +249,9 @@ impl Simulation {
             let end = this.state.time + h;
             this.set_lengths(commands, end);
             this.set_tensions(commands, scheme.time(this.state.time, h));
-            this.look_for_contacts(h);
+            if touches {
+                this.look_for_contacts(h);
+            }
             let mut rounds = 0;
             let work = loop {
                 this.solver.contacts.admit_overlap(&this.rod, h);
@@ -255,7 +259,7 @@ impl Simulation {
                 let work =
                     scheme.step(Mechanics { rod, loads }, solver, state, next, h, &control)?;
                 rounds += 1;
-                if rounds > MOST_ROUNDS || !this.finds_overlap(&scheme.scheme(h)) {
+                if !touches || rounds > MOST_ROUNDS || !this.finds_overlap(&scheme.scheme(h)) {
                     break work;
                 }
                 this.set_tensions(commands, scheme.time(this.state.time, h));
@@ -285,9 +289,6 @@ impl Simulation {
     fn look_for_contacts(&mut self, h: f64) {
         /// Acceleration in m/s² and distance, as a part of the length, that count beside the velocity.
         const MARGIN: [f64; 2] = [20.0, 2e-3];
-        if self.solver.contacts.surroundings.is_none() {
-            return;
-        }
         let fastest = self.state.velocities.iter().map(|v| v.linear.norm()).fold(0.0_f64, f64::max);
         let within = 2.0 * h * fastest + MARGIN[0] * h * h + MARGIN[1] * self.rod.length;
         let Self { rod, loads, solver, state, base, .. } = self;
@@ -300,9 +301,6 @@ impl Simulation {
     fn finds_overlap(&mut self, scheme: &Scheme) -> bool {
         let Self { rod, solver, state, .. } = self;
         let Solver { stage, contacts, .. } = solver;
-        if contacts.surroundings.is_none() {
-            return false;
-        }
         contacts.refresh(rod, scheme, stage);
         contacts.add_overlapping(rod, &state.strains, state.base)
     }

@@ -224,41 +224,43 @@ impl Surroundings {
     /// The part of the way between two shapes at which the robot first overlaps an obstacle by more than `overlap`, if each of its cross-sections moves
     /// straight.
     pub fn first_hit(&self, from: &Posed<'_>, to: &Posed<'_>, overlap: f64) -> Option<f64> {
-        let mut first: Option<f64> = None;
+        // What hits between two watched places is deepest at neither of them.
+        let mut behind = Vec::new();
+        self.near(to, 0.0, f64::INFINITY, &mut behind);
+        let between = behind.iter().map(|near| (near.station, near.member));
+        let all = self.disks.iter().chain(&self.watched).copied().chain(between);
+        let hits = all.filter_map(|(station, member)| {
+            self.first_hit_of(&member, from.at(station), to.at(station), overlap)
+        });
+        hits.min_by(f64::total_cmp)
+    }
+
+    /// The same for one part of the robot.
+    fn first_hit_of(&self, member: &Member, start: Pose, end: Pose, overlap: f64) -> Option<f64> {
+        let way = (start.inverse() * end).log();
+        let moved = (end.position - start.position).norm() + way.angular.norm() * member.body.flat;
         let mut places = Vec::new();
-        for &(station, member) in self.disks.iter().chain(&self.watched) {
-            let (start, end) = (from.at(station), to.at(station));
-            let way = (start.inverse() * end).log();
-            let moved =
-                (end.position - start.position).norm() + way.angular.norm() * member.body.flat;
-            for obstacle in &self.obstacles {
-                let mut gap = |pose: &Pose| {
-                    if member.body.is_ball() {
-                        return obstacle.surface(pose.position).distance - member.body.rounding;
-                    }
-                    member.body.nearest(obstacle, pose, f64::INFINITY, &mut places);
-                    places.iter().map(|near| near.gap).fold(f64::INFINITY, f64::min)
-                };
-                let (at_start, at_end) = (gap(&start), gap(&end));
-                if at_start < -overlap {
-                    // It overlapped before: what counts is that it gets worse.
-                    if at_end < at_start - overlap {
-                        return Some(0.0);
-                    }
-                    continue;
+        let hits = self.obstacles.iter().filter_map(|obstacle| {
+            let mut gap = |pose: &Pose| {
+                if member.body.is_ball() {
+                    return obstacle.surface(pose.position).distance - member.body.rounding;
                 }
-                if at_end >= -overlap && moved <= at_start + at_end {
-                    continue;
-                }
-                let mut at = |t: f64| gap(&(start * Pose::exp(way * t)));
-                if let Some(t) =
-                    first_below(&mut at, at_start, -overlap, [0.5 * member.body.reach(), moved])
-                {
-                    first = Some(first.map_or(t, |known| known.min(t)));
-                }
+                member.body.nearest(obstacle, pose, f64::INFINITY, &mut places);
+                places.iter().map(|near| near.gap).fold(f64::INFINITY, f64::min)
+            };
+            let (at_start, at_end) = (gap(&start), gap(&end));
+            if at_start < -overlap {
+                // It overlapped before: what counts is that it gets worse.
+                return (at_end < at_start - overlap).then_some(0.0);
             }
-        }
-        first
+            if at_end >= -overlap && moved <= at_start + at_end {
+                return None;
+            }
+            let least = 0.5 * member.body.reach();
+            let mut at = |t: f64| gap(&(start * Pose::exp(way * t)));
+            first_below(&mut at, at_start, -overlap, [least, moved])
+        });
+        hits.min_by(f64::total_cmp)
     }
 
     /// How deep in m the robot is in an obstacle, and in which.
