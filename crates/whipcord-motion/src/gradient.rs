@@ -334,7 +334,7 @@ impl Simulation {
         cables: &mut [f64],
     ) -> Result<(), crate::adjoint::NotSolved> {
         let Self { rod, loads, solver, .. } = self;
-        let method = OneStage::damping(RHO, part.before.has_rates);
+        let method = OneStage::damping(RHO, &part.before, part.length);
         let scheme = method.scheme(part.length);
         let back = method.backwards(&scheme, part.length);
         let stage_of = |end: &[Twist], rates: &[Twist]| {

@@ -227,6 +227,7 @@ impl Simulation {
         };
         let end = self.state.time + h;
         self.finish(commands, end, &work);
+        self.next.rates_of = h.max(self.state.rates_of);
         Ok(error)
     }
 
@@ -244,7 +245,7 @@ impl Simulation {
             let control = this.control(h, method, warm);
             let scheme = match method {
                 Method::Energy => OneStage::MIDPOINT,
-                _ => OneStage::damping(RHO, this.state.has_rates),
+                _ => OneStage::damping(RHO, &this.state, h),
             };
             let end = this.state.time + h;
             this.set_lengths(commands, end);
@@ -265,6 +266,11 @@ impl Simulation {
                 this.set_tensions(commands, scheme.time(this.state.time, h));
             };
             this.finish(commands, end, &work);
+            this.next.rates_of = match scheme.uses_rates() {
+                // A longer step forgets what it is given.
+                true => h.max(this.state.rates_of),
+                false => h,
+            };
             Ok(())
         };
         if !estimates {

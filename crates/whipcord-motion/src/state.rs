@@ -101,6 +101,8 @@ pub struct State {
     pub energy: EnergyBalance,
     /// How the last step was computed.
     pub diagnostics: StepDiagnostics,
+    /// Length in s of the step that the rates are of.
+    pub(crate) rates_of: f64,
     /// Parts of steps that were taken since the rates were lost.
     pub(crate) without_rates: usize,
     /// Short parts that still follow an impact.
@@ -144,13 +146,14 @@ impl State {
             motor_outputs,
             energy,
             diagnostics,
+            rates_of,
             without_rates,
             contacts,
             impact_parts,
             impacts,
             commanded,
         } = self;
-        *without_rates = other.without_rates;
+        (*rates_of, *without_rates) = (other.rates_of, other.without_rates);
         (*impact_parts, *impacts) = (other.impact_parts, other.impacts);
         contacts.clone_from(&other.contacts);
         (*time, *base, *has_rates) = (other.time, other.base, other.has_rates);

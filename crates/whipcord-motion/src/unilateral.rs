@@ -1,6 +1,6 @@
 //! What holds a stage by inequalities: cables that are driven by their lengths and contacts, together, eqs. (13) and (19) of the page on motion.
 
-use whipcord::contact::complementarity::Complementarity as WithFriction;
+use whipcord::contact::complementarity as contact_problem;
 use whipcord_numerics::Twist;
 
 use crate::block::dot;
@@ -23,7 +23,12 @@ pub(crate) struct Unilateral {
     before: Vec<f64>,
     forces: Vec<f64>,
     problem: Complementarity,
-    with_friction: WithFriction,
+    with_friction: contact_problem::Complementarity,
+    /// Which contacts are in the problem with friction, and its lines among all.
+    taken: Vec<bool>,
+    lines: Vec<usize>,
+    /// Which contacts stick.
+    sticking: Vec<bool>,
 }
 
 /// Gaps that count as zero, as a part of the length of the backbone.
@@ -94,9 +99,8 @@ impl Unilateral {
         }
         let mut first = cables;
         for (k, contact) in contacts.list.iter_mut().enumerate() {
-            let sticks = self.with_friction.contacts.get(cables + k).is_some_and(|c| c.sticks);
             let lines = contact.lines();
-            contact.take(&self.forces[first..first + lines], sticks);
+            contact.take(&self.forces[first..first + lines], self.sticking[k]);
             first += lines;
         }
         for i in 0..n {
@@ -119,7 +123,6 @@ impl Unilateral {
     fn fill_matrix(&mut self, rod: &Rod, lengths: &Lengths, n: usize) {
         self.matrix.clear();
         self.matrix.resize(n * n, 0.0);
-        let cables = lengths.cables.len();
         for i in 0..n {
             for j in 0..n {
                 let through: f64 =
@@ -133,45 +136,87 @@ impl Unilateral {
                 None => SHARING * *own,
             };
         }
-        debug_assert!(cables <= n);
     }
 
     fn find_forces(&mut self, rod: &Rod, lengths: &Lengths, contacts: &Contacts) -> Option<()> {
-        let n = self.offset.len();
-        self.with_friction.contacts.clear();
+        let least = LEAST_GAP * rod.length;
+        self.sticking.clear();
+        self.sticking.resize(contacts.list.len(), false);
         self.forces.clear();
+        self.forces.resize(self.offset.len(), 0.0);
         if contacts.list.iter().any(|contact| contact.lines() > 1) {
-            let problem = &mut self.with_friction;
-            problem.reset(n);
-            problem.matrix.copy_from_slice(&self.matrix);
-            problem.forces.copy_from_slice(&self.before);
-            for i in 0..n {
-                let row = &self.matrix[i * n..(i + 1) * n];
-                let pushed: f64 = row.iter().zip(&self.before).map(|(m, f)| m * f).sum();
-                problem.gaps[i] = self.offset[i] + pushed;
-            }
-            let mut first = lengths.cables.len();
-            problem.contacts.extend(lengths.cables.iter().enumerate().map(|(i, _)| {
-                let touches = self.before[i] > 0.0;
-                whipcord::contact::complementarity::Contact {
-                    first: i,
-                    coefficient: 0.0,
-                    touches,
-                    sticks: false,
-                }
-            }));
-            for contact in &contacts.list {
-                problem.contacts.push(contact.problem(first));
-                first += contact.lines();
-            }
-            problem.solve().ok()?;
-            self.forces.extend_from_slice(&problem.forces);
-            return Some(());
+            return self.find_forces_with_friction(lengths.cables.len(), contacts, least);
         }
-        self.forces.resize(n, 0.0);
         self.problem.active.clear();
         self.problem.active.extend(self.before.iter().map(|&force| force > 0.0));
-        let least = LEAST_GAP * rod.length;
         self.problem.solve(&self.matrix, &self.offset, least, &mut self.forces).ok()
+    }
+
+    /// With friction there may be several answers, since a contact can jam that could as well stay open: those that did not push are taken in only where
+    /// they overlap otherwise.
+    fn find_forces_with_friction(
+        &mut self,
+        cables: usize,
+        contacts: &Contacts,
+        least: f64,
+    ) -> Option<()> {
+        let Self { matrix, offset, before, forces, with_friction: problem, lines, taken, .. } =
+            self;
+        let n = offset.len();
+        taken.clear();
+        taken.extend(contacts.list.iter().map(|contact| contact.force > 0.0));
+        loop {
+            lines.clear();
+            lines.extend(0..cables);
+            problem.contacts.clear();
+            problem.contacts.extend((0..cables).map(|first| {
+                let touches = before[first] > 0.0;
+                contact_problem::Contact { first, coefficient: 0.0, touches, sticks: false }
+            }));
+            let mut first = cables;
+            for (contact, taken) in contacts.list.iter().zip(&*taken) {
+                if *taken {
+                    problem.contacts.push(contact.problem(lines.len()));
+                    lines.extend(first..first + contact.lines());
+                }
+                first += contact.lines();
+            }
+            let held = core::mem::take(&mut problem.contacts);
+            problem.reset(lines.len());
+            problem.contacts = held;
+            for (i, &line) in lines.iter().enumerate() {
+                let mut pushed = 0.0;
+                for (j, &column) in lines.iter().enumerate() {
+                    let entry = matrix[line * n + column];
+                    problem.matrix[i * lines.len() + j] = entry;
+                    pushed += entry * before[column];
+                }
+                problem.gaps[i] = offset[line] + pushed;
+                problem.forces[i] = before[line];
+            }
+            problem.solve().ok()?;
+            forces.fill(0.0);
+            for (&line, &force) in lines.iter().zip(&problem.forces) {
+                forces[line] = force;
+            }
+            let mut first = cables;
+            let mut overlaps = false;
+            for (contact, taken) in contacts.list.iter().zip(taken.iter_mut()) {
+                let row = &matrix[first * n..(first + 1) * n];
+                let gap = offset[first] + row.iter().zip(&*forces).map(|(m, f)| m * f).sum::<f64>();
+                if !*taken && gap < -least {
+                    (*taken, overlaps) = (true, true);
+                }
+                first += contact.lines();
+            }
+            if !overlaps {
+                break;
+            }
+        }
+        let mut solved = problem.contacts[cables..].iter();
+        for (sticks, taken) in self.sticking.iter_mut().zip(&*taken) {
+            *sticks = *taken && solved.next().is_some_and(|contact| contact.sticks);
+        }
+        Some(())
     }
 }
