@@ -57,8 +57,9 @@ impl Simulation {
             let behind_impact = PARTS.len() - self.state.impact_parts;
             let impact = PARTS.get(behind_impact).copied().unwrap_or(1.0);
             let part = total * impact * 0.5_f64.powi(halvings);
-            // What rounding leaves is no part of its own.
-            let h = if part > 0.999_999 * left { left } else { part };
+            // What rounding leaves is no part of its own; nor, among obstacles, what is much shorter than the others.
+            let whole = if self.solver.contacts.surroundings.is_some() { 0.6 } else { 0.999_999 };
+            let h = if part > whole * left { left } else { part };
             let attempt = self.attempt(commands, h, !cold);
             let limit = self.options.tolerance.map(|tolerance| tolerance * h / total);
             match attempt {
@@ -266,11 +267,8 @@ impl Simulation {
                 this.set_tensions(commands, scheme.time(this.state.time, h));
             };
             this.finish(commands, end, &work);
-            this.next.rates_of = match scheme.uses_rates() {
-                // A longer step forgets what it is given.
-                true => h.max(this.state.rates_of),
-                false => h,
-            };
+            let keeps_rates = scheme.uses_rates() && this.next.contacts.is_empty();
+            this.next.rates_of = if keeps_rates { h.max(this.state.rates_of) } else { h };
             Ok(())
         };
         if !estimates {
