@@ -6,7 +6,8 @@ use whipcord::contact::member::Member;
 use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 use crate::block::{Block, dot};
-use crate::element::NODES;
+use crate::element::{NODES, POINTS};
+use crate::loads::NodeLoad;
 use crate::pose;
 use crate::rod::Rod;
 use crate::stage::{Scheme, Stage};
@@ -454,6 +455,27 @@ impl Contact {
 fn in_section(rotation: UnitQuaternion, force: Vec3, lever: Vec3) -> Twist {
     let back = rotation.conjugate();
     Twist { linear: back.rotate(force), angular: back.rotate(lever.cross(force)) }
+}
+
+/// Adds the push of a contact to loads on the nodes, in the frame of a base that stands at `world` when the motion starts; `poses` are those of the nodes
+/// in the world.
+pub(crate) fn add_push(
+    rod: &Rod,
+    world: Pose,
+    poses: &[Pose],
+    contact: &whipcord::shape::Contact,
+    loads: &mut [NodeLoad],
+) {
+    let station = Station::at(rod, contact.arc_length);
+    let force =
+        contact.normal * contact.force.unwrap_or(0.0) + contact.friction.unwrap_or_default();
+    let back = world.rotation.conjugate();
+    for (a, f) in station.shapes().into_iter().enumerate() {
+        let node = POINTS * station.element + a;
+        let moment = (contact.point - poses[node].position).cross(force);
+        loads[node].force += back.rotate(force) * f;
+        loads[node].moment += back.rotate(moment) * f;
+    }
 }
 
 /// Derivative of the normal of an obstacle by the place, by central differences.

@@ -90,6 +90,13 @@ impl Simulation {
                 advice: "use the method `accurate` or `robust`",
             });
         }
+        if self.solver.contacts.surroundings.is_some() {
+            return Err(MotionError::Unsupported {
+                path: "obstacles".to_owned(),
+                what: "gradients over a motion among obstacles, which is not smooth",
+                advice: "remove the obstacles",
+            });
+        }
         let is_equilibrium = self.options.initial == Initial::Equilibrium;
         let mut record = Record {
             states: vec![self.state.clone()],
