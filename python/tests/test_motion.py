@@ -280,3 +280,23 @@ def test_gradients_of_motions_are_those_of_differences(arm: whipcord.Case, actua
     assert energy(np.ones((2, 2))).ok
     with pytest.raises(ModelError, match="energy"):
         energy.pull_back(np.ones((2, 2)))
+
+
+def test_an_arm_comes_to_rest_on_a_ball() -> None:
+    case = whipcord.load("examples/contact/falling-arm.toml")
+    motion = case.simulate()
+    assert not motion.contacts[0] and motion.contacts[-1]
+    touch = motion.contacts[-1][0]
+    assert touch.obstacle == "ball" and touch.force is not None and touch.force > 0
+    assert touch.friction is not None and np.linalg.norm(touch.friction) <= 0.3 * touch.force * (1 + 1e-6)
+    assert (np.diff(motion.energy["contacts"]) <= 1e-9).all() and motion.energy["contacts"][-1] < 0
+    still = case.solve(model="cosserat")
+    known = sum(of.force or 0.0 for of in still.contacts)
+    assert sum(of.force or 0.0 for of in motion.contacts[-1]) == pytest.approx(known, rel=0.1)
+
+    simulation = whipcord.Simulation(case)
+    while not simulation.state.contacts:
+        simulation.step("5 ms")
+    assert simulation.state.contacts[0].obstacle == "ball" and simulation.time < 1.0
+    with pytest.raises(ModelError, match="obstacles"):
+        simulation.modes(2)

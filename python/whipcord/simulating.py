@@ -17,6 +17,7 @@ from ._tables import Quantity, part, plain
 from .errors import InputError, MotionError
 from .loads import Loads
 from .reaching import in_si, positive
+from .solution import Contact, contacts_of
 
 if TYPE_CHECKING:
     from .case import Case
@@ -71,8 +72,11 @@ class Motion:
     motor_output: Array
     """(N, m) motion of the spool or drive of each motor, behind gear and backlash, in rad or m."""
     energy: Mapping[str, Array]
-    """(N,) energies in J: ``kinetic``, ``elastic``, ``gravity``; what ``cables``, ``loads`` and ``base`` have given and damping has taken
-    (``dissipated``) since the start; and what the integration has added, ``defect``."""
+    """(N,) energies in J: ``kinetic``, ``elastic``, ``gravity``; what ``cables``, ``loads``, ``base`` and obstacles (``contacts``, negative where
+    impacts and friction take energy) have given and damping has taken (``dissipated``) since the start; and what the integration has added,
+    ``defect``."""
+    contacts: tuple[tuple[Contact, ...], ...]
+    """N times the places where the robot touches obstacles."""
     cables: tuple[str, ...]
     """Names of the cables."""
     steps: int
@@ -103,6 +107,7 @@ class Motion:
         for k, name in enumerate(self.cables):
             for what, values in (("tension", self.tension), ("length", self.length), ("slack", self.slack)):
                 columns[f"{what}:{name}"] = values[:, k].copy()
+        columns["contact_force"] = np.array([sum(of.force or 0.0 for of in touching) for touching in self.contacts])
         return columns | dict(self.energy)
 
     def to_pandas(self) -> Any:
@@ -176,6 +181,8 @@ class State:
     """(m,) motion of the spool or drive of each motor in rad or m."""
     energy: Mapping[str, float]
     """Energies in J, as of :class:`Motion`."""
+    contacts: tuple[Contact, ...]
+    """The places where the robot touches obstacles."""
     _inner: _core.SimulationState = field(repr=False)
 
     @property
@@ -357,8 +364,9 @@ class Simulation:
             values = self._inner.read()
             energy = {name: float(value[0]) for name, value in values.pop("energy").items()}
             time = float(values.pop("time")[0])
+            (contacts,) = map(contacts_of, values.pop("contacts"))
             rows = {name: value[0] for name, value in values.items()}
-            self._read = State(time=time, energy=energy, _inner=self._inner.state(), **rows)
+            self._read = State(time=time, energy=energy, contacts=contacts, _inner=self._inner.state(), **rows)
         return self._read
 
     def restore(self, state: State) -> None:
@@ -467,6 +475,7 @@ def simulate(
     setup = setup_of(case, duration=duration, **options)
     values, failed = _core.simulate(setup, seconds(timeout))
     names = tuple(cable.name for cable in case.robot.cables)
+    values["contacts"] = tuple(map(contacts_of, values["contacts"]))
     motion = Motion(cables=names, ok=failed is None, **values)
     if failed is None:
         return motion

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -134,6 +135,21 @@ class Contact:
     """Whether friction keeps it from sliding."""
     gap: float
     """Distance between robot and obstacle in m; negative where they overlap by a remainder of the iteration."""
+
+
+def contacts_of(touching: Iterable[Mapping[str, Any]]) -> tuple[Contact, ...]:
+    """Contacts from their values by name."""
+    return tuple(
+        Contact(
+            **{
+                **touch,
+                "point": np.array(touch["point"]),
+                "normal": np.array(touch["normal"]),
+                "friction": None if touch["friction"] is None else np.array(touch["friction"]),
+            }
+        )
+        for touch in touching
+    )
 
 
 @dataclass(frozen=True)
@@ -392,17 +408,7 @@ class Solution:
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
         """Where the robot touches the obstacles of its case."""
-        return tuple(
-            Contact(
-                **{
-                    **touch,
-                    "point": np.array(touch["point"]),
-                    "normal": np.array(touch["normal"]),
-                    "friction": None if touch["friction"] is None else np.array(touch["friction"]),
-                }
-            )
-            for touch in self._answer.contacts
-        )
+        return contacts_of(self._answer.contacts)
 
     @cached_property
     def grasps(self) -> tuple[Grasp, ...]:

@@ -4,6 +4,7 @@ use whipcord::Wrench;
 use whipcord_numerics::Vec3;
 
 use crate::commands::Commands;
+use crate::contacts::add_push;
 use crate::error::MotionError;
 use crate::linear::{Linearized, Rates};
 use crate::modes::{self, Mode};
@@ -23,9 +24,11 @@ impl Simulation {
     /// Cables that commands drive by their lengths and that are taut are held at these; the others keep their tensions.
     ///
     /// # Errors
-    /// [`MotionError::Count`] for commands of other cables, [`MotionError::NoModes`] where the stiffness of the state is singular.
+    /// [`MotionError::Count`] for commands of other cables, [`MotionError::NoModes`] where the stiffness of the state is singular,
+    /// [`MotionError::Unsupported`] where the robot touches an obstacle.
     pub fn modes(&mut self, commands: &Commands, count: usize) -> Result<Vec<Mode>, MotionError> {
         commands.check(&self.robot)?;
+        self.refuse_contact("natural vibrations of a robot that touches an obstacle")?;
         self.take_stage();
         let is_held =
             |&i: &usize| self.is_by_length(commands, i) && self.state.cables[i].tension > 0.0;
@@ -50,18 +53,32 @@ impl Simulation {
     }
 
     /// The motion linearised about the state, with the tensions of all cables as inputs.
-    #[must_use]
-    pub fn linearize(&mut self) -> Linearized {
+    ///
+    /// # Errors
+    /// [`MotionError::Unsupported`] where the robot touches an obstacle: its motion is not smooth there.
+    pub fn linearize(&mut self) -> Result<Linearized, MotionError> {
+        self.refuse_contact("the linearisation of a motion in contact")?;
         self.take_stage();
         let Self { rod, loads, solver, state, .. } = self;
         let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();
         let mut rates = Rates::new(rod, loads, solver, state.time);
-        rates.linearized(&state.velocities, &state.strains, &tensions)
+        Ok(rates.linearized(&state.velocities, &state.strains, &tensions))
+    }
+
+    fn refuse_contact(&self, what: &'static str) -> Result<(), MotionError> {
+        if self.state.contacts.is_empty() {
+            return Ok(());
+        }
+        Err(MotionError::Unsupported {
+            path: "obstacles".to_owned(),
+            what,
+            advice: "ask at a state in which it touches none, or remove the obstacle",
+        })
     }
 
     /// Puts the state into the stage of the solver.
     fn take_stage(&mut self) {
-        let Self { loads, solver, state, .. } = self;
+        let Self { rod, loads, solver, state, base, .. } = self;
         let stage = &mut solver.stage;
         stage.strains.copy_from_slice(&state.strains);
         stage.velocities.copy_from_slice(&state.velocities);
@@ -70,6 +87,10 @@ impl Simulation {
             *tension = cable.tension;
         }
         loads.at(state.time, &mut stage.loads);
+        // What obstacles push with is a load of the state.
+        for contact in &state.contacts {
+            add_push(rod, *base, &state.poses, contact, &mut stage.loads);
+        }
     }
 
     /// Force in N and moment about the base in N·m that the base exerts on robot and cables, in the world: the cables leave the robot through the base.

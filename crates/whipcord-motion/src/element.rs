@@ -19,7 +19,8 @@ pub(crate) const SHAPES: [[f64; NODES]; POINTS] =
 pub(crate) const SLOPES: [[f64; NODES]; POINTS] =
     [slopes(GAUSS_2.nodes[0]), slopes(GAUSS_2.nodes[1])];
 
-const fn shapes(x: f64) -> [f64; NODES] {
+/// Values of the shape functions at a fraction of the element.
+pub(crate) const fn shapes(x: f64) -> [f64; NODES] {
     [2.0 * (x - 0.5) * (x - 1.0), -4.0 * x * (x - 1.0), 2.0 * x * (x - 0.5)]
 }
 
@@ -67,6 +68,17 @@ pub(crate) fn poses(start: Pose, points: &[Twist], h: f64) -> [Pose; 2] {
     [middle, middle * motion(strain_at(points, 0.75), change, 0.5 * h)]
 }
 
+/// Pose at a fraction of an element of length `h` from the poses of its first two nodes.
+#[inline]
+pub(crate) fn pose_at(nodes: &[Pose], points: &[Twist], h: f64, x: f64) -> Pose {
+    let [from, to] = GAUSS_2.nodes;
+    let slope = (points[1] - points[0]) * (1.0 / (to - from));
+    let node = if x < PLACES[1] { 0 } else { 1 };
+    let part = x - PLACES[node];
+    let middle = strain_at(points, PLACES[node] + 0.5 * part);
+    nodes[node] * motion(middle, slope * part, part * h)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,6 +96,23 @@ mod tests {
                 assert!((value - at(x)).abs() < 1e-15 && (slope - exact).abs() < 1e-14);
             }
         }
+    }
+
+    #[test]
+    fn poses_inside_an_element_meet_those_of_its_nodes() {
+        let points = [0.8, 1.3].map(|u| Twist {
+            linear: Vec3::new(0.1, 0.0, 1.0),
+            angular: Vec3::new(u, 1.0 - u, 0.3 * u),
+        });
+        let h = 0.3;
+        let [middle, end] = poses(Pose::IDENTITY, &points, h);
+        let nodes = [Pose::IDENTITY, middle];
+        for (x, known) in [(0.0, Pose::IDENTITY), (0.5, middle), (1.0, end)] {
+            let found = pose_at(&nodes, &points, h, x);
+            assert!((found.position - known.position).norm() < 1e-15);
+        }
+        let before = pose_at(&nodes, &points, h, 0.5 - 1e-9);
+        assert!((before.position - middle.position).norm() < 1e-9);
     }
 
     /// Against the sixth-order series in many small steps: order 4.

@@ -37,6 +37,8 @@ pub(crate) struct Power {
     pub loads: f64,
     /// Of the base where it moves.
     pub base: f64,
+    /// Of obstacles on the robot.
+    pub contacts: f64,
     /// What damping and drag take.
     pub dissipated: f64,
 }
@@ -82,6 +84,7 @@ impl Power {
         self.cables += f * other.cables;
         self.loads += f * other.loads;
         self.base += f * other.base;
+        self.contacts += f * other.contacts;
         self.dissipated += f * other.dissipated;
     }
 }

@@ -16,8 +16,12 @@ use crate::stage::Scheme;
 const MOST: usize = 60;
 /// Change of the strains at the end.
 const TOLERANCE: f64 = 1e-12;
+/// Distance of what may touch, as a part of the length.
+const NEAR: f64 = 5e-3;
 /// Change below which rounding may be what is left.
 const ROUNDING: f64 = 1e-9;
+/// The same where the robot touches: the place on the rim of a disk moves with the iteration.
+const ROUNDING_IN_CONTACT: f64 = 1e-7;
 
 /// Finds the equilibrium of a case, whose commands are those before the start, as the tensions and lengths in the solver are; its strains and
 /// tensions are left in the stage.
@@ -39,6 +43,10 @@ pub(crate) fn find(
         *tension = cable.tension.unwrap_or(*tension);
     }
     loads.at(0.0, &mut solver.stage.loads);
+    let known = (solution.contacts.as_slice(), statics.base);
+    let within = NEAR * rod.length;
+    solver.contacts.base = solver.stage.base;
+    solver.contacts.begin(rod, solver.stage.base, &solver.stage.strains, within, known);
     let mut change = f64::INFINITY;
     for _ in 0..MOST {
         let stage = &mut solver.stage;
@@ -48,7 +56,8 @@ pub(crate) fn find(
         stage.start.copy_from_slice(&stage.strains);
         let before = change;
         change = solver.iterate(mechanics, &Scheme::STATICS, true).unwrap_or(f64::INFINITY);
-        if change < TOLERANCE || (change < ROUNDING && change > 0.5 * before) {
+        let rounding = if solver.contacts.list.is_empty() { ROUNDING } else { ROUNDING_IN_CONTACT };
+        if change < TOLERANCE || (change < rounding && change > 0.5 * before) {
             solver.stage.velocities.fill(Twist::default());
             return Ok(());
         }

@@ -27,6 +27,17 @@ pub enum MotionError {
         change: f64,
     },
 
+    /// The motion would start inside of an obstacle.
+    #[error(
+        "the robot would start {:.2} mm deep in obstacles[{obstacle}]: move the obstacle or the base, or start from the equilibrium", depth * 1e3
+    )]
+    Overlap {
+        /// Which obstacle.
+        obstacle: usize,
+        /// How deep in m.
+        depth: f64,
+    },
+
     /// Motion needs a quantity that the robot does not give.
     #[error("the motion needs `{path}`: {advice}")]
     Missing {

@@ -90,6 +90,13 @@ impl Simulation {
                 advice: "use the method `accurate` or `robust`",
             });
         }
+        if self.solver.contacts.surroundings.is_some() {
+            return Err(MotionError::Unsupported {
+                path: "obstacles".to_owned(),
+                what: "gradients over a motion among obstacles, which is not smooth",
+                advice: "remove the obstacles",
+            });
+        }
         let is_equilibrium = self.options.initial == Initial::Equilibrium;
         let mut record = Record {
             states: vec![self.state.clone()],
@@ -334,7 +341,7 @@ impl Simulation {
         cables: &mut [f64],
     ) -> Result<(), crate::adjoint::NotSolved> {
         let Self { rod, loads, solver, .. } = self;
-        let method = OneStage::damping(RHO, part.before.has_rates);
+        let method = OneStage::damping(RHO, &part.before, part.length);
         let scheme = method.scheme(part.length);
         let back = method.backwards(&scheme, part.length);
         let stage_of = |end: &[Twist], rates: &[Twist]| {

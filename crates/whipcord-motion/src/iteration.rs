@@ -2,11 +2,14 @@
 
 use whipcord_numerics::Vec3;
 
+use crate::contacts::Contacts;
 use crate::lengths::Lengths;
 use crate::loads::NodeLoads;
 use crate::pose;
 use crate::rod::Rod;
 use crate::stage::{Scheme, Stage};
+use crate::surroundings::Surroundings;
+use crate::unilateral::Unilateral;
 
 /// What moves: the rod and what acts on it.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +40,8 @@ pub(crate) struct Stalled(pub f64);
 pub(crate) struct Solver {
     pub stage: Stage,
     pub lengths: Lengths,
+    pub contacts: Contacts,
+    unilateral: Unilateral,
     /// Drag in N·s/m² along the axes of the sections.
     pub drag: Vec3,
     /// Whether the linearisation at hand is of this step.
@@ -55,10 +60,12 @@ const SLOW: f64 = 0.3;
 const ROUNDING: f64 = 1e-9;
 
 impl Solver {
-    pub fn new(rod: &Rod, drag: Vec3) -> Self {
+    pub fn new(rod: &Rod, drag: Vec3, surroundings: Option<Surroundings>) -> Self {
         Self {
             stage: Stage::new(rod),
             lengths: Lengths::new(rod),
+            contacts: Contacts::new(rod, surroundings),
+            unilateral: Unilateral::new(rod),
             drag,
             is_linearised: false,
             iterations: 0,
@@ -73,7 +80,7 @@ impl Solver {
         scheme: &Scheme,
         control: &Control,
     ) -> Result<(), Stalled> {
-        let reuses = control.reuses && self.lengths.cables.is_empty();
+        let reuses = control.reuses && !self.has_inequalities();
         let (mut before, mut since_fresh, mut growths) = (f64::INFINITY, 0, 0);
         for number in 0..MOST {
             let fresh = !(reuses && self.is_linearised) || since_fresh >= MOST_REUSES;
@@ -88,6 +95,11 @@ impl Solver {
                     return Ok(());
                 }
             } else {
+                // Where a body touches is known to rounding of its own.
+                let settles = !self.contacts.list.is_empty() && number > 0 && ratio > 0.5;
+                if settles && size < ROUNDING {
+                    return Ok(());
+                }
                 let left = if ratio < 0.9 { size * ratio / (1.0 - ratio) } else { size };
                 if left <= control.tolerance && (ratio < 0.9 || size <= 0.1 * control.tolerance) {
                     return Ok(());
@@ -107,6 +119,11 @@ impl Solver {
         Err(Stalled(before))
     }
 
+    /// Whether cables are driven by their lengths or obstacles are near.
+    pub fn has_inequalities(&self) -> bool {
+        !(self.lengths.cables.is_empty() && self.contacts.list.is_empty())
+    }
+
     /// One iteration; the size of its change.
     pub fn iterate(
         &mut self,
@@ -116,13 +133,18 @@ impl Solver {
     ) -> Option<f64> {
         let Mechanics { rod, loads } = mechanics;
         let stage = &mut self.stage;
-        if loads.any_dead {
+        let touches = !self.contacts.list.is_empty();
+        if loads.any_dead || touches {
             pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
             if scheme.conserves {
                 stage.find_conserving_forces(rod, loads.gravity, scheme);
             }
         }
         stage.assemble(rod, scheme, loads.gravity, self.drag, fresh);
+        if touches {
+            self.contacts.refresh(rod, scheme, stage);
+            self.contacts.add_forces(scheme, stage, fresh);
+        }
         self.iterations += 1;
         if fresh {
             self.is_linearised = false;
@@ -134,8 +156,8 @@ impl Solver {
         for change in &mut stage.residual {
             *change = *change * -1.0;
         }
-        if !self.lengths.cables.is_empty() {
-            self.lengths.solve(rod, scheme, stage)?;
+        if touches || !self.lengths.cables.is_empty() {
+            self.unilateral.solve(rod, scheme, stage, &self.lengths, &mut self.contacts)?;
         }
         stage.advance(rod);
         Some(stage.size_of_change(rod, scheme))

@@ -3,89 +3,24 @@
 use whipcord_numerics::Twist;
 
 use crate::block::{dot, transposed_bracket};
-use crate::complementarity::Complementarity;
 use crate::element::{POINTS, add_to_nodes};
 use crate::rod::Rod;
 use crate::stage::{Pull, Scheme, Stage};
 
-/// The cables that are driven by their lengths, and the linear system of their tensions.
+/// The cables that are driven by their lengths.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lengths {
     /// Their numbers.
     pub cables: Vec<usize>,
     /// Length in m of each at the end of the step, where it has no tension.
     pub targets: Vec<f64>,
-    /// What a tension of 1 N exerts on the nodes, then the velocities that it takes away.
-    columns: Vec<Vec<Twist>>,
-    /// What a change of the velocities adds to the length.
-    rows: Vec<Vec<Twist>>,
-    matrix: Vec<f64>,
-    offset: Vec<f64>,
-    tensions: Vec<f64>,
-    problem: Complementarity,
 }
-
-/// Gaps that count as zero, as a part of the length of the backbone.
-const LEAST_GAP: f64 = 1e-15;
 
 impl Lengths {
     /// Room for all cables of a rod.
     pub fn new(rod: &Rod) -> Self {
         let count = rod.cables.len();
-        let list = || vec![vec![Twist::default(); rod.nodes.len()]; count];
-        Self {
-            cables: Vec::with_capacity(count),
-            targets: Vec::with_capacity(count),
-            columns: list(),
-            rows: list(),
-            matrix: Vec::with_capacity(count * count),
-            offset: Vec::with_capacity(count),
-            tensions: Vec::with_capacity(count),
-            problem: Complementarity::default(),
-        }
-    }
-
-    /// Finds the tensions at which velocities and lengths go together, in the linearisation of the stage, whose residual is already solved
-    /// for. Writes the tensions, and adds what their change does to the velocities. `None` where the system is singular.
-    pub fn solve(&mut self, rod: &Rod, scheme: &Scheme, stage: &mut Stage) -> Option<()> {
-        let n = self.cables.len();
-        self.matrix.clear();
-        self.matrix.resize(n * n, 0.0);
-        self.offset.clear();
-        for i in 0..n {
-            let cable = self.cables[i];
-            let length = self.linearise(rod, scheme, stage, i);
-            let of_free: f64 =
-                self.rows[i].iter().zip(&stage.residual).map(|(c, x)| dot(c, x)).sum();
-            let line = &rod.cables[cable];
-            let target = self.targets[i] - line.compliance * line.pretension;
-            self.offset.push(target - length - of_free);
-            stage.matrix.solve(&mut self.columns[i]);
-        }
-        for i in 0..n {
-            for j in 0..n {
-                let through: f64 =
-                    self.rows[i].iter().zip(&self.columns[j]).map(|(c, y)| dot(c, y)).sum();
-                self.matrix[i * n + j] = through;
-                self.offset[i] -= through * stage.tensions[self.cables[j]];
-            }
-            self.matrix[i * n + i] += rod.cables[self.cables[i]].compliance;
-        }
-        self.tensions.clear();
-        self.tensions.resize(n, 0.0);
-        self.problem.active.clear();
-        self.problem.active.extend(self.cables.iter().map(|&cable| stage.tensions[cable] > 0.0));
-        let least = LEAST_GAP * rod.length;
-        self.problem.solve(&self.matrix, &self.offset, least, &mut self.tensions).ok()?;
-        for i in 0..n {
-            let tension = &mut stage.tensions[self.cables[i]];
-            let change = self.tensions[i] - *tension;
-            *tension = self.tensions[i];
-            for (x, y) in stage.residual.iter_mut().zip(&self.columns[i]) {
-                *x = *x - *y * change;
-            }
-        }
-        Some(())
+        Self { cables: Vec::with_capacity(count), targets: Vec::with_capacity(count) }
     }
 
     /// What a tension of 1 N in a cable exerts on the nodes at the strains of a stage.
@@ -109,10 +44,18 @@ impl Lengths {
         column
     }
 
-    /// Fills the column and the row of a cable; returns its length at the end of the step with what its strains lack.
-    fn linearise(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, i: usize) -> f64 {
+    /// Fills column and row of a cable: what a tension of 1 N exerts on the nodes, and what a change of the velocities adds to the length. Returns by how
+    /// much the cable without stretch is longer than its path at the end of the step, with what the strains lack.
+    pub fn linearise(
+        &self,
+        rod: &Rod,
+        scheme: &Scheme,
+        stage: &Stage,
+        i: usize,
+        column: &mut [Twist],
+        row: &mut [Twist],
+    ) -> f64 {
         let cable = self.cables[i];
-        let (column, row) = (&mut self.columns[i], &mut self.rows[i]);
         column.fill(Twist::default());
         row.fill(Twist::default());
         let count = rod.cables.len();
@@ -137,6 +80,7 @@ impl Lengths {
             add_to_nodes(&mut row[2 * e..], &slope, &value, weight, k, h);
         }
         row[0] = Twist::default();
-        length
+        let line = &rod.cables[cable];
+        self.targets[i] - line.compliance * line.pretension - length
     }
 }

@@ -8,6 +8,9 @@ use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::stage::Scheme;
 use crate::state::State;
 
+/// Rates of a step say nothing of one that is longer by more than this: they are those of faster vibrations.
+const FASTEST_GROWTH: f64 = 5.0;
+
 /// Coefficients of a step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OneStage {
@@ -38,13 +41,19 @@ impl OneStage {
     /// Euler's implicit rule, for steps from unknown rates.
     const EULER: Self = Self { rate_place: 1.0, place: 1.0, gamma: 1.0, conserves: false };
 
-    /// The generalised-α method whose vibrations that are too fast for the step shrink by ρ a step; from unknown rates Euler's implicit rule.
-    pub fn damping(rho: f64, has_rates: bool) -> Self {
-        if !has_rates {
+    /// The generalised-α method whose vibrations that are too fast for the step shrink by ρ a step; from unknown rates, and from those of much shorter
+    /// steps, Euler's implicit rule.
+    pub fn damping(rho: f64, from: &State, h: f64) -> Self {
+        if !from.has_rates || h > FASTEST_GROWTH * from.rates_of {
             return Self::EULER;
         }
         let (rate_place, place) = (0.5 * (3.0 - rho) / (1.0 + rho), 1.0 / (1.0 + rho));
         Self { rate_place, place, gamma: 0.5 + rate_place - place, conserves: false }
+    }
+
+    /// Whether the rates before a step count in it.
+    pub fn uses_rates(&self) -> bool {
+        self.gamma != self.rate_place
     }
 
     /// Where in a step of length `h` loads and tensions are taken.
@@ -87,7 +96,11 @@ impl OneStage {
         let scheme = self.scheme(h);
         solver.is_linearised = false;
         let carried = self.carried(h);
-        let ahead = if control.predicts && from.has_rates { self.place * h } else { 0.0 };
+        let ahead = if control.predicts && from.has_rates && h <= FASTEST_GROWTH * from.rates_of {
+            self.place * h
+        } else {
+            0.0
+        };
         let stage = &mut solver.stage;
         loads.at(self.time(from.time, h), &mut stage.loads);
         stage.start.copy_from_slice(&from.strains);
@@ -104,7 +117,8 @@ impl OneStage {
         solver.solve(mechanics, &scheme, control)?;
         let stage = &solver.stage;
         let mut work = Power::default();
-        work.add(h, &Power::at(rod, stage, &scheme, solver.drag));
+        let power = Power::at(rod, stage, &scheme, solver.drag);
+        work.add(h, &Power { contacts: solver.contacts.power(stage), ..power });
         let end = |to: &mut [Twist],
                    to_rates: &mut [Twist],
                    from: &[Twist],

@@ -3,11 +3,13 @@
 use crate::commands::{CableDrive, Commands};
 use crate::energy::{Power, energies};
 use crate::error::MotionError;
-use crate::iteration::{Control, Mechanics, Stalled};
+use crate::impact::PARTS;
+use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::one_stage::OneStage;
 use crate::options::Method;
 use crate::pose;
 use crate::simulation::Simulation;
+use crate::stage::Scheme;
 use crate::state::{CableMotion, State};
 
 /// ρ of [`Method::Robust`].
@@ -19,12 +21,16 @@ const GREATEST_GAIN: f64 = 5e-3;
 const HALVINGS_FOR_ENERGY: i32 = 3;
 /// Steps without rates behind a jump, where cables are driven by their lengths.
 const AFTER_IMPACT: usize = 2;
+/// So often a step is repeated with contacts that were not looked for before.
+const MOST_ROUNDS: usize = 6;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
 
 /// A part of a step that has been solved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Attempt {
+    /// Its length in s.
+    taken: f64,
     /// Its estimated error in m.
     error: f64,
     /// Whether the integration has added more energy than it should.
@@ -48,13 +54,16 @@ impl Simulation {
         let mut cold = false;
         while self.state.time < goal {
             let left = goal - self.state.time;
-            let part = total * 0.5_f64.powi(halvings);
-            // What rounding leaves is no part of its own.
-            let h = if part > 0.999_999 * left { left } else { part };
+            let behind_impact = PARTS.len() - self.state.impact_parts;
+            let impact = PARTS.get(behind_impact).copied().unwrap_or(1.0);
+            let part = total * impact * 0.5_f64.powi(halvings);
+            // What rounding leaves is no part of its own; nor, among obstacles, what is much shorter than the others.
+            let whole = if self.solver.contacts.surroundings.is_some() { 0.6 } else { 0.999_999 };
+            let h = if part > whole * left { left } else { part };
             let attempt = self.attempt(commands, h, !cold);
             let limit = self.options.tolerance.map(|tolerance| tolerance * h / total);
             match attempt {
-                Ok(Attempt { error, gains })
+                Ok(Attempt { taken: h, error, gains })
                     if limit.is_none_or(|limit| error <= limit)
                         && !(gains && halvings < HALVINGS_FOR_ENERGY) =>
                 {
@@ -149,21 +158,37 @@ impl Simulation {
         let method = if by_length { Method::Robust } else { self.options.method };
         self.next.copy_from(&self.state);
         (self.solver.iterations, self.solver.factorisations) = (0, 0);
-        self.next.diagnostics.method = method;
-        let error = match method {
-            Method::Accurate => self.attempt_accurate(commands, h, warm)?,
-            Method::Energy | Method::Robust => {
-                let estimates = self.options.tolerance.is_some();
-                self.attempt_one_stage(commands, method, h, warm, estimates)?
-            }
+        let (error, taken) = match self.solver.contacts.surroundings {
+            None => (self.attempt_by(commands, method, h, warm, false)?, h),
+            Some(_) => self.attempt_among_obstacles(commands, method, h, warm)?,
         };
         self.next.diagnostics.iterations += self.solver.iterations;
         self.next.diagnostics.factorisations += self.solver.factorisations;
         let energy = &self.next.energy;
         let gained = energy.defect() - self.state.energy.defect();
-        let gains = method == Method::Accurate
-            && gained > GREATEST_GAIN * (energy.kinetic + energy.elastic);
-        Ok(Attempt { error, gains })
+        let watches = self.next.diagnostics.method == Method::Accurate
+            || !self.solver.contacts.list.is_empty();
+        let gains = watches && gained > GREATEST_GAIN * (energy.kinetic + energy.elastic);
+        Ok(Attempt { taken, error, gains })
+    }
+
+    /// Takes a part of a step by a method, into [`Self::next`]; its estimated error in m. Obstacles count where the robot `touches` some.
+    pub(crate) fn attempt_by(
+        &mut self,
+        commands: &Commands,
+        method: Method,
+        h: f64,
+        warm: bool,
+        touches: bool,
+    ) -> Result<f64, Stalled> {
+        self.next.diagnostics.method = method;
+        match method {
+            Method::Accurate => self.attempt_accurate(commands, h, warm),
+            Method::Energy | Method::Robust => {
+                let estimates = self.options.tolerance.is_some();
+                self.attempt_one_stage(commands, method, h, warm, estimates, touches)
+            }
+        }
     }
 
     /// How the stages of a step of length `h` are iterated. A change of the strains in a short step is a large one of the velocities, and many short
@@ -203,30 +228,47 @@ impl Simulation {
         };
         let end = self.state.time + h;
         self.finish(commands, end, &work);
+        self.next.rates_of = h.max(self.state.rates_of);
         Ok(error)
     }
 
     /// A step by a method with one stage. To estimate its error it is repeated in halves, whose result is taken.
-    fn attempt_one_stage(
+    pub(crate) fn attempt_one_stage(
         &mut self,
         commands: &Commands,
         method: Method,
         h: f64,
         warm: bool,
         estimates: bool,
+        touches: bool,
     ) -> Result<f64, Stalled> {
         let one_step = |this: &mut Self, h: f64| {
             let control = this.control(h, method, warm);
             let scheme = match method {
                 Method::Energy => OneStage::MIDPOINT,
-                _ => OneStage::damping(RHO, this.state.has_rates),
+                _ => OneStage::damping(RHO, &this.state, h),
             };
             let end = this.state.time + h;
             this.set_lengths(commands, end);
             this.set_tensions(commands, scheme.time(this.state.time, h));
-            let Self { rod, loads, solver, state, next, .. } = this;
-            let work = scheme.step(Mechanics { rod, loads }, solver, state, next, h, &control)?;
+            if touches {
+                this.look_for_contacts(h);
+            }
+            let mut rounds = 0;
+            let work = loop {
+                this.solver.contacts.admit_overlap(&this.rod, h);
+                let Self { rod, loads, solver, state, next, .. } = this;
+                let work =
+                    scheme.step(Mechanics { rod, loads }, solver, state, next, h, &control)?;
+                rounds += 1;
+                if !touches || rounds > MOST_ROUNDS || !this.finds_overlap(&scheme.scheme(h)) {
+                    break work;
+                }
+                this.set_tensions(commands, scheme.time(this.state.time, h));
+            };
             this.finish(commands, end, &work);
+            let keeps_rates = scheme.uses_rates() && this.next.contacts.is_empty();
+            this.next.rates_of = if keeps_rates { h.max(this.state.rates_of) } else { h };
             Ok(())
         };
         if !estimates {
@@ -245,6 +287,26 @@ impl Simulation {
         }
         pose::nodes(rod, solver.stage.base, &next.strains, &mut solver.stage.poses);
         Ok(pose::displacement(rod, &solver.stage.poses, &accurate.error))
+    }
+
+    /// Looks for obstacles that the robot may touch in a step of length `h` from its state: as far as it may come in that time.
+    fn look_for_contacts(&mut self, h: f64) {
+        /// Acceleration in m/s² and distance, as a part of the length, that count beside the velocity.
+        const MARGIN: [f64; 2] = [20.0, 2e-3];
+        let fastest = self.state.velocities.iter().map(|v| v.linear.norm()).fold(0.0_f64, f64::max);
+        let within = 2.0 * h * fastest + MARGIN[0] * h * h + MARGIN[1] * self.rod.length;
+        let Self { rod, loads, solver, state, base, .. } = self;
+        solver.contacts.base = loads.base_pose(state.base, state.time, h);
+        let known = (state.contacts.as_slice(), *base);
+        solver.contacts.begin(rod, state.base, &state.strains, within, known);
+    }
+
+    /// Whether the robot overlaps an obstacle behind a step where no contact was looked for; there is one then.
+    fn finds_overlap(&mut self, scheme: &Scheme) -> bool {
+        let Self { rod, solver, state, .. } = self;
+        let Solver { stage, contacts, .. } = solver;
+        contacts.refresh(rod, scheme, stage);
+        contacts.add_overlapping(rod, &state.strains, state.base)
     }
 
     /// Takes a step whole, into [`Self::whole`], and in halves, into [`Self::next`]; leaves the state in the middle.
@@ -320,6 +382,7 @@ impl Simulation {
         energy.cables = state.energy.cables + work.cables;
         energy.loads = state.energy.loads + work.loads;
         energy.base = state.energy.base + work.base;
+        energy.contacts = state.energy.contacts + work.contacts;
         energy.dissipated = state.energy.dissipated + work.dissipated;
         if next.diagnostics.method == Method::Energy {
             let back = base.rotation.conjugate();
@@ -331,8 +394,11 @@ impl Simulation {
         next.time = time;
         // Behind a jump of a length the rates of the first step are those of an impact, which do not last.
         next.without_rates = if state.has_rates { 0 } else { state.without_rates + 1 };
-        next.has_rates = solver.lengths.cables.is_empty()
-            || state.has_rates
-            || next.without_rates >= AFTER_IMPACT;
+        next.impact_parts = state.impact_parts.saturating_sub(1);
+        next.has_rates = next.impact_parts == 0
+            && (solver.lengths.cables.is_empty()
+                || state.has_rates
+                || next.without_rates >= AFTER_IMPACT);
+        solver.contacts.report(*base, rod, &mut next.contacts);
     }
 }

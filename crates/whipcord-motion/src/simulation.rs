@@ -13,6 +13,7 @@ use crate::loads::NodeLoads;
 use crate::options::{Initial, MotionOptions, Start};
 use crate::rod::Rod;
 use crate::state::{CableMotion, State};
+use crate::surroundings::Surroundings;
 
 /// The motion of a robot.
 ///
@@ -72,7 +73,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`MotionError`] where the case does not fit the robot, the robot has no mass or no stiffness, a part of robot or case has no dynamics
-    /// here (friction, obstacles), or there is no equilibrium to start from.
+    /// here (friction, movable objects), or there is no equilibrium to start from.
     pub fn new(robot: &Robot, case: &Case, options: MotionOptions) -> Result<Self, MotionError> {
         let commands = Commands::of_case(robot, case);
         Self::with_commands(robot, case, &commands, options)
@@ -91,13 +92,6 @@ impl Simulation {
         options.check()?;
         case.check(robot)?;
         commands.check(robot)?;
-        if !case.obstacles.is_empty() {
-            return Err(MotionError::Unsupported {
-                path: "obstacles".to_owned(),
-                what: "contact with obstacles",
-                advice: "remove the obstacles, or solve the statics with steps of actuation",
-            });
-        }
         for of in &options.loads {
             let with_loads = Case { loads: of.loads.clone(), ..case.clone() };
             with_loads.check(robot)?;
@@ -107,7 +101,7 @@ impl Simulation {
         let rod = Rod::new(robot, &all, &options)?;
         let loads = NodeLoads::new(&rod, case, &options);
         let drag = Vec3::new(options.drag.across, options.drag.across, options.drag.along);
-        let solver = Solver::new(&rod, drag);
+        let solver = Solver::new(&rod, drag, Surroundings::new(robot, &rod, case)?);
         let state = State {
             velocities: vec![Twist::default(); rod.nodes.len()],
             strains: rod.points.iter().map(|point| point.rest).collect(),
@@ -217,6 +211,7 @@ impl Simulation {
         commands.check(&self.robot)?;
         self.before.copy_from(&self.state);
         self.state.diagnostics = Default::default();
+        self.state.impacts = 0;
         let end = self.state.time + dt;
         loop {
             let time = self.state.time;
@@ -291,6 +286,20 @@ impl Simulation {
         Ok(())
     }
 
+    /// A motion that starts inside of an obstacle would begin with an explosion.
+    fn refuse_overlap(&mut self) -> Result<(), MotionError> {
+        /// Depth that is admitted, as a part of the length: shapes of other meshes overlap a little.
+        const ADMITTED: f64 = 1e-3;
+        let Self { rod, solver, .. } = self;
+        let Solver { contacts, stage, .. } = solver;
+        match contacts.deepest(rod, Pose::IDENTITY, &stage.strains) {
+            Some((obstacle, depth)) if depth > ADMITTED * rod.length => {
+                Err(MotionError::Overlap { obstacle, depth })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Sets the state at the start.
     fn start(&mut self, case: &Case, commands: &Commands) -> Result<(), MotionError> {
         let initial = self.options.initial.clone();
@@ -307,12 +316,13 @@ impl Simulation {
             Initial::State(start) => self.start_from(start, commands)?,
         }
         self.next.strains.copy_from_slice(&self.solver.stage.strains);
+        self.refuse_overlap()?;
         let is_rest = initial == Initial::Rest;
         self.finish(commands, 0.0, &Power::default());
         self.next.has_rates = false;
         let energy = &mut self.next.energy;
         energy.initial = energy.total();
-        (energy.loads, energy.cables) = (0.0, 0.0);
+        (energy.loads, energy.cables, energy.contacts) = (0.0, 0.0, 0.0);
         if is_rest {
             // Nothing has been told to the cables yet.
             self.next.commanded.fill(f64::NAN);

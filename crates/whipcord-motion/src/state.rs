@@ -6,7 +6,7 @@ use crate::options::{Method, Start};
 
 /// Energies in J of a robot in motion, and the work since the start of the motion.
 ///
-/// Without error of the integration `kinetic + elastic + gravity` changes by `cables + loads + base − dissipated`.
+/// Without error of the integration `kinetic + elastic + gravity` changes by `cables + loads + base + contacts − dissipated`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
     /// Kinetic energy of backbone, disks and masses.
@@ -21,6 +21,8 @@ pub struct EnergyBalance {
     pub loads: f64,
     /// What the base has given where it moves.
     pub base: f64,
+    /// What obstacles have given in contact: negative, since impacts and friction take energy and obstacles do not move.
+    pub contacts: f64,
     /// What damping and drag have taken.
     pub dissipated: f64,
     /// Sum of kinetic, elastic and gravity at the start of the motion.
@@ -34,11 +36,12 @@ impl EnergyBalance {
         self.kinetic + self.elastic + self.gravity
     }
 
-    /// What the integration has added to the energy, and taken from it where negative: the change of the total less what cables, loads
-    /// and base have given and damping has taken.
+    /// What the integration has added to the energy, and taken from it where negative: the change of the total less what cables, loads,
+    /// base and obstacles have given and damping has taken.
     #[must_use]
     pub fn defect(&self) -> f64 {
-        self.total() - self.initial - (self.cables + self.loads + self.base - self.dissipated)
+        let given = self.cables + self.loads + self.base + self.contacts;
+        self.total() - self.initial - (given - self.dissipated)
     }
 }
 
@@ -90,14 +93,22 @@ pub struct State {
     pub poses: Vec<Pose>,
     /// The cables.
     pub cables: Vec<CableMotion>,
+    /// Where the robot touches the obstacles of its case, from the base on.
+    pub contacts: Vec<whipcord::shape::Contact>,
     /// Motion of the spool or drive of each motor, behind gear and backlash, in rad or m.
     pub motor_outputs: Vec<f64>,
     /// The energy balance.
     pub energy: EnergyBalance,
     /// How the last step was computed.
     pub diagnostics: StepDiagnostics,
+    /// Length in s of the step that the rates are of.
+    pub(crate) rates_of: f64,
     /// Parts of steps that were taken since the rates were lost.
     pub(crate) without_rates: usize,
+    /// Short parts that still follow an impact.
+    pub(crate) impact_parts: usize,
+    /// Impacts since the start of the step.
+    pub(crate) impacts: usize,
     /// What each cable was told last: a tension in N, or a shortening in m.
     pub(crate) commanded: Vec<f64>,
 }
@@ -135,10 +146,16 @@ impl State {
             motor_outputs,
             energy,
             diagnostics,
+            rates_of,
             without_rates,
+            contacts,
+            impact_parts,
+            impacts,
             commanded,
         } = self;
-        *without_rates = other.without_rates;
+        (*rates_of, *without_rates) = (other.rates_of, other.without_rates);
+        (*impact_parts, *impacts) = (other.impact_parts, other.impacts);
+        contacts.clone_from(&other.contacts);
         (*time, *base, *has_rates) = (other.time, other.base, other.has_rates);
         (*energy, *diagnostics) = (other.energy, other.diagnostics);
         velocities.clone_from(&other.velocities);

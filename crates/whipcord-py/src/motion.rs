@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use whipcord::{CableCommand, Robot, Shortening, Twist};
+use whipcord::{CableCommand, Case, Obstacle, Robot, Shortening, Twist};
 use whipcord_motion::{
     CableDrive, CableMotion, Commands, Course, EnergyBalance, Linearized, Mode, MotionError,
     Simulation as Inner, State as InnerState, Trajectory,
@@ -14,6 +14,7 @@ use whipcord_motion::{
 use crate::convert::{self, array, flat, twist};
 use crate::errors;
 use crate::setup::Setup;
+use crate::solution::contact_values;
 use crate::wait::{Limit, within};
 
 /// A number of something, by its name.
@@ -45,7 +46,7 @@ pub fn simulate<'py>(
         Ok::<_, MotionError>((trajectory, result.err()))
     })?;
     let (trajectory, failed) = found.map_err(|error| errors::motion(py, &error))?;
-    let values = states(py, &trajectory.states)?;
+    let values = states(py, &trajectory.states, &setup.case.obstacles)?;
     let count = trajectory.arc_lengths.len();
     values.set_item("arc_length", array(py, trajectory.arc_lengths, [count])?)?;
     values.set_item("steps", trajectory.steps)?;
@@ -65,7 +66,11 @@ pub fn simulate<'py>(
 }
 
 /// States as arrays, a row for each.
-fn states<'py>(py: Python<'py>, states: &[InnerState]) -> PyResult<Bound<'py, PyDict>> {
+fn states<'py>(
+    py: Python<'py>,
+    states: &[InnerState],
+    obstacles: &[Obstacle],
+) -> PyResult<Bound<'py, PyDict>> {
     let rows = states.len();
     let of = states.first();
     let [nodes, points, cables, motors] = [
@@ -99,13 +104,14 @@ fn states<'py>(py: Python<'py>, states: &[InnerState]) -> PyResult<Bound<'py, Py
     let outputs = states.iter().flat_map(|state| state.motor_outputs.iter().copied()).collect();
     values.set_item("motor_output", array::<f64, _>(py, outputs, [rows, motors])?)?;
     let energy = PyDict::new(py);
-    let energies: [Named<EnergyBalance>; 8] = [
+    let energies: [Named<EnergyBalance>; 9] = [
         ("kinetic", |energy| energy.kinetic),
         ("elastic", |energy| energy.elastic),
         ("gravity", |energy| energy.gravity),
         ("cables", |energy| energy.cables),
         ("loads", |energy| energy.loads),
         ("base", |energy| energy.base),
+        ("contacts", |energy| energy.contacts),
         ("dissipated", |energy| energy.dissipated),
         ("defect", |energy| energy.defect()),
     ];
@@ -114,6 +120,11 @@ fn states<'py>(py: Python<'py>, states: &[InnerState]) -> PyResult<Bound<'py, Py
         energy.set_item(name, array::<f64, _>(py, all, [rows])?)?;
     }
     values.set_item("energy", energy)?;
+    let contacts: Vec<_> = states
+        .iter()
+        .map(|state| contact_values(py, &state.contacts, obstacles))
+        .collect::<PyResult<_>>()?;
+    values.set_item("contacts", contacts)?;
     Ok(values)
 }
 
@@ -174,6 +185,7 @@ fn modes_values<'py>(
 pub struct Simulation {
     running: Mutex<Running>,
     robot: Robot,
+    case: Arc<Case>,
 }
 
 struct Running {
@@ -235,7 +247,8 @@ impl Simulation {
             Ok::<_, MotionError>(Running { simulation, commands })
         })?;
         let running = made.map_err(|error| errors::motion(py, &error))?;
-        Ok(Self { running: Mutex::new(running), robot: setup.robot.clone() })
+        let case = Arc::clone(&setup.case);
+        Ok(Self { running: Mutex::new(running), robot: setup.robot.clone(), case })
     }
 
     /// A step of `dt` seconds under these commands, which stay in force; without commands those in force.
@@ -283,7 +296,7 @@ impl Simulation {
     /// The state as arrays with one row.
     fn read<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let running = self.lock();
-        states(py, core::slice::from_ref(running.simulation.state()))
+        states(py, core::slice::from_ref(running.simulation.state()), &self.case.obstacles)
     }
 
     /// Arc lengths of the nodes in m.
@@ -328,8 +341,9 @@ impl Simulation {
 
     /// A, B and the rate of the motion linearised about the state.
     fn linearize<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let Linearized { states, inputs, a, b, rate } =
-            py.detach(|| self.lock().simulation.linearize());
+        let Linearized { states, inputs, a, b, rate } = py
+            .detach(|| self.lock().simulation.linearize())
+            .map_err(|error| errors::motion(py, &error))?;
         let values = PyDict::new(py);
         values.set_item("a", array(py, a, [states, states])?)?;
         values.set_item("b", array(py, b, [states, inputs])?)?;

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
     CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, ModelKind, MotorState,
-    NoStability, Part, Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
+    NoStability, Obstacle, Part, Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::object_state::{self, ObjectRow};
@@ -147,23 +147,7 @@ impl Solution {
     /// Where it touches obstacles.
     #[getter]
     fn contacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let list = PyList::empty(py);
-        for touch in &self.inner.contacts {
-            let values = PyDict::new(py);
-            let obstacle = self.case.obstacles.get(touch.obstacle);
-            values.set_item("obstacle", obstacle.map(|obstacle| obstacle.name.as_str()))?;
-            values.set_item("part", touch.part.name())?;
-            values.set_item("disk", touch.part.disk())?;
-            values.set_item("arc_length", touch.arc_length)?;
-            values.set_item("point", touch.point.to_array())?;
-            values.set_item("normal", touch.normal.to_array())?;
-            values.set_item("force", touch.force)?;
-            values.set_item("friction", touch.friction.map(|friction| friction.to_array()))?;
-            values.set_item("sticks", touch.sticks)?;
-            values.set_item("gap", touch.gap)?;
-            list.append(values)?;
-        }
-        Ok(list)
+        contact_values(py, &self.inner.contacts, &self.case.obstacles)
     }
 
     /// What it exerts on each obstacle that it touches.
@@ -411,4 +395,29 @@ fn shape_of((arc_length, positions, quaternions): ShapeState) -> Shape {
         rotation: UnitQuaternion { w, v: Vec3::new(a, b, c) },
     });
     Shape { arc_length, poses: poses.collect() }
+}
+
+/// Places where a robot touches obstacles, each by its names.
+pub fn contact_values<'py>(
+    py: Python<'py>,
+    contacts: &[Contact],
+    obstacles: &[Obstacle],
+) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for touch in contacts {
+        let values = PyDict::new(py);
+        let obstacle = obstacles.get(touch.obstacle);
+        values.set_item("obstacle", obstacle.map(|obstacle| obstacle.name.as_str()))?;
+        values.set_item("part", touch.part.name())?;
+        values.set_item("disk", touch.part.disk())?;
+        values.set_item("arc_length", touch.arc_length)?;
+        values.set_item("point", touch.point.to_array())?;
+        values.set_item("normal", touch.normal.to_array())?;
+        values.set_item("force", touch.force)?;
+        values.set_item("friction", touch.friction.map(|friction| friction.to_array()))?;
+        values.set_item("sticks", touch.sticks)?;
+        values.set_item("gap", touch.gap)?;
+        list.append(values)?;
+    }
+    Ok(list)
 }

@@ -16,7 +16,7 @@ mod cable_overlap;
 mod cancel;
 pub mod case;
 pub mod constant_curvature;
-mod contact;
+pub mod contact;
 pub mod cosserat;
 pub mod cosserat_disks;
 pub mod derivatives;

@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use whipcord_io::{CaseFile, CsvTable, motion_json, motion_table, poses_table, warnings_json};
-use whipcord_motion::{Simulation, Trajectory};
+use whipcord_io::{
+    CaseFile, CsvTable, motion_contacts_table, motion_json, motion_table, poses_table,
+    warnings_json,
+};
+use whipcord_motion::{Simulation, State, Trajectory};
 use whipcord_plot::film;
 
 use super::simulate_picture::{charts, film_frames};
@@ -22,7 +25,7 @@ use whipcord_study::table::{Align, Table};
 /// Computes the motion of the Cosserat rod with its masses from [motion]: duration, steps, method, commands and loads
 /// over time, drag, a moving base, and the damping of [backbone.damping]. The folder gets motion.json (all states),
 /// motion.csv (a row for each state: tip, cables, energies) and poses.csv (a row for each node of each state).
-/// The summary is in mm, all else in SI units. Cables run as in the model cosserat. Friction and obstacles are refused.
+/// The summary is in mm, all else in SI units. Cables run as in the model cosserat. Friction of cables and movable objects are refused.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// Robot file, or - for standard input
@@ -73,16 +76,24 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
         .and_then(|mut simulation| simulation.run(&commands, every, steps, rows))
         .map_err(refused)?;
     let no_result = |error| files::no_result(&error);
-    let mut json = motion_json(&file.title, &file.robot, &trajectory).map_err(no_result)?;
+    let mut json = motion_json(&file.title, &file.robot, &file.case.obstacles, &trajectory)
+        .map_err(no_result)?;
     json["warnings"] = warnings_json(&file, &warnings);
     let table = motion_table(&file.robot, &trajectory);
     if let Some(out) = &args.out {
         let poses = poses_table(&trajectory);
         let parquet = |table: &CsvTable| table.to_parquet().map_err(no_result);
-        let binary = match args.parquet {
-            true => vec![("motion.parquet", parquet(&table)?), ("poses.parquet", parquet(&poses)?)],
-            false => Vec::new(),
-        };
+        let obstacles = &file.case.obstacles;
+        let contacts =
+            (!obstacles.is_empty()).then(|| motion_contacts_table(obstacles, &trajectory));
+        let mut binary = Vec::new();
+        if args.parquet {
+            binary.push(("motion.parquet", parquet(&table)?));
+            binary.push(("poses.parquet", parquet(&poses)?));
+            if let Some(contacts) = &contacts {
+                binary.push(("contacts.parquet", parquet(contacts)?));
+            }
+        }
         let pictures = if args.plot { charts(&file, &trajectory)? } else { Vec::new() };
         let path = out.join("film.png");
         let frames = if args.film { film_frames(&path, &file, &trajectory)? } else { Vec::new() };
@@ -90,6 +101,9 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
         folder.write("motion.json", &format!("{json:#}\n"))?;
         folder.write_table("motion.csv", &table)?;
         folder.write_table("poses.csv", &poses)?;
+        if let Some(contacts) = &contacts {
+            folder.write_table("contacts.csv", contacts)?;
+        }
         for (name, bytes) in &binary {
             files::write(&folder.path().join(name), bytes)?;
         }
@@ -165,14 +179,21 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
     if !file.robot.cables().is_empty() {
         text += &format!("\n{}", table.text(style));
     }
+    if !file.case.obstacles.is_empty() {
+        text += &contacts(file, trajectory, style);
+    }
     let energy = &last.energy;
     let millijoules = |joules: f64| format!("{} mJ", number(1e3 * joules, 4));
     text += &format!(
-        "\nenergy  {} at the start, {} at the end\n        {} from the cables, {} from loads, {} dissipated, {} by the integration\n",
+        "\nenergy  {} at the start, {} at the end\n        {} from the cables, {} from loads,{} {} dissipated, {} by the integration\n",
         millijoules(first.energy.total()),
         millijoules(energy.total()),
         millijoules(energy.cables),
         millijoules(energy.loads),
+        match file.case.obstacles.is_empty() {
+            true => String::new(),
+            false => format!(" {} from obstacles,", millijoules(energy.contacts)),
+        },
         millijoules(energy.dissipated),
         millijoules(energy.defect()),
     );
@@ -180,4 +201,29 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
         text += &format!("results: {}\n", out.display());
     }
     text
+}
+
+/// The obstacles that the robot touches on its way: when first, and how hard.
+fn contacts(file: &CaseFile, trajectory: &Trajectory, style: Style) -> String {
+    let mut table = Table::new([
+        ("obstacle", Align::Left),
+        ("touched first", Align::Right),
+        ("greatest force", Align::Right),
+        ("at the end", Align::Right),
+    ]);
+    for (k, obstacle) in file.case.obstacles.iter().enumerate() {
+        let force = |state: &State| {
+            let of = state.contacts.iter().filter(|contact| contact.obstacle == k);
+            of.filter_map(|contact| contact.force).sum::<f64>()
+        };
+        let first = trajectory.states.iter().find(|state| force(state) > 0.0);
+        let greatest = trajectory.states.iter().map(force).fold(0.0, f64::max);
+        table.row(vec![
+            obstacle.name.clone(),
+            first.map_or("never".to_owned(), |state| format!("{} s", number(state.time, 4))),
+            newtons(greatest),
+            newtons(trajectory.states.last().map_or(0.0, force)),
+        ]);
+    }
+    format!("\n{}", table.text(style))
 }

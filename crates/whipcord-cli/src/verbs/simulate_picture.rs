@@ -46,6 +46,9 @@ pub fn charts(
         line("from loads", &|state| state.energy.loads),
         line("dissipated", &|state| state.energy.dissipated),
     ];
+    if !file.case.obstacles.is_empty() {
+        energies.push(line("from obstacles", &|state| state.energy.contacts));
+    }
     if file.motion.base.is_some() {
         energies.push(line("from the base", &|state| state.energy.base));
     }

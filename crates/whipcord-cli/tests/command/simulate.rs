@@ -130,3 +130,35 @@ fn a_film_has_its_pictures_and_a_motion_goes_on_from_another() {
     assert_eq!(strains(&on, 0), strains(&before, 6));
     assert_ne!(strains(&on, 1), strains(&before, 1));
 }
+
+/// The arm comes to rest on the ball: the forces of its contacts are those of the statics, in every output.
+#[test]
+fn an_arm_falls_on_a_ball_and_rests_there() {
+    let scratch = Scratch::new();
+    let out = scratch.file("out");
+    let file = "examples/contact/falling-arm.toml";
+    let summary = succeed(&["simulate", file, "--out", &out, "--plot", "--parquet"]);
+    assert!(summary.contains("touched first") && summary.contains("from obstacles"), "{summary}");
+    let folder = scratch.path().join("out");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let json: Value = serde_json::from_str(&read("motion.json")).unwrap();
+    let states = json["states"].as_array().unwrap();
+    assert!(states[0]["contacts"].as_array().unwrap().is_empty());
+    let last = states.last().unwrap();
+    let force = |of: &Value| {
+        let contacts = of["contacts"].as_array().unwrap();
+        contacts.iter().map(|contact| number(&contact["force"])).sum::<f64>()
+    };
+    let still: Value =
+        serde_json::from_str(&succeed(&["solve", file, "--model", "cosserat", "--json"])).unwrap();
+    let still = &still["models"][0];
+    assert!((force(last) / force(still) - 1.0).abs() < 0.1, "{} {}", force(last), force(still));
+    assert_eq!(last["contacts"][0]["name"], "ball");
+    assert!(number(&last["energy"]["contacts"]) < 0.0);
+    let table = read("contacts.csv");
+    let touching: usize =
+        states.iter().map(|state| state["contacts"].as_array().unwrap().len()).sum();
+    assert_eq!(table.lines().count(), 1 + touching);
+    assert!(read("motion.csv").lines().next().unwrap().contains("contact_force [N]"));
+    assert!(folder.join("contacts.parquet").exists());
+}

@@ -1,6 +1,6 @@
 use core::fmt::Write as _;
 
-use whipcord::{Obstacle, Shape, Solution, Vec3};
+use whipcord::{Contact, Obstacle, Shape, Solution, Vec3};
 
 use super::NonFinite;
 
@@ -169,44 +169,52 @@ pub fn steps_csv<'a>(shapes: impl IntoIterator<Item = &'a Shape>) -> Result<Stri
     table.to_csv()
 }
 
+/// Columns of a place where a robot touches an obstacle.
+pub(super) const CONTACT_COLUMNS: [&str; 17] = [
+    "obstacle",
+    "name",
+    "part",
+    "disk",
+    "arc_length",
+    "x",
+    "y",
+    "z",
+    "nx",
+    "ny",
+    "nz",
+    "force",
+    "fx",
+    "fy",
+    "fz",
+    "sticks",
+    "gap",
+];
+
+/// The cells of such a place; disks and obstacles count from 1.
+pub(super) fn contact_cells(touch: &Contact, obstacles: &[Obstacle]) -> Vec<Cell> {
+    let name = obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.as_str());
+    let mut row = vec![
+        Cell::from(touch.obstacle + 1),
+        Cell::from(name),
+        Cell::from(touch.part.name()),
+        Cell::from(touch.part.disk().map(|disk| disk + 1)),
+        Cell::from(touch.arc_length),
+    ];
+    row.extend(touch.point.to_array().map(Cell::from));
+    row.extend(touch.normal.to_array().map(Cell::from));
+    row.push(Cell::from(touch.force));
+    let friction = touch.friction.map(|friction| friction.to_array());
+    row.extend((0..3).map(|i| Cell::from(friction.map(|friction| friction[i]))));
+    row.extend([Cell::from(if touch.sticks { "yes" } else { "no" }), Cell::from(touch.gap)]);
+    row
+}
+
 /// Where a robot touches obstacles, one line for each place; disks and obstacles count from 1.
 #[must_use]
 pub fn contacts_csv(solution: &Solution, obstacles: &[Obstacle]) -> CsvTable {
-    let mut table = CsvTable::new([
-        "obstacle",
-        "name",
-        "part",
-        "disk",
-        "arc_length",
-        "x",
-        "y",
-        "z",
-        "nx",
-        "ny",
-        "nz",
-        "force",
-        "fx",
-        "fy",
-        "fz",
-        "sticks",
-        "gap",
-    ]);
+    let mut table = CsvTable::new(CONTACT_COLUMNS);
     for touch in &solution.contacts {
-        let name = obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.as_str());
-        let mut row = vec![
-            Cell::from(touch.obstacle + 1),
-            Cell::from(name),
-            Cell::from(touch.part.name()),
-            Cell::from(touch.part.disk().map(|disk| disk + 1)),
-            Cell::from(touch.arc_length),
-        ];
-        row.extend(touch.point.to_array().map(Cell::from));
-        row.extend(touch.normal.to_array().map(Cell::from));
-        row.push(Cell::from(touch.force));
-        let friction = touch.friction.map(|friction| friction.to_array());
-        row.extend((0..3).map(|i| Cell::from(friction.map(|friction| friction[i]))));
-        row.extend([Cell::from(if touch.sticks { "yes" } else { "no" }), Cell::from(touch.gap)]);
-        table.push(row);
+        table.push(contact_cells(touch, obstacles));
     }
     table
 }

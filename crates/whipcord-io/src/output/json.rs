@@ -55,7 +55,7 @@ pub fn solution_json(
             .collect::<Result<Vec<_>, _>>()?,
         "base_wrench": wrench.transpose()?,
         "contacts": solution.contacts.iter().enumerate()
-            .map(|(i, of)| touch(i, of, obstacles))
+            .map(|(i, of)| touch(&format!("contacts[{i}]"), of, obstacles))
             .collect::<Result<Vec<_>, _>>()?,
         "grasps": Grasp::all(solution, obstacles).iter().enumerate()
             .map(|(i, of)| grasp(i, of, obstacles))
@@ -166,8 +166,12 @@ fn state(index: usize, cable: &CableState) -> Result<Value, NonFinite> {
 }
 
 /// Obstacles and disks count from 0, as everything in JSON does.
-fn touch(index: usize, touch: &Contact, obstacles: &[Obstacle]) -> Result<Value, NonFinite> {
-    let path = |name: &str| format!("contacts[{index}].{name}");
+pub(super) fn touch(
+    place: &str,
+    touch: &Contact,
+    obstacles: &[Obstacle],
+) -> Result<Value, NonFinite> {
+    let path = |name: &str| format!("{place}.{name}");
     Ok(json!({
         "obstacle": touch.obstacle,
         "name": obstacles.get(touch.obstacle).map(|obstacle| obstacle.name.as_str()),

@@ -1,12 +1,12 @@
 //! Motions as JSON and tables.
 
 use serde_json::{Value, json};
-use whipcord::{Robot, Twist};
+use whipcord::{Obstacle, Robot, Twist};
 use whipcord_motion::{EnergyBalance, State, Trajectory};
 
 use super::NonFinite;
-use super::csv::{Cell, CsvTable};
-use super::json::{number, numbers, quaternion, vector};
+use super::csv::{CONTACT_COLUMNS, Cell, CsvTable, contact_cells};
+use super::json::{number, numbers, quaternion, touch, vector};
 
 /// A motion as the JSON object that `whipcord simulate --json` prints; SI. Poses are those of the nodes in the world; strains `(v, u)` are those at the
 /// integration points, two for each element from base to tip.
@@ -16,11 +16,13 @@ use super::json::{number, numbers, quaternion, vector};
 pub fn motion_json(
     title: &str,
     robot: &Robot,
+    obstacles: &[Obstacle],
     trajectory: &Trajectory,
 ) -> Result<Value, NonFinite> {
     let states = trajectory.states.iter().enumerate();
-    let states: Vec<Value> =
-        states.map(|(k, state)| self::state(k, robot, state)).collect::<Result<_, _>>()?;
+    let states: Vec<Value> = states
+        .map(|(k, state)| self::state(k, robot, obstacles, state))
+        .collect::<Result<_, _>>()?;
     Ok(json!({
         "title": title,
         "model": "cosserat",
@@ -35,7 +37,12 @@ pub fn motion_json(
     }))
 }
 
-fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
+fn state(
+    k: usize,
+    robot: &Robot,
+    obstacles: &[Obstacle],
+    state: &State,
+) -> Result<Value, NonFinite> {
     let place = |name: &str| format!("states[{k}].{name}");
     let poses: Vec<Value> = state
         .poses
@@ -80,6 +87,10 @@ fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
     for (name, value) in ENERGIES.iter().zip(energies(&state.energy)) {
         energy.insert((*name).to_owned(), number(|| place(&format!("energy.{name}")), value)?);
     }
+    let contacts = state.contacts.iter().enumerate();
+    let contacts: Vec<Value> = contacts
+        .map(|(i, contact)| touch(&place(&format!("contacts[{i}]")), contact, obstacles))
+        .collect::<Result<_, _>>()?;
     Ok(json!({
         "time": number(|| place("time"), state.time)?,
         "method": state.diagnostics.method.name(),
@@ -88,6 +99,7 @@ fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
         "strains": strains,
         "cables": cables,
         "motor_outputs": numbers(&place("motor_outputs"), &state.motor_outputs)?,
+        "contacts": contacts,
         "energy": energy,
     }))
 }
@@ -97,15 +109,26 @@ fn six(twist: &Twist) -> [f64; 6] {
     [a, b, c, d, e, f]
 }
 
-const ENERGIES: [&str; 8] =
-    ["kinetic", "elastic", "gravity", "cables", "loads", "base", "dissipated", "defect"];
+const ENERGIES: [&str; 9] = [
+    "kinetic",
+    "elastic",
+    "gravity",
+    "cables",
+    "loads",
+    "base",
+    "contacts",
+    "dissipated",
+    "defect",
+];
 
-fn energies(energy: &EnergyBalance) -> [f64; 8] {
-    let EnergyBalance { kinetic, elastic, gravity, cables, loads, base, dissipated, .. } = *energy;
-    [kinetic, elastic, gravity, cables, loads, base, dissipated, energy.defect()]
+fn energies(energy: &EnergyBalance) -> [f64; 9] {
+    let EnergyBalance {
+        kinetic, elastic, gravity, cables, loads, base, contacts, dissipated, ..
+    } = *energy;
+    [kinetic, elastic, gravity, cables, loads, base, contacts, dissipated, energy.defect()]
 }
 
-/// A row for each state: time, tip, its speed, the cables and the energy balance.
+/// A row for each state: time, tip, its speed, the cables, the sum of the normal forces of all contacts, and the energy balance.
 #[must_use]
 pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
     let mut columns: Vec<String> = ["t [s]", "tip_x [m]", "tip_y [m]", "tip_z [m]"]
@@ -118,6 +141,7 @@ pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
             columns.push(format!("{}.{what}", cable.name));
         }
     }
+    columns.push("contact_force [N]".to_owned());
     columns.extend(ENERGIES.iter().map(|name| format!("{name} [J]")));
     let mut table = CsvTable::new(columns);
     for state in &trajectory.states {
@@ -130,8 +154,25 @@ pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
         for cable in &state.cables {
             row.extend([cable.tension, cable.length, cable.slack].map(Cell::from));
         }
+        let pushed: f64 = state.contacts.iter().filter_map(|contact| contact.force).sum();
+        row.push(Cell::from(pushed));
         row.extend(energies(&state.energy).map(Cell::from));
         table.push(row);
+    }
+    table
+}
+
+/// Where the robot touches obstacles: a row for each contact of each state; disks and obstacles count from 1.
+#[must_use]
+pub fn motion_contacts_table(obstacles: &[Obstacle], trajectory: &Trajectory) -> CsvTable {
+    let columns = core::iter::once("t [s]").chain(CONTACT_COLUMNS);
+    let mut table = CsvTable::new(columns);
+    for state in &trajectory.states {
+        for contact in &state.contacts {
+            let mut row = vec![Cell::from(state.time)];
+            row.extend(contact_cells(contact, obstacles));
+            table.push(row);
+        }
     }
     table
 }

@@ -254,7 +254,7 @@ fn a_base_is_read_from_a_table_and_a_start_from_a_motion() {
     let options = moving.motion.options();
     let simulation = Simulation::with_commands(&moving.robot, &moving.case, &commands, options);
     let trajectory = simulation.unwrap().run(&commands, 0.01, 1, 5).unwrap();
-    let json = motion_json("first", &moving.robot, &trajectory).unwrap();
+    let json = motion_json("first", &moving.robot, &[], &trajectory).unwrap();
     write("first.json", &json.to_string());
     let second = load_with(&format!("{MOTION}initial = \"first.json\"\n")).unwrap();
     let last = trajectory.states.last().unwrap().start();

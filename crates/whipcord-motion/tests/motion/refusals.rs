@@ -1,9 +1,9 @@
 //! What has no dynamics here is refused by name, and a step that fails changes nothing.
 
-use whipcord::obstacle::{Form, Obstacle};
+use whipcord::obstacle::{Form, MovableBody, Obstacle};
 use whipcord::{Backbone, Cable, Case, Disks, Loads, Pose, Robot, Section, Stiffness, Vec3};
 use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, Method, MotionError, MotionOptions, Simulation,
+    CableDrive, Commands, Course, Damping, Initial, Method, MotionError, MotionOptions, Simulation,
 };
 
 use super::robots::{paper, straight};
@@ -40,9 +40,15 @@ fn what_is_missing_or_has_no_dynamics_is_named() {
         friction: 0.0,
         movable: None,
     };
-    let among = Case { obstacles: vec![ball], ..case.clone() };
+    let inside =
+        Obstacle { pose: Pose { position: Vec3::Z * 0.1, ..Pose::IDENTITY }, ..ball.clone() };
+    let among = Case { obstacles: vec![inside], ..case.clone() };
+    let error = refusal(&robot, &among, MotionOptions { initial: Initial::Rest, ..options() });
+    assert!(matches!(error, MotionError::Overlap { obstacle: 0, .. }), "{error}");
+    let movable = Obstacle { movable: MovableBody::with_mass(&ball.form, 0.1), ..ball.clone() };
+    let among = Case { obstacles: vec![movable], ..case.clone() };
     let error = refusal(&robot, &among, options());
-    assert!(error.to_string().contains("obstacles"), "{error}");
+    assert!(error.to_string().contains("obstacles[0].mass"), "{error}");
 
     let error = refusal(&robot, &case, MotionOptions { damping: Damping::Time(-1.0), ..options() });
     assert!(matches!(error, MotionError::Option { .. }), "{error}");

@@ -4,7 +4,8 @@ use core::f64::consts::{PI, TAU};
 
 use whipcord::robot::Motor;
 use whipcord::{
-    Backbone, Cable, Case, Disks, Loads, Material, Robot, Routing, Section, Shortening, Vec3,
+    Backbone, Cable, Case, Disks, Form, Loads, Material, Obstacle, Pose, Robot, Routing, Section,
+    Shortening, UnitQuaternion, Vec3,
 };
 use whipcord_motion::{
     CableDrive, Commands, Course, Damping, LoadCourse, Method, MotionError, MotionOptions,
@@ -50,7 +51,36 @@ impl Dice {
     }
 }
 
-fn sample(seed: u64) -> Sample {
+/// One to three obstacles beside a straight robot of this length, whose parts are no farther than `reach` from its axis.
+fn obstacles(dice: &mut Dice, length: f64, reach: f64) -> Vec<Obstacle> {
+    let count = 1 + dice.one_of(3);
+    let one = |dice: &mut Dice| {
+        let turn = dice.between(0.0, TAU);
+        let outward = Vec3::new(turn.cos(), turn.sin(), 0.0);
+        let gap = dice.between(0.02, 0.4) * length;
+        let size = dice.between(0.03, 0.25) * length;
+        let height = dice.between(0.3, 1.1) * length;
+        let rotation = UnitQuaternion::exp(dice.direction() * dice.between(0.0, PI));
+        let (form, far, rotation) = match dice.one_of(4) {
+            0 => {
+                // The outside of the half-space is along z of its frame, which is turned towards the axis.
+                let turned =
+                    UnitQuaternion::exp(Vec3::new(-turn.sin(), turn.cos(), 0.0) * -(0.5 * PI));
+                (Form::HalfSpace, 0.0, turned)
+            }
+            1 => (Form::Sphere { radius: size }, size, rotation),
+            2 => (Form::Capsule { radius: 0.5 * size, length: size }, size, rotation),
+            _ => (Form::Box { size: Vec3::new(1.0, 1.0, 1.0) * size }, 0.87 * size, rotation),
+        };
+        let position = outward * (reach + gap + far) + Vec3::Z * height;
+        let friction = if dice.chance(0.5) { 0.0 } else { dice.between(0.1, 0.8) };
+        let pose = Pose { position, rotation };
+        Obstacle { name: "obstacle".to_owned(), form, pose, friction, movable: None }
+    };
+    (0..count).map(|_| one(dice)).collect()
+}
+
+fn sample(seed: u64, is_obstructed: bool) -> Sample {
     let mut dice = Dice(SplitMix64::new(seed));
     let length = dice.logarithmic(0.05, 0.8);
     let diameter = length / dice.between(30.0, 150.0);
@@ -173,6 +203,10 @@ fn sample(seed: u64) -> Sample {
             (Case { loads: carried, ..Case::with_shortenings(&still) }, commands)
         }
     };
+    let mut case: Case = case;
+    if is_obstructed {
+        case.obstacles = obstacles(&mut dice, length, 1.2 * radius + 0.2 * diameter);
+    }
     Sample { robot, case, commands, options, kind }
 }
 
@@ -187,10 +221,14 @@ struct Tally {
     /// The greatest gain of energy by the integration, as a part of all energy that was given, and of which run.
     gain: (f64, u64, f64),
     steps: usize,
+    /// The deepest that a node was in an obstacle, as a part of the length, and of which run.
+    depth: (f64, u64, f64),
+    /// Steps that ended in contact.
+    touching: usize,
 }
 
-fn run(seed: u64, tally: &mut Tally) {
-    let sample = sample(seed);
+fn run(seed: u64, is_obstructed: bool, tally: &mut Tally) {
+    let sample = sample(seed, is_obstructed);
     for dt in STEPS {
         let Sample { robot, case, commands, options, kind } = &sample;
         tally.runs += 1;
@@ -217,6 +255,17 @@ fn run(seed: u64, tally: &mut Tally) {
                     given +=
                         (energy.cables - before.cables).abs() + (energy.loads - before.loads).abs();
                     before = energy;
+                    tally.touching += usize::from(!state.contacts.is_empty());
+                    let length = robot.backbone().length;
+                    for obstacle in &case.obstacles {
+                        for pose in &state.poses[1..] {
+                            let radius = robot.backbone().outer_radius_at(robot.disks(), 0.0);
+                            let gap = obstacle.surface(pose.position).distance - radius;
+                            if -gap / length > tally.depth.0 {
+                                tally.depth = (-gap / length, seed, dt);
+                            }
+                        }
+                    }
                     assert!(energy.total().is_finite());
                 }
                 Err(error) => {
@@ -234,10 +283,10 @@ fn run(seed: u64, tally: &mut Tally) {
 }
 
 #[allow(clippy::print_stdout, reason = "the study is read")]
-fn report(count: u64, first: u64) -> Tally {
+fn report(count: u64, first: u64, is_obstructed: bool) -> Tally {
     let mut tally = Tally::default();
     for seed in first..first + count {
-        run(seed, &mut tally);
+        run(seed, is_obstructed, &mut tally);
     }
     println!(
         "{} runs, {} steps: {} robots without equilibrium, {} failed, {} with more than 8 divided steps; greatest gain {:.1e} of the work (robot {}, {} s)",
@@ -250,6 +299,10 @@ fn report(count: u64, first: u64) -> Tally {
         tally.gain.1,
         tally.gain.2
     );
+    println!(
+        "{} steps in contact; deepest overlap {:.1e} of the length (robot {}, {} s)",
+        tally.touching, tally.depth.0, tally.depth.1, tally.depth.2
+    );
     for (seed, dt, kind, error) in tally.failed.iter().take(30) {
         println!("robot {seed}, {dt} s, {kind}: {error}");
     }
@@ -258,7 +311,7 @@ fn report(count: u64, first: u64) -> Tally {
 
 #[test]
 fn random_robots_move_at_every_step() {
-    let tally = report(24, 1);
+    let tally = report(24, 1, false);
     assert!(tally.failed.is_empty());
     assert!(tally.gain.0 < 0.3);
 }
@@ -268,5 +321,20 @@ fn random_robots_move_at_every_step() {
 #[ignore = "takes minutes"]
 fn study_of_random_robots() {
     let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(1000);
-    report(count, 1000);
+    report(count, 1000, false);
+}
+
+#[test]
+fn random_robots_move_among_obstacles() {
+    let tally = report(16, 1, true);
+    assert!(tally.failed.is_empty());
+    assert!(tally.touching > 100 && tally.depth.0 < 1e-3 && tally.gain.0 < 0.3);
+}
+
+/// `COUNT=1000 cargo test --release -p whipcord-motion --test motion -- --ignored --nocapture study_among_obstacles`
+#[test]
+#[ignore = "takes minutes"]
+fn study_among_obstacles() {
+    let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(1000);
+    report(count, 1000, true);
 }

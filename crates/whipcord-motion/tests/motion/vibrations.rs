@@ -101,7 +101,7 @@ fn the_linearisation_predicts_small_changes() {
         simulation.step(&commands(2.0), 5e-3).unwrap();
     }
     let state = simulation.state().clone();
-    let linear = simulation.linearize();
+    let linear = simulation.linearize().unwrap();
     assert_eq!(linear.states, 12 * (simulation.arc_lengths().len() - 1));
     // The step from the state by the linear model is that of the simulation: x(h) by the implicit midpoint rule in small parts.
     let flat = |state: &whipcord_motion::State| -> Vec<f64> {

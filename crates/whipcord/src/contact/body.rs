@@ -8,7 +8,7 @@ use crate::obstacle::{Obstacle, Surface};
 /// flat disk, each with a rounded surface. A rounding makes the normal of a contact continuous even
 /// where an edge meets an edge, eq. (1) of `docs/theory/contact.md`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Body {
+pub struct Body {
     /// Radius in m of the flat disk inside; 0 for a ball.
     pub flat: f64,
     /// Radius in m of the rounding around it.
@@ -17,7 +17,7 @@ pub(super) struct Body {
 
 /// A place of a body that is nearer to an obstacle than its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nearest {
+pub struct Nearest {
     /// Distance between body and obstacle in m; negative where they overlap.
     pub gap: f64,
     /// Unit normal out of the obstacle.
@@ -30,7 +30,7 @@ pub(super) struct Nearest {
 
 /// What the rim of a body sees of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Rim {
+pub enum Rim {
     /// The body is a ball or too far away, or its flat inside is nearer.
     Unseen,
     /// The greatest and the least distance of the rim from the obstacle differ by this part of the rim's radius.
@@ -47,6 +47,7 @@ const BALL: f64 = 1e-6;
 
 impl Body {
     /// A disk of this outer radius, whose rim is rounded with half of its thickness.
+    #[must_use]
     pub fn disk(outer: f64, half_thickness: f64) -> Self {
         if half_thickness >= (1.0 - BALL) * outer {
             Self { flat: 0.0, rounding: outer }
@@ -56,11 +57,13 @@ impl Body {
     }
 
     /// Whether it is nothing but its rounding, so that one place of it is nearest to an obstacle.
+    #[must_use]
     pub fn is_ball(&self) -> bool {
         self.flat == 0.0
     }
 
     /// Radius in m of the ball that it fits in.
+    #[must_use]
     pub fn reach(&self) -> f64 {
         self.flat + self.rounding
     }
@@ -115,11 +118,13 @@ impl Body {
     }
 
     /// A place of the body, wherever others are nearer.
+    #[must_use]
     pub fn at_place(&self, obstacle: &Obstacle, pose: &Pose, local: [f64; 2]) -> Nearest {
         self.at(pose, obstacle.surface(place(pose, local)), local)
     }
 
     /// The place of the rim at an angle from the axis x of the cross-section.
+    #[must_use]
     pub fn on_rim(&self, angle: f64) -> [f64; 2] {
         on_rim(self.flat, angle)
     }
@@ -136,6 +141,7 @@ impl Body {
 
     /// The place that is nearer than its neighbours, found by going downhill from one: Newton's method on the plate, and
     /// along the rim where it leads out of it, with steps that are shortened until they lead down.
+    #[must_use]
     pub fn track(&self, obstacle: &Obstacle, pose: &Pose, from: [f64; 2]) -> Nearest {
         const STEPS: usize = 60;
         const HALVINGS: usize = 40;
@@ -244,11 +250,23 @@ impl Body {
 
 impl Nearest {
     /// From the centre of the cross-section to the point that is nearest, in m.
+    #[must_use]
     pub fn lever(&self, rounding: f64) -> Vec3 {
         self.arm - self.normal * rounding
     }
 
+    /// What touches at a pose of the cross-section has slid since that was elsewhere, in m along the surface, eq. (8): the
+    /// material point that is at the contact now was elsewhere then.
+    #[must_use]
+    pub fn slip(&self, from: &Pose, pose: &Pose, rounding: f64) -> Vec3 {
+        let lever = self.lever(rounding);
+        let point = pose.position + lever;
+        let before = from.transform(pose.rotation.conjugate().rotate(lever));
+        along(point - before, self.normal)
+    }
+
     /// The unit force along the normal, and its moment about the centre of the cross-section, eq. (2).
+    #[must_use]
     pub fn push(&self) -> [f64; 6] {
         wrench_of(self.normal, self.arm)
     }
@@ -258,6 +276,21 @@ impl Nearest {
 pub(super) fn wrench_of(force: Vec3, lever: Vec3) -> [f64; 6] {
     let moment = lever.cross(force);
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+}
+
+/// The part of a vector along a surface.
+#[must_use]
+pub fn along(vector: Vec3, normal: Vec3) -> Vec3 {
+    vector - normal * normal.dot(vector)
+}
+
+/// Two unit vectors along a surface, at right angles.
+#[must_use]
+pub fn tangents(normal: Vec3) -> [Vec3; 2] {
+    let other = if normal.x.abs() < 0.6 { Vec3::X } else { Vec3::Y };
+    let first = normal.cross(other);
+    let first = first / first.norm();
+    [first, normal.cross(first)]
 }
 
 fn angle(k: usize) -> f64 {

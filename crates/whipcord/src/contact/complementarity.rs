@@ -9,13 +9,14 @@ use whipcord_numerics::DenseLu;
 /// has one line in M, that of its normal; one with friction has two more, along its tangents: of slip and of
 /// traction.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Complementarity {
+pub struct Complementarity {
     /// `M` by rows.
     pub matrix: Vec<f64>,
     /// Gaps and slips where the forces are what they were.
     pub gaps: Vec<f64>,
     /// The forces that were, then those that solve it.
     pub forces: Vec<f64>,
+    /// The contacts, in the order of their lines.
     pub contacts: Vec<Contact>,
     /// Whether movable objects touch: contacts of a rigid body with a rigid floor often depend on one another.
     pub are_dependent: bool,
@@ -25,7 +26,7 @@ pub(super) struct Complementarity {
 
 /// One contact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contact {
+pub struct Contact {
     /// Line of its normal.
     pub first: usize,
     /// Coefficient of friction; 0 without.
@@ -38,14 +39,14 @@ pub(super) struct Contact {
 
 /// Those that touch when it is solved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Touching {
+pub struct Touching {
     /// Whether the determinant of their part of M is negative.
     pub negative: bool,
 }
 
 /// No forces solve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Unsolved;
+pub struct Unsolved;
 
 /// Memory of Newton's method with friction.
 #[derive(Clone, Debug, Default)]
@@ -98,6 +99,7 @@ const CONVERGED_FOR_OBJECTS: [f64; 3] = [1e-10, 1e-12, 1e-6];
 
 impl Contact {
     /// How many lines it has.
+    #[must_use]
     pub const fn lines(&self) -> usize {
         if self.coefficient > 0.0 { 3 } else { 1 }
     }
@@ -119,6 +121,9 @@ impl Complementarity {
     /// and those that overlap taken in, one at a time, which keeps to the history of the contacts and asks
     /// nothing of M: it has negative eigenvalues where the contacts hold what they alone would buckle. Where
     /// that goes round in circles a quadratic programme decides which touch.
+    ///
+    /// # Errors
+    /// [`Unsolved`] where no forces were found.
     pub fn solve(&mut self) -> Result<Touching, Unsolved> {
         let lines = self.gaps.len();
         for i in 0..lines {

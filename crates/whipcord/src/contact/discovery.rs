@@ -3,8 +3,9 @@
 use whipcord_numerics::{Vec3, golden_section};
 
 use super::body::{Body, Nearest};
+use super::member::Member;
 use super::model::Compliant;
-use super::pair::{Member, OVERLAP, Pair, grip};
+use super::pair::{OVERLAP, Pair, grip};
 use super::pairs::{BETWEEN, NEAR, Pairs};
 use super::rim_places::{RimPlaces, is_all_around};
 use super::scene::{DistanceBound, Scene};

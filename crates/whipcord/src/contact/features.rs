@@ -7,8 +7,7 @@ use std::collections::HashMap;
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::{Body, Nearest};
-use super::friction::tangents;
+use super::body::{Body, Nearest, tangents};
 use crate::obstacle::{Form, Mesh, Obstacle, Superellipsoid};
 
 /// A part of an obstacle, in a frame with its axes about its centre.

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::Nearest;
+use super::body::{Nearest, along};
 
 /// How a contact holds on to its obstacle.
 #[derive(Clone, Copy, Debug)]
@@ -24,13 +24,9 @@ impl Grip {
         Self { coefficient, from, slip: Vec3::ZERO, traction: Vec3::ZERO, sticks: false }
     }
 
-    /// What touches at a pose of the cross-section has slid since the step began, eq. (8): the material point
-    /// that is at the contact now was elsewhere then.
+    /// What touches at a pose of the cross-section has slid since the step began.
     pub fn slip_at(&self, pose: &Pose, nearest: &Nearest, rounding: f64) -> Vec3 {
-        let lever = nearest.lever(rounding);
-        let point = pose.position + lever;
-        let before = self.from.transform(pose.rotation.conjugate().rotate(lever));
-        along(point - before, nearest.normal)
+        nearest.slip(&self.from, pose, rounding)
     }
 
     /// Takes over what a step found, or a part of it.
@@ -54,17 +50,4 @@ impl Grip {
         let lawful = if size > most { trial * (most / size) } else { trial };
         (self.traction - lawful).norm()
     }
-}
-
-/// The part of a vector along a surface.
-pub(super) fn along(vector: Vec3, normal: Vec3) -> Vec3 {
-    vector - normal * normal.dot(vector)
-}
-
-/// Two unit vectors along a surface, at right angles.
-pub(super) fn tangents(normal: Vec3) -> [Vec3; 2] {
-    let other = if normal.x.abs() < 0.6 { Vec3::X } else { Vec3::Y };
-    let first = normal.cross(other);
-    let first = first / first.norm();
-    [first, normal.cross(first)]
 }

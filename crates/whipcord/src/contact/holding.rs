@@ -14,10 +14,10 @@
 
 use whipcord_numerics::{DenseLu, Pose, Vec3};
 
-use super::body::wrench_of;
+use super::body::{tangents, wrench_of};
 use super::carried::Carried;
 use super::differences::differences;
-use super::friction::{Grip, tangents};
+use super::friction::Grip;
 use super::held_contact::{Unknown, is_near_change};
 use super::model::Compliant;
 use super::object::Objects;

@@ -1,4 +1,4 @@
-//! Robots among obstacles: contact with friction, for every model that gives its response to wrenches ([`Compliant`]).
+//! Robots among obstacles: contact with friction, for every model that gives its response to wrenches (`Compliant`).
 //!
 //! `docs/theory/contact.md` has the equations whose numbers stand in the code.
 //!
@@ -7,6 +7,7 @@
 //! | `model` | the interface to a model |
 //! | `loaded_places` | the cross-sections that are pushed, and their compliance |
 //! | `rod`, `rod_response`, `refinement`, `dense_output` | what both Cosserat rods have of it |
+//! | `member` | the parts of the robot that can touch |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
 //! | `sliding` | contacts that move along the backbone |
@@ -23,9 +24,9 @@
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
 
 mod approach;
-mod body;
+pub mod body;
 mod carried;
-mod complementarity;
+pub mod complementarity;
 mod dampers;
 mod dense_output;
 mod differences;
@@ -39,6 +40,7 @@ mod held_contact;
 mod holding;
 mod homotopy;
 mod loaded_places;
+pub mod member;
 pub(crate) mod model;
 mod object;
 mod object_pair;

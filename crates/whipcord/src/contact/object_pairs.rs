@@ -2,8 +2,8 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::Nearest;
-use super::friction::{Grip, along};
+use super::body::{Nearest, along};
+use super::friction::Grip;
 use super::object::{Object, Objects};
 use super::object_pair::{NEAR, ObjectPair};
 use super::pair::OVERLAP;

@@ -2,8 +2,9 @@
 
 use whipcord_numerics::Vec3;
 
+use super::member::Member;
 use super::model::Compliant;
-use super::pair::{Member, OVERLAP};
+use super::pair::OVERLAP;
 use super::pairs::Pairs;
 use super::scene::Scene;
 use crate::obstacle::{Obstacle, Surface};

@@ -2,24 +2,16 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::{Body, Nearest, wrench_of};
+use super::body::{Nearest, wrench_of};
 use super::friction::Grip;
+use super::member::Member;
 use super::model::Compliant;
 use super::scene::Scene;
 use super::sliding::Slide;
 use crate::obstacle::Obstacle;
-use crate::shape::Part;
 
 /// Overlap that is not mended, as a part of the length.
 pub(super) const OVERLAP: f64 = 1e-8;
-
-/// A part of the robot that can touch.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Member {
-    pub part: Part,
-    pub arc_length: f64,
-    pub body: Body,
-}
 
 /// A part near an obstacle, and the push between them.
 #[derive(Clone, Copy, Debug)]

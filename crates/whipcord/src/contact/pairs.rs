@@ -4,8 +4,9 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::body::{Body, Nearest};
 use super::friction::Grip;
+use super::member::{Member, backbone_radius};
 use super::model::{Compliant, Push};
-use super::pair::{Member, OVERLAP, Pair, grip};
+use super::pair::{OVERLAP, Pair, grip};
 use super::rim_places::is_all_around;
 use super::scene::Scene;
 use super::sliding::Slide;
@@ -41,29 +42,14 @@ pub(super) const NEAR: f64 = 2e-3;
 /// Least distance of a contact to one where the backbone seems to overlap between two watched places, as a part of their
 /// distance.
 pub(super) const BETWEEN: f64 = 0.05;
-/// Thickness of a disk as a part of its radius, where none is given.
-const THICKNESS: f64 = 0.1;
 
 impl Pairs {
     pub fn new(robot: &Robot, watched: &[f64]) -> Self {
-        let backbone = robot.backbone();
-        let disks = robot.disks();
-        let radius = |arc_length: f64| backbone.outer_radius_at(disks, arc_length);
-        let disk = |k: usize| {
-            let arc_length = disks.arc_lengths[k];
-            let outer = disks.rim_radius(k).max(radius(arc_length));
-            let body = Body::disk(outer, 0.5 * disks.thickness.unwrap_or(THICKNESS * outer));
-            Member { part: Part::Disk(k), arc_length, body }
-        };
         Self {
-            disks: (1..disks.count())
-                .filter(|_| disks.are_present)
-                .map(disk)
-                .filter(|m| m.body.reach() > 0.0)
-                .collect(),
+            disks: Member::disks(robot),
             watched: watched.to_vec(),
-            radii: watched.iter().map(|&s| radius(s)).collect(),
-            length: backbone.length,
+            radii: watched.iter().map(|&s| backbone_radius(robot, s)).collect(),
+            length: robot.backbone().length,
             near: Vec::new(),
             added: Vec::new(),
         }

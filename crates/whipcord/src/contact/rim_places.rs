@@ -4,7 +4,8 @@ use whipcord_numerics::Pose;
 
 use super::body::{Nearest, Rim};
 use super::friction::Grip;
-use super::pair::{Member, Pair};
+use super::member::Member;
+use super::pair::Pair;
 use crate::obstacle::Obstacle;
 
 /// A rim is about as near all around where its distances from the obstacle differ by less than this part of its radius; and

@@ -2,10 +2,10 @@
 
 use whipcord_numerics::{DenseLu, Pose, Vec3};
 
-use super::body::Nearest;
+use super::body::{Nearest, along};
 use super::complementarity::{Complementarity, Contact};
 use super::dampers::Dampers;
-use super::friction::{Grip, along};
+use super::friction::Grip;
 use super::model::Compliant;
 use super::object::Objects;
 use super::object_pair::{NEAR, ObjectPair};

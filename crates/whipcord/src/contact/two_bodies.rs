@@ -6,9 +6,9 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::{Nearest, wrench_of};
+use super::body::{Nearest, tangents, wrench_of};
 use super::differences::{differences as central, one_sided};
-use super::friction::{Grip, tangents};
+use super::friction::Grip;
 
 /// The bodies of a contact that can move, by their numbers in the equations.
 #[derive(Clone, Copy, Debug)]

@@ -1,0 +1,492 @@
+//! Contacts of a robot in motion: unilateral at the end of a step, with Coulomb's friction over the step, eqs. (22) and (23) of the page on motion.
+
+use whipcord::contact::body::{Nearest, along, tangents};
+use whipcord::contact::complementarity;
+use whipcord::contact::member::Member;
+use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
+
+use crate::block::{Block, dot};
+use crate::element::{NODES, POINTS};
+use crate::loads::NodeLoad;
+use crate::pose;
+use crate::rod::Rod;
+use crate::stage::{Scheme, Stage};
+use crate::surroundings::{Near, Posed, Station, Surroundings};
+
+/// A part of the robot near an obstacle, and the force between them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    obstacle: usize,
+    member: Member,
+    station: Station,
+    shapes: [f64; NODES],
+    keeps_place: bool,
+    /// Coefficient of friction.
+    coefficient: f64,
+    /// Pose of the cross-section at the start of the step.
+    start: Pose,
+    /// Gap in m at the start of the step.
+    pub start_gap: f64,
+    /// Least gap in m at the end of the step: what overlapped at its start is pushed out slowly.
+    least: f64,
+    /// At the end of the step.
+    pub nearest: Nearest,
+    /// How far what touches has slid in the step, in m.
+    slip: Vec3,
+    /// Derivative of the normal by the place, in 1/m.
+    bend: Mat3,
+    /// Rotation of the cross-section at the end of the step, and at the stage.
+    at_end: UnitQuaternion,
+    at_stage: UnitQuaternion,
+    /// Along the normal, in N.
+    pub force: f64,
+    /// Along the surface, in N.
+    pub traction: Vec3,
+    pub sticks: bool,
+}
+
+/// A line of the complementarity problem: a unit force and where it acts.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    direction: Vec3,
+    /// From the centre of the cross-section, in m.
+    lever: Vec3,
+    /// Gap or slip in m.
+    value: f64,
+}
+
+/// All contacts of a step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Contacts {
+    pub surroundings: Option<Surroundings>,
+    pub list: Vec<Contact>,
+    /// Pose of the base at the end of the step.
+    pub base: Pose,
+    strains: Vec<Twist>,
+    poses: Vec<Pose>,
+    start_poses: Vec<Pose>,
+    /// What the poses lack while strains and velocities do not go together yet.
+    shifts: Vec<Vec3>,
+    lack: Vec<Twist>,
+    found: Vec<Near>,
+}
+
+/// The most contacts of a step: their equations are dense.
+pub(crate) const MOST: usize = 48;
+/// Overlap that is not mended, as a part of the length.
+pub(crate) const OVERLAP: f64 = 1e-5;
+/// Overlap that is no impact yet, as a part of the length.
+const HIT: f64 = 1e-7;
+/// Speed at which overlap is mended, as a part of the length in 1 s.
+const OUTWARD: f64 = 0.02;
+/// Contacts at which the surface is bent more than by this part of the length are taken as if it were bent by that.
+const SHARPEST: f64 = 1e-4;
+
+impl Contacts {
+    pub fn new(rod: &Rod, surroundings: Option<Surroundings>) -> Self {
+        if surroundings.is_none() {
+            return Self::default();
+        }
+        Self {
+            surroundings,
+            strains: vec![Twist::default(); rod.points.len()],
+            poses: vec![Pose::IDENTITY; rod.nodes.len()],
+            start_poses: vec![Pose::IDENTITY; rod.nodes.len()],
+            shifts: vec![Vec3::ZERO; rod.nodes.len()],
+            lack: vec![Twist::default(); rod.points.len()],
+            ..Self::default()
+        }
+    }
+
+    /// Begins a step from a shape: looks for what is no farther than `within` from an obstacle. What touched before pushes as it did;
+    /// `known` is given in the frame of a world in which the base stands at `world` when the motion starts.
+    pub fn begin(
+        &mut self,
+        rod: &Rod,
+        base: Pose,
+        strains: &[Twist],
+        within: f64,
+        (known, world): (&[whipcord::shape::Contact], Pose),
+    ) {
+        let Some(surroundings) = &self.surroundings else { return };
+        pose::nodes(rod, base, strains, &mut self.poses);
+        let shape = Posed { rod, strains, poses: &self.poses };
+        surroundings.near(&shape, within, OVERLAP * rod.length, &mut self.found);
+        self.list.clear();
+        for near in &self.found {
+            let contact = Contact::new(near, &surroundings.obstacles[near.obstacle], &shape);
+            self.list.push(contact);
+        }
+        let back = world.rotation.conjugate();
+        for touch in known {
+            let radius = 0.02 * rod.length;
+            let matches = |contact: &Contact| {
+                contact.obstacle == touch.obstacle
+                    && contact.member.part == touch.part
+                    && (contact.member.arc_length - touch.arc_length).abs() < radius
+            };
+            let local = |contact: &Contact| {
+                let place = world.transform(
+                    contact.start.position + contact.nearest.lever(contact.member.body.rounding),
+                );
+                (place - touch.point).norm()
+            };
+            let same = self
+                .list
+                .iter_mut()
+                .filter(|contact| matches(contact) && contact.force == 0.0)
+                .min_by(|a, b| local(a).total_cmp(&local(b)));
+            if let Some(contact) = same {
+                contact.force = touch.force.unwrap_or(0.0);
+                let traction = back.rotate(touch.friction.unwrap_or_default());
+                contact.traction = along(traction, contact.nearest.normal);
+                contact.sticks = touch.sticks;
+            }
+        }
+        self.list.sort_by(|a, b| a.nearest.gap.total_cmp(&b.nearest.gap));
+        self.list.truncate(MOST);
+    }
+
+    /// Forgets all contacts.
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// What overlaps at the start of a step of length `h` need not be out at its end.
+    pub fn admit_overlap(&mut self, rod: &Rod, h: f64) {
+        for contact in &mut self.list {
+            contact.least = (contact.start_gap + OUTWARD * rod.length * h).min(0.0);
+        }
+    }
+
+    /// Looks at all contacts at the end of the step as the stage has it now.
+    pub fn refresh(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) {
+        let Some(surroundings) = &self.surroundings else { return };
+        for (end, (start, strain)) in
+            self.strains.iter_mut().zip(stage.start.iter().zip(&stage.strains))
+        {
+            *end = scheme.end(*start, *strain);
+        }
+        pose::nodes(rod, self.base, &self.strains, &mut self.poses);
+        let shape = Posed { rod, strains: &self.strains, poses: &self.poses };
+        let at_stage = Posed { rod, strains: &stage.strains, poses: &stage.poses };
+        for contact in &mut self.list {
+            let obstacle = &surroundings.obstacles[contact.obstacle];
+            let pose = shape.at(contact.station);
+            let body = &contact.member.body;
+            contact.nearest = if contact.keeps_place {
+                body.at_place(obstacle, &pose, contact.nearest.local)
+            } else {
+                body.track(obstacle, &pose, contact.nearest.local)
+            };
+            contact.slip = contact.nearest.slip(&contact.start, &pose, body.rounding);
+            contact.traction = along(contact.traction, contact.nearest.normal);
+            contact.at_end = pose.rotation;
+            contact.at_stage = at_stage.at(contact.station).rotation;
+            contact.bend = bend(obstacle, pose.position + contact.nearest.arm, rod.length);
+        }
+    }
+
+    /// Adds the forces to the residual of a stage, and what they change by to its matrix where that is `fresh`.
+    pub fn add_forces(&self, scheme: &Scheme, stage: &mut Stage, fresh: bool) {
+        for contact in &self.list {
+            if contact.force == 0.0 {
+                continue;
+            }
+            let push = contact.push();
+            let e = contact.station.element;
+            for (a, f) in contact.shapes.into_iter().enumerate() {
+                let node = 2 * e + a;
+                stage.residual[node] = stage.residual[node] - push * f;
+                if node == 0 {
+                    stage.base_force = stage.base_force - push * f;
+                }
+            }
+            if !fresh {
+                continue;
+            }
+            let block = contact.stiffness(scheme);
+            for (a, fa) in contact.shapes.into_iter().enumerate() {
+                for (b, fb) in contact.shapes.into_iter().enumerate() {
+                    stage.matrix.elements[e][a][b].add_scaled(-fa * fb, &block);
+                }
+            }
+        }
+    }
+
+    /// Number of lines of the complementarity problem.
+    pub fn lines(&self) -> usize {
+        self.list.iter().map(Contact::lines).sum()
+    }
+
+    /// Finds how far the poses at the end will still move, since the strains of the stage do not go with its velocities yet.
+    pub fn find_shifts(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) {
+        for (out, lack) in self.lack.iter_mut().zip(&stage.lack) {
+            *out = *lack * (1.0 / scheme.place);
+        }
+        let Self { poses, lack, shifts, .. } = self;
+        pose::displacements(rod, poses, lack, |node, shift| shifts[node] = shift);
+    }
+
+    /// Fills column and row of a line of a contact; returns its gap or slip at the end of the step with what its strains lack.
+    pub fn linearise(
+        &self,
+        scheme: &Scheme,
+        contact: usize,
+        line: usize,
+        column: &mut [Twist],
+        row: &mut [Twist],
+    ) -> f64 {
+        column.fill(Twist::default());
+        row.fill(Twist::default());
+        let contact = &self.list[contact];
+        let Line { direction, lever, value } = contact.line(line);
+        let e = contact.station.element;
+        let force = in_section(contact.at_stage, direction, lever);
+        let motion = in_section(contact.at_end, direction, lever) * (scheme.g / scheme.place);
+        let mut shift = Vec3::ZERO;
+        for (a, f) in contact.shapes.into_iter().enumerate() {
+            column[2 * e + a] = force * -f;
+            if 2 * e + a > 0 {
+                row[2 * e + a] = motion * f;
+                shift += self.shifts[2 * e + a] * f;
+            }
+        }
+        value + direction.dot(shift)
+    }
+
+    /// Power in W of the forces on the robot at a stage.
+    pub fn power(&self, stage: &Stage) -> f64 {
+        let of = |contact: &Contact| {
+            let e = contact.station.element;
+            let mut velocity = Twist::default();
+            for (a, f) in contact.shapes.into_iter().enumerate() {
+                velocity = velocity + stage.velocities[2 * e + a] * f;
+            }
+            dot(&contact.push(), &velocity)
+        };
+        self.list.iter().filter(|contact| contact.force > 0.0).map(of).sum()
+    }
+
+    /// The part of the way between two shapes, each a pose of the base with strains, at which an obstacle is hit first.
+    pub fn first_hit(
+        &mut self,
+        rod: &Rod,
+        (from_base, from): (Pose, &[Twist]),
+        (to_base, to): (Pose, &[Twist]),
+    ) -> Option<f64> {
+        let Self { surroundings: Some(surroundings), poses, start_poses, .. } = self else {
+            return None;
+        };
+        pose::nodes(rod, from_base, from, start_poses);
+        pose::nodes(rod, to_base, to, poses);
+        let from = Posed { rod, strains: from, poses: start_poses };
+        let to = Posed { rod, strains: to, poses };
+        surroundings.first_hit(&from, &to, HIT * rod.length)
+    }
+
+    /// How deep in m a shape is in an obstacle, and in which.
+    pub fn deepest(&mut self, rod: &Rod, base: Pose, strains: &[Twist]) -> Option<(usize, f64)> {
+        let surroundings = self.surroundings.as_ref()?;
+        pose::nodes(rod, base, strains, &mut self.poses);
+        surroundings.deepest(&Posed { rod, strains, poses: &self.poses })
+    }
+
+    /// Adds the places that overlap at the end of the step though no contact is there; whether there are any.
+    pub fn add_overlapping(&mut self, rod: &Rod, start: &[Twist], start_base: Pose) -> bool {
+        let Some(surroundings) = &self.surroundings else { return false };
+        let overlap = OVERLAP * rod.length;
+        pose::nodes(rod, start_base, start, &mut self.start_poses);
+        let shape = Posed { rod, strains: &self.strains, poses: &self.poses };
+        surroundings.near(&shape, 0.0, overlap, &mut self.found);
+        let before = self.list.len();
+        for near in &self.found {
+            let is_known = |contact: &Contact| {
+                let [dx, dy] = [0, 1].map(|i| contact.nearest.local[i] - near.nearest.local[i]);
+                contact.obstacle == near.obstacle
+                    && contact.member.part == near.member.part
+                    && (contact.member.arc_length - near.member.arc_length).abs()
+                        < 1e-3 * rod.length
+                    && dx.hypot(dy) <= 0.2 * near.member.body.flat
+            };
+            if near.nearest.gap >= -overlap
+                || self.list.len() >= MOST
+                || self.list.iter().any(is_known)
+            {
+                continue;
+            }
+            let at_start = Posed { rod, strains: start, poses: &self.start_poses };
+            let obstacle = &surroundings.obstacles[near.obstacle];
+            self.list.push(Contact::new(near, obstacle, &at_start));
+        }
+        self.list.len() > before
+    }
+
+    /// The contacts that push, in a world in which the base stands at `world` when the motion starts.
+    pub fn report(&self, world: Pose, rod: &Rod, out: &mut Vec<whipcord::shape::Contact>) {
+        out.clear();
+        let shape = Posed { rod, strains: &self.strains, poses: &self.poses };
+        for contact in self.list.iter().filter(|contact| contact.force > 0.0) {
+            let centre = shape.at(contact.station).position;
+            let lever = contact.nearest.lever(contact.member.body.rounding);
+            out.push(whipcord::shape::Contact {
+                obstacle: contact.obstacle,
+                part: contact.member.part,
+                arc_length: contact.member.arc_length,
+                point: world.transform(centre + lever),
+                normal: world.rotation.rotate(contact.nearest.normal),
+                force: Some(contact.force),
+                friction: Some(world.rotation.rotate(contact.traction)),
+                sticks: contact.sticks,
+                gap: contact.nearest.gap,
+            });
+        }
+        out.sort_by(|a, b| a.arc_length.total_cmp(&b.arc_length));
+    }
+}
+
+impl Contact {
+    fn new(near: &Near, obstacle: &whipcord::Obstacle, at_start: &Posed<'_>) -> Self {
+        let start = at_start.at(near.station);
+        let body = &near.member.body;
+        let start_gap = body.at_place(obstacle, &start, near.nearest.local).gap;
+        Self {
+            obstacle: near.obstacle,
+            member: near.member,
+            station: near.station,
+            shapes: near.station.shapes(),
+            keeps_place: near.keeps_place,
+            coefficient: obstacle.friction,
+            start,
+            start_gap,
+            least: 0.0,
+            nearest: near.nearest,
+            slip: Vec3::ZERO,
+            bend: Mat3::ZERO,
+            at_end: start.rotation,
+            at_stage: start.rotation,
+            force: 0.0,
+            traction: Vec3::ZERO,
+            sticks: false,
+        }
+    }
+
+    /// Rate in m/s at which the gap grows at the start of the step, where the nodes have these velocities.
+    pub fn start_rate(&self, velocities: &[Twist]) -> f64 {
+        let e = self.station.element;
+        let mut velocity = Twist::default();
+        for (a, f) in self.shapes.into_iter().enumerate() {
+            velocity = velocity + velocities[2 * e + a] * f;
+        }
+        dot(&in_section(self.start.rotation, self.nearest.normal, self.nearest.arm), &velocity)
+    }
+
+    /// Lines of the complementarity problem: of the normal, and of both tangents with friction.
+    pub const fn lines(&self) -> usize {
+        if self.coefficient > 0.0 { 3 } else { 1 }
+    }
+
+    /// As the complementarity problem has it, from a line on.
+    pub const fn problem(&self, first: usize) -> complementarity::Contact {
+        complementarity::Contact {
+            first,
+            coefficient: self.coefficient,
+            touches: self.force > 0.0,
+            sticks: self.sticks,
+        }
+    }
+
+    fn line(&self, line: usize) -> Line {
+        let normal = self.nearest.normal;
+        if line == 0 {
+            return Line {
+                direction: normal,
+                lever: self.nearest.arm,
+                value: self.nearest.gap - self.least,
+            };
+        }
+        let direction = tangents(normal)[line - 1];
+        let lever = self.nearest.lever(self.member.body.rounding);
+        Line { direction, lever, value: self.slip.dot(direction) }
+    }
+
+    /// The forces in the lines in N.
+    pub fn forces(&self) -> [f64; 3] {
+        let [x, y] = tangents(self.nearest.normal).map(|t| t.dot(self.traction));
+        [self.force, x, y]
+    }
+
+    /// Takes over forces in the lines.
+    pub fn take(&mut self, forces: &[f64], sticks: bool) {
+        self.force = forces[0];
+        self.traction = Vec3::ZERO;
+        if let [_, x, y] = *forces {
+            let [a, b] = tangents(self.nearest.normal);
+            self.traction = a * x + b * y;
+        }
+        self.sticks = sticks && self.force > 0.0;
+    }
+
+    /// Force and moment on the section at the stage, in its frame.
+    fn push(&self) -> Twist {
+        let lever = self.nearest.lever(self.member.body.rounding);
+        in_section(self.at_stage, self.nearest.normal * self.force, self.nearest.arm)
+            + in_section(self.at_stage, self.traction, lever)
+    }
+
+    /// What the push changes by with the velocity of the section: the section turns, and the normal changes with the place.
+    fn stiffness(&self, scheme: &Scheme) -> Block {
+        let back = |v: Vec3| self.at_stage.conjugate().rotate(v);
+        let force = back(self.nearest.normal * self.force + self.traction);
+        let columns = [Vec3::X, Vec3::Y, Vec3::Z]
+            .map(|axis| back(self.bend * self.at_stage.rotate(axis)) * self.force);
+        let by_place = Mat3::from_columns(columns[0], columns[1], columns[2]);
+        let push = self.push();
+        Block {
+            a: by_place * (scheme.g / scheme.place),
+            b: Mat3::skew(force) * scheme.g,
+            c: Mat3::ZERO,
+            d: Mat3::skew(push.angular) * scheme.g,
+        }
+    }
+}
+
+/// A force that acts with a lever, with its moment, in the frame of a section; of a unit force also what a motion of the section moves it along by.
+fn in_section(rotation: UnitQuaternion, force: Vec3, lever: Vec3) -> Twist {
+    let back = rotation.conjugate();
+    Twist { linear: back.rotate(force), angular: back.rotate(lever.cross(force)) }
+}
+
+/// Adds the push of a contact to loads on the nodes, in the frame of a base that stands at `world` when the motion starts; `poses` are those of the nodes
+/// in the world.
+pub(crate) fn add_push(
+    rod: &Rod,
+    world: Pose,
+    poses: &[Pose],
+    contact: &whipcord::shape::Contact,
+    loads: &mut [NodeLoad],
+) {
+    let station = Station::at(rod, contact.arc_length);
+    let force =
+        contact.normal * contact.force.unwrap_or(0.0) + contact.friction.unwrap_or_default();
+    let back = world.rotation.conjugate();
+    for (a, f) in station.shapes().into_iter().enumerate() {
+        let node = POINTS * station.element + a;
+        let moment = (contact.point - poses[node].position).cross(force);
+        loads[node].force += back.rotate(force) * f;
+        loads[node].moment += back.rotate(moment) * f;
+    }
+}
+
+/// Derivative of the normal of an obstacle by the place, by central differences.
+fn bend(obstacle: &whipcord::Obstacle, place: Vec3, length: f64) -> Mat3 {
+    let h = 1e-6 * length;
+    let column = |axis: Vec3| {
+        (obstacle.surface(place + axis * h).normal - obstacle.surface(place - axis * h).normal)
+            * (0.5 / h)
+    };
+    let m = Mat3::from_columns(column(Vec3::X), column(Vec3::Y), column(Vec3::Z));
+    let symmetric = (m + m.transpose()) * 0.5;
+    let largest = (0..3).map(|j| symmetric.column(j).max_abs()).fold(0.0, f64::max);
+    symmetric * (1.0 / (SHARPEST * length * largest).max(1.0))
+}
