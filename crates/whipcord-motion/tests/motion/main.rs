@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 mod allocation;
+mod closed_forms;
 mod energy;
 mod gradient;
 mod invariance;
