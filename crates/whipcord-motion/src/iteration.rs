@@ -2,6 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
+use crate::drives::Drives;
 use crate::lengths::Lengths;
 use crate::loads::NodeLoads;
 use crate::pose;
@@ -55,10 +56,10 @@ const SLOW: f64 = 0.3;
 const ROUNDING: f64 = 1e-9;
 
 impl Solver {
-    pub fn new(rod: &Rod, drag: Vec3) -> Self {
+    pub fn new(rod: &Rod, drives: Drives, drag: Vec3) -> Self {
         Self {
             stage: Stage::new(rod),
-            lengths: Lengths::new(rod),
+            lengths: Lengths::new(rod, drives),
             drag,
             is_linearised: false,
             iterations: 0,

@@ -62,8 +62,15 @@ impl OneStage {
         }
     }
 
+    /// Value and rate at the end of a step of a number, from those at its start and the value at the stage, whose history was `history`.
+    pub fn end(&self, scheme: &Scheme, [from, rate]: [f64; 2], history: f64, at: f64) -> [f64; 2] {
+        let of_stage = (at - history) / scheme.g;
+        let after = rate + (of_stage - rate) / self.rate_place;
+        [from + (at - from) / self.place, if self.rate_place == 1.0 { of_stage } else { after }]
+    }
+
     /// How much of the rates before is in the history of a stage.
-    fn carried(&self, h: f64) -> f64 {
+    pub fn carried(&self, h: f64) -> f64 {
         self.place * h * (1.0 - self.gamma / self.rate_place)
     }
 

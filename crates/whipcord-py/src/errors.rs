@@ -403,7 +403,9 @@ pub fn motion(py: Python<'_>, error: &MotionError) -> PyErr {
         MotionError::NotConverged { time, .. }
         | MotionError::NoGradient { time }
         | MotionError::Tolerance { time, .. } => failed(Some(*time)),
-        MotionError::Unbalanced { .. } | MotionError::NoModes => failed(None),
+        MotionError::Unbalanced { .. }
+        | MotionError::NoModes
+        | MotionError::MotorOverload { .. } => failed(None),
     }
 }
 

@@ -46,6 +46,11 @@ pub fn charts(
         line("from loads", &|state| state.energy.loads),
         line("dissipated", &|state| state.energy.dissipated),
     ];
+    if file.robot.motors().iter().any(|motor| motor.dynamics.is_some()) {
+        energies
+            .push(line("motors and stretch", &|state| state.energy.motors + state.energy.stretch));
+        energies.push(line("from the loops", &|state| state.energy.control));
+    }
     if file.motion.base.is_some() {
         energies.push(line("from the base", &|state| state.energy.base));
     }

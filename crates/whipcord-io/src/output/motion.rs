@@ -1,7 +1,7 @@
 //! Motions as JSON and tables.
 
 use serde_json::{Value, json};
-use whipcord::{Robot, Twist};
+use whipcord::{Drive, Robot, Twist};
 use whipcord_motion::{EnergyBalance, State, Trajectory};
 
 use super::NonFinite;
@@ -76,9 +76,26 @@ fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
             }))
         })
         .collect::<Result<_, NonFinite>>()?;
+    let motors: Vec<Value> = robot
+        .motors()
+        .iter()
+        .zip(&state.motors)
+        .enumerate()
+        .map(|(i, (motor, of))| {
+            let path = |name: &str| place(&format!("motors[{i}].{name}"));
+            Ok(json!({
+                "name": motor.name,
+                "position": number(|| path("position"), of.position)?,
+                "velocity": number(|| path("velocity"), of.velocity)?,
+                motor.drive.keys().effort: number(|| path("effort"), of.effort)?,
+                "integral": number(|| path("integral"), of.integral)?,
+            }))
+        })
+        .collect::<Result<_, NonFinite>>()?;
     let mut energy = serde_json::Map::new();
-    for (name, value) in ENERGIES.iter().zip(energies(&state.energy)) {
-        energy.insert((*name).to_owned(), number(|| place(&format!("energy.{name}")), value)?);
+    for (name, of) in MOTION_ENERGIES {
+        let value = number(|| place(&format!("energy.{name}")), of(&state.energy))?;
+        energy.insert(name.to_owned(), value);
     }
     Ok(json!({
         "time": number(|| place("time"), state.time)?,
@@ -88,6 +105,7 @@ fn state(k: usize, robot: &Robot, state: &State) -> Result<Value, NonFinite> {
         "strains": strains,
         "cables": cables,
         "motor_outputs": numbers(&place("motor_outputs"), &state.motor_outputs)?,
+        "motors": motors,
         "energy": energy,
     }))
 }
@@ -97,13 +115,20 @@ fn six(twist: &Twist) -> [f64; 6] {
     [a, b, c, d, e, f]
 }
 
-const ENERGIES: [&str; 8] =
-    ["kinetic", "elastic", "gravity", "cables", "loads", "base", "dissipated", "defect"];
-
-fn energies(energy: &EnergyBalance) -> [f64; 8] {
-    let EnergyBalance { kinetic, elastic, gravity, cables, loads, base, dissipated, .. } = *energy;
-    [kinetic, elastic, gravity, cables, loads, base, dissipated, energy.defect()]
-}
+/// The energies of a motion, by their names.
+pub const MOTION_ENERGIES: [(&str, fn(&EnergyBalance) -> f64); 11] = [
+    ("kinetic", |energy| energy.kinetic),
+    ("elastic", |energy| energy.elastic),
+    ("gravity", |energy| energy.gravity),
+    ("motors", |energy| energy.motors),
+    ("stretch", |energy| energy.stretch),
+    ("cables", |energy| energy.cables),
+    ("control", |energy| energy.control),
+    ("loads", |energy| energy.loads),
+    ("base", |energy| energy.base),
+    ("dissipated", |energy| energy.dissipated),
+    ("defect", EnergyBalance::defect),
+];
 
 /// A row for each state: time, tip, its speed, the cables and the energy balance.
 #[must_use]
@@ -118,7 +143,14 @@ pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
             columns.push(format!("{}.{what}", cable.name));
         }
     }
-    columns.extend(ENERGIES.iter().map(|name| format!("{name} [J]")));
+    for motor in robot.motors() {
+        let (position, velocity, effort) = match motor.drive {
+            Drive::Spool { .. } => ("angle [rad]", "rate [rad/s]", "torque [N*m]"),
+            Drive::Linear => ("travel [m]", "rate [m/s]", "force [N]"),
+        };
+        columns.extend([position, velocity, effort].map(|what| format!("{}.{what}", motor.name)));
+    }
+    columns.extend(MOTION_ENERGIES.iter().map(|(name, _)| format!("{name} [J]")));
     let mut table = CsvTable::new(columns);
     for state in &trajectory.states {
         let (tip, last) = (state.tip(), state.velocities.last());
@@ -130,7 +162,10 @@ pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
         for cable in &state.cables {
             row.extend([cable.tension, cable.length, cable.slack].map(Cell::from));
         }
-        row.extend(energies(&state.energy).map(Cell::from));
+        for motor in &state.motors {
+            row.extend([motor.position, motor.velocity, motor.effort].map(Cell::from));
+        }
+        row.extend(MOTION_ENERGIES.map(|(_, of)| Cell::from(of(&state.energy))));
         table.push(row);
     }
     table

@@ -4,6 +4,7 @@
 
 mod allocation;
 mod closed_forms;
+mod drives;
 mod energy;
 mod gradient;
 mod invariance;
