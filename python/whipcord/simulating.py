@@ -71,11 +71,11 @@ class Motion:
     motor_output: Array
     """(N, m) motion of the spool or drive of each motor, behind gear and backlash, in rad or m."""
     motor_position: Array
-    """(N, m) angles in rad or travels in m of the motors, before their gears: the commands of motors without inertia."""
+    """(N, m) angles in rad or travels in m of the motors, before their gears; of motors without inertia these are the commands."""
     motor_velocity: Array
     """(N, m) their rates in rad/s or m/s."""
     motor_effort: Array
-    """(N, m) torques in N·m or forces in N: of the position loops, or what holds the cables of motors without inertia."""
+    """(N, m) torques in N·m or forces in N, those of the position loops, or what holds the cables of motors without inertia."""
     motor_integral: Array
     """(N, m) integrals of the errors of the position loops over time in rad·s or m·s."""
     energy: Mapping[str, Array]
