@@ -34,8 +34,7 @@ fn spring_and_mass(motor: Motor) -> (Robot, Case) {
         .and_then(|robot| robot.with_motors(vec![motor]))
         .unwrap();
     let masses = vec![PointMass { at: LENGTH, mass: LOAD }];
-    let case =
-        Case { loads: Loads { masses, ..Loads::default() }, ..Case::with_tensions(&[0.0]) };
+    let case = Case { loads: Loads { masses, ..Loads::default() }, ..Case::with_tensions(&[0.0]) };
     (robot, case)
 }
 
@@ -110,8 +109,7 @@ fn two_masses_on_springs() {
     let masses = Masses { inertia: mass, dynamics, set_point: 0.0 };
     let [x0, _, _, z0, _] = masses.at_rest();
     let [x1, _, _, z1, _] = {
-        let tension =
-            (PRETENSION + DRIVE * set) / (1.0 + DRIVE / proportional + DRIVE / SPRING);
+        let tension = (PRETENSION + DRIVE * set) / (1.0 + DRIVE / proportional + DRIVE / SPRING);
         [set - tension / proportional, 0.0, 0.0, -tension / SPRING, 0.0]
     };
     // The eigenvectors of [a b; c d], about the new state of rest.
@@ -191,13 +189,9 @@ fn the_step_response_of_a_loop() {
             ..spool
         };
         let (robot, case) = spring_and_mass(motor);
-        let commands =
-            told(Course::table(vec![0.0, 0.0], vec![0.3, 0.3 + angle]).unwrap());
-        let masses = Masses {
-            inertia: linear.inertia,
-            dynamics: scaled(linear),
-            set_point: angle * arm,
-        };
+        let commands = told(Course::table(vec![0.0, 0.0], vec![0.3, 0.3 + angle]).unwrap());
+        let masses =
+            Masses { inertia: linear.inertia, dynamics: scaled(linear), set_point: angle * arm };
         let mut simulation =
             Simulation::with_commands(&robot, &case, &commands, options()).unwrap();
         for k in 1..=10 {
@@ -286,12 +280,12 @@ fn antagonists_on_one_shaft() {
         dynamics: Some(dynamics),
         ..Motor::spool("bend", [(0, 0.01), (1, -0.01)])
     };
-    let robot =
-        rod(0.2, 4e-3, 1e9, 0.3, 1200.0, cables).with_motors(vec![motor.clone()]).unwrap();
+    let robot = rod(0.2, 4e-3, 1e9, 0.3, 1200.0, cables).with_motors(vec![motor.clone()]).unwrap();
     let case = Case::with_tensions(&[0.0, 0.0]);
     let course = Course::table(vec![0.1, 0.3], vec![0.4, 1.2]).unwrap();
     let commands = Commands { motors: vec![Some(course)], ..Commands::tensions(&[0.0, 0.0]) };
-    let options = MotionOptions { damping: Damping::Time(5e-3), elements: 10, ..MotionOptions::default() };
+    let options =
+        MotionOptions { damping: Damping::Time(5e-3), elements: 10, ..MotionOptions::default() };
     let mut simulation = Simulation::with_commands(&robot, &case, &commands, options).unwrap();
     for set_point in [0.4, 1.2] {
         let state = simulation.state().clone();
@@ -321,7 +315,8 @@ fn antagonists_on_one_shaft() {
 /// A motor goes on from a state that was kept as it would have without a break, and rates behind a break are found again.
 #[test]
 fn a_motion_goes_on_from_a_state_with_motors() {
-    let dynamics = MotorDynamics { integral: 50.0, derivative: 4.0, ..MotorDynamics::new(0.1, 200.0) };
+    let dynamics =
+        MotorDynamics { integral: 50.0, derivative: 4.0, ..MotorDynamics::new(0.1, 200.0) };
     let motor = Motor { dynamics: Some(dynamics), ..Motor::linear("drive", [(0, 1.0)]) };
     let (robot, case) = spring_and_mass(motor);
     let commands = told(step_to(5e-3));
@@ -365,7 +360,8 @@ fn a_stiff_loop_is_a_motor_without_inertia() {
     for dt in [1e-3, 5e-3, 2e-2] {
         let tip = |dynamics: Option<MotorDynamics>| {
             let robot = robot.clone().with_motors(motors(dynamics)).unwrap();
-            let options = MotionOptions { damping: Damping::Time(2e-3), ..MotionOptions::default() };
+            let options =
+                MotionOptions { damping: Damping::Time(2e-3), ..MotionOptions::default() };
             let mut simulation =
                 Simulation::with_commands(&robot, &case, &commands, options).unwrap();
             for _ in 0..(0.4 / dt) as usize {
