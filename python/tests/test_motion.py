@@ -300,3 +300,40 @@ def test_an_arm_comes_to_rest_on_a_ball() -> None:
     assert simulation.state.contacts[0].obstacle == "ball" and simulation.time < 1.0
     with pytest.raises(ModelError, match="obstacles"):
         simulation.modes(2)
+
+
+def test_a_motor_with_inertia_overshoots_and_goes_on_from_where_it_was() -> None:
+    robot = whipcord.Robot(
+        backbone=whipcord.Backbone(
+            length="200 mm", diameter="4 mm", young_modulus="1 GPa", poisson_ratio=0.3, density="1200 kg/m^3"
+        ),
+        cables=[whipcord.Cable(name="a", routing=whipcord.Routing.straight(angle=0, radius="10 mm"))],
+        motors=[
+            whipcord.Motor(
+                name="m",
+                cables=["a"],
+                spool_radius="10 mm",
+                stiffness="2 N/mm",
+                inertia="200 g*cm^2",
+                proportional_gain="0.5 N*m/rad",
+                derivative_gain="1 mN*m*s/rad",
+                damping=1e-6,
+                integral_gain=0.2,
+            )
+        ],
+    )
+    assert robot.motors[0].inertia == pytest.approx(2e-5)
+    case = whipcord.Case(robot)
+    motion = case.simulate("0.3 s", motors={"m": [[0, 0], [0, 1.0]]}, step="1 ms")
+    angle = motion.motor_position[:, 0]
+    assert motion.motors == ("m",) and angle[0] == pytest.approx(0, abs=1e-6)
+    assert angle.max() > 1.1 > 1.0 > angle[1]
+    assert np.allclose(motion.motor_output, 1.0 * motion.motor_position)
+    energy = motion.energy
+    assert energy["motors"].max() > 0 and energy["control"][-1] > 0 and abs(energy["cables"]).max() == 0
+    assert np.allclose(energy["motors"], 0.5 * 2e-5 * motion.motor_velocity[:, 0] ** 2)
+    on = case.simulate("0.1 s", motors={"m": 1.0}, step="1 ms", initial=motion)
+    assert on.motor_position[0, 0] == pytest.approx(angle[-1])
+    assert on.motor_velocity[0, 0] == pytest.approx(motion.motor_velocity[-1, 0])
+    assert on.motor_integral[0, 0] == pytest.approx(motion.motor_integral[-1, 0])
+    assert {"position:m", "rate:m", "effort:m"} <= set(motion._columns())

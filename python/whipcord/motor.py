@@ -51,6 +51,17 @@ class Motor(Table):
         Greatest torque of the motor in N·m.
     force_limit
         Greatest force of a linear drive in N.
+    inertia
+        Moment of inertia in kg·m² about the shaft of the motor, before the gear, or the mass in kg of a linear drive. Its command is then the
+        set-point of a position loop in motions, which needs a `proportional_gain`; elsewhere the motor is where its command says.
+    damping
+        Viscous friction of a motor with inertia, before the gear, in N·m·s/rad or N·s/m.
+    proportional_gain
+        Position loop of a motor with inertia: torque by the error of its position in N·m/rad, or force in N/m, within `torque_limit` or `force_limit`.
+    derivative_gain
+        Torque or force by the rate of that error in N·m·s/rad or N·s/m.
+    integral_gain
+        Torque or force by the integral of that error over time in N·m/(rad·s) or N/(m·s).
 
     Examples
     --------
@@ -74,6 +85,11 @@ class Motor(Table):
     torque_limit: float | None = None
     force_limit: float | None = None
     group: str | None = None
+    inertia: float | None = None
+    damping: float | None = None
+    proportional_gain: float | None = None
+    derivative_gain: float | None = None
+    integral_gain: float | None = None
 
     _name: ClassVar[str] = "motors"
 
@@ -96,6 +112,11 @@ class Motor(Table):
         torque_limit: Quantity | None = None,
         force_limit: Quantity | None = None,
         group: str | None = None,
+        inertia: Quantity | None = None,
+        damping: Quantity | None = None,
+        proportional_gain: Quantity | None = None,
+        derivative_gain: Quantity | None = None,
+        integral_gain: float | None = None,
     ) -> None:
         self._set(
             name=name,
@@ -114,4 +135,9 @@ class Motor(Table):
             torque_limit=torque_limit,
             force_limit=force_limit,
             group=group,
+            inertia=inertia,
+            damping=damping,
+            proportional_gain=proportional_gain,
+            derivative_gain=derivative_gain,
+            integral_gain=integral_gain,
         )

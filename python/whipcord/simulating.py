@@ -71,14 +71,24 @@ class Motion:
     """(N, c) by how much in m a cable is longer than its path."""
     motor_output: Array
     """(N, m) motion of the spool or drive of each motor, behind gear and backlash, in rad or m."""
+    motor_position: Array
+    """(N, m) angles in rad or travels in m of the motors, before their gears; of motors without inertia these are the commands."""
+    motor_velocity: Array
+    """(N, m) their rates in rad/s or m/s."""
+    motor_effort: Array
+    """(N, m) torques in N·m or forces in N, those of the position loops, or what holds the cables of motors without inertia."""
+    motor_integral: Array
+    """(N, m) integrals of the errors of the position loops over time in rad·s or m·s."""
     energy: Mapping[str, Array]
-    """(N,) energies in J: ``kinetic``, ``elastic``, ``gravity``; what ``cables``, ``loads``, ``base`` and obstacles (``contacts``, negative where
-    impacts and friction take energy) have given and damping has taken (``dissipated``) since the start; and what the integration has added,
-    ``defect``."""
+    """(N,) energies in J: ``kinetic``, ``elastic``, ``gravity``, of ``motors`` with inertia and in the ``stretch`` of their cables and drives; what the
+    other ``cables``, the position loops (``control``), ``loads``, ``base`` and obstacles (``contacts``, negative where impacts and friction take energy) have
+    given and damping has taken (``dissipated``) since the start; and what the integration has added, ``defect``."""
     contacts: tuple[tuple[Contact, ...], ...]
     """N times the places where the robot touches obstacles."""
     cables: tuple[str, ...]
     """Names of the cables."""
+    motors: tuple[str, ...]
+    """Names of the motors."""
     steps: int
     """Steps that were taken."""
     parts: int
@@ -106,6 +116,10 @@ class Motion:
         columns["tip_speed"] = np.linalg.norm(self.velocity[:, -1, :3], axis=1)
         for k, name in enumerate(self.cables):
             for what, values in (("tension", self.tension), ("length", self.length), ("slack", self.slack)):
+                columns[f"{what}:{name}"] = values[:, k].copy()
+        for k, name in enumerate(self.motors):
+            of_motor = (("position", self.motor_position), ("rate", self.motor_velocity), ("effort", self.motor_effort))
+            for what, values in of_motor:
                 columns[f"{what}:{name}"] = values[:, k].copy()
         columns["contact_force"] = np.array([sum(of.force or 0.0 for of in touching) for touching in self.contacts])
         return columns | dict(self.energy)
@@ -179,6 +193,14 @@ class State:
     """(c,) by how much in m a cable is longer than its path."""
     motor_output: Array
     """(m,) motion of the spool or drive of each motor in rad or m."""
+    motor_position: Array
+    """(m,) angles in rad or travels in m of the motors, before their gears."""
+    motor_velocity: Array
+    """(m,) their rates in rad/s or m/s."""
+    motor_effort: Array
+    """(m,) torques in N·m or forces in N."""
+    motor_integral: Array
+    """(m,) integrals of the errors of the position loops over time."""
     energy: Mapping[str, float]
     """Energies in J, as of :class:`Motion`."""
     contacts: tuple[Contact, ...]
@@ -475,8 +497,9 @@ def simulate(
     setup = setup_of(case, duration=duration, **options)
     values, failed = _core.simulate(setup, seconds(timeout))
     names = tuple(cable.name for cable in case.robot.cables)
+    motors = tuple(motor.name for motor in case.robot.motors)
     values["contacts"] = tuple(map(contacts_of, values["contacts"]))
-    motion = Motion(cables=names, ok=failed is None, **values)
+    motion = Motion(cables=names, motors=motors, ok=failed is None, **values)
     if failed is None:
         return motion
     if isinstance(failed, MotionError):
@@ -575,6 +598,9 @@ def _kept(initial: State | Motion) -> dict[str, Any]:
         "velocities": last(initial.velocity).tolist(),
         "tensions": last(initial.tension).tolist(),
         "motor_outputs": last(initial.motor_output).tolist(),
+        "motors": np.column_stack(
+            [last(values) for values in (initial.motor_position, initial.motor_velocity, initial.motor_integral)]
+        ).tolist(),
     }
     return {key: values for key, values in table.items() if values}
 

@@ -13,6 +13,7 @@ pub fn failure(file: &CaseFile, error: &MotionError) -> Failure {
     match error {
         MotionError::NoEquilibrium(error) if !refuses(error) => Failure::Solve(text),
         MotionError::Unbalanced { .. }
+        | MotionError::MotorOverload { .. }
         | MotionError::NotConverged { .. }
         | MotionError::Tolerance { .. }
         | MotionError::NoGradient { .. }

@@ -38,14 +38,14 @@ pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
-    Beside, Cell, Column, CsvTable, NonFinite, SpacePoint, Values, answer_json, boundary_table,
-    columns_to_parquet, contacts_csv, design_errors_table, design_json, distributions, fit_json,
-    follow_json, holes_table, json_number, json_optional, loss_name, marks_csv, mode_shapes_table,
-    modes_json, modes_table, motion_contacts_table, motion_json, motion_table, path_table,
-    points_csv, poses_table, problems_json, quantile, reach_json, remove_stale, remove_unfinished,
-    samples_table, shape_csv, solution_json, status_words, steps_csv, stiffness_json,
-    tolerances_json, warnings_json, workspace_json, workspace_table, write_atomically,
-    write_one_of_many,
+    Beside, Cell, Column, CsvTable, MOTION_ENERGIES, NonFinite, SpacePoint, Values, answer_json,
+    boundary_table, columns_to_parquet, contacts_csv, design_errors_table, design_json,
+    distributions, fit_json, follow_json, holes_table, json_number, json_optional, loss_name,
+    marks_csv, mode_shapes_table, modes_json, modes_table, motion_contacts_table, motion_json,
+    motion_table, path_table, points_csv, poses_table, problems_json, quantile, reach_json,
+    remove_stale, remove_unfinished, samples_table, shape_csv, solution_json, status_words,
+    steps_csv, stiffness_json, tolerances_json, warnings_json, workspace_json, workspace_table,
+    write_atomically, write_one_of_many,
 };
 pub use read::{
     CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded,

@@ -40,6 +40,8 @@ pub(crate) struct StageAdjoint {
     pub start: Vec<Twist>,
     /// After [`Self::pull_back`]: of each cable by its tension, or by its length where it is driven by that.
     pub cables: Vec<f64>,
+    /// By the tension of each cable at the end of the step; after [`Self::pull_back`] by that at its start.
+    pub tensions: Vec<f64>,
     /// `λ`: multipliers of the equations of motion.
     multipliers: Vec<Twist>,
     /// The multipliers that a length of each cable has, and its gradient by the strains.
@@ -63,6 +65,7 @@ impl StageAdjoint {
             strains: list(points),
             start: list(points),
             cables: vec![0.0; rod.cables.len()],
+            tensions: vec![0.0; rod.cables.len()],
             multipliers: list(nodes),
             of_lengths: Vec::new(),
             right: list(nodes),
@@ -103,6 +106,7 @@ impl StageAdjoint {
         let taut: Vec<usize> =
             lengths.cables.iter().copied().filter(|&i| stage.tensions[i] > 0.0).collect();
         let mut forces = vec![0.0; taut.len()];
+        let ends = core::mem::replace(&mut self.tensions, vec![0.0; rod.cables.len()]);
         if !taut.is_empty() {
             self.of_lengths.resize(taut.len(), Default::default());
             let none = vec![Twist::default(); rod.nodes.len()];
@@ -117,11 +121,22 @@ impl StageAdjoint {
                 for (i, (of_length, _)) in of_lengths.iter().enumerate() {
                     matrix[j * n + i] = tension_work(rod, stage, scheme, cable, of_length);
                 }
-                matrix[j * n + j] += rod.cables[cable].compliance;
-                forces[j] = tension_work(rod, stage, scheme, cable, &multipliers);
+                matrix[j * n + j] += rod.cables[cable].compliance / scheme.place;
+                // The tension at the end lies straight beyond that of the stage, unless it would be negative.
+                self.tensions[cable] = if lengths.end_tension_of(cable, stage, scheme) > 0.0 {
+                    ends[cable]
+                } else {
+                    0.0
+                };
+                forces[j] = tension_work(rod, stage, scheme, cable, &multipliers)
+                    - self.tensions[cable] / scheme.place;
             }
             self.lu.factor(n, &matrix).map_err(|_| NotSolved)?;
             self.lu.solve(&mut forces);
+            for (&cable, force) in taut.iter().zip(&forces) {
+                let by_end = self.tensions[cable] + rod.cables[cable].compliance * force;
+                self.tensions[cable] = by_end * (1.0 - 1.0 / scheme.place);
+            }
             for (force, (of_length, gradient)) in forces.iter().zip(&of_lengths) {
                 for (multiplier, of) in multipliers.iter_mut().zip(of_length) {
                     *multiplier = *multiplier - *of * *force;

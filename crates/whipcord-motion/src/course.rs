@@ -96,6 +96,16 @@ impl Course {
         }
     }
 
+    /// Its rate of change at a time in s, before any corner or jump at that time.
+    pub(crate) fn slope_before(&self, time: f64) -> f64 {
+        let Kind::Table { times, values } = &self.0 else { return 0.0 };
+        let next = times.partition_point(|&t| t < time);
+        if next == 0 || next == times.len() {
+            return 0.0;
+        }
+        (values[next] - values[next - 1]) / (times[next] - times[next - 1])
+    }
+
     /// The first time after `from` and before `to` at which it jumps.
     pub(crate) fn next_jump(&self, from: f64, to: f64) -> Option<f64> {
         let Kind::Table { times, values } = &self.0 else { return None };
@@ -134,6 +144,10 @@ mod tests {
         let course = Course::table(vec![1.0, 2.0, 2.0, 4.0], vec![0.0, 1.0, 5.0, 3.0]).unwrap();
         assert_eq!([0.0, 1.5, 2.0, 3.0, 9.0].map(|t| course.before(t)), [0.0, 0.5, 1.0, 4.0, 3.0]);
         assert_eq!(course.after(2.0), 5.0);
+        assert_eq!(
+            [0.5, 1.5, 2.0, 3.0, 9.0].map(|t| course.slope_before(t)),
+            [0.0, 1.0, 1.0, -1.0, 0.0]
+        );
         assert_eq!(course.rows().map(|(times, _)| times.len()), Some(4));
         assert_eq!(Course::constant(1.0).rows(), None);
         assert_eq!([0.0, 1.0, 1.9].map(|from| course.next_jump(from, 3.0)), [Some(2.0); 3]);

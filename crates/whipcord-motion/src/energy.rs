@@ -31,7 +31,7 @@ pub(crate) fn energies(
 /// Powers in W.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Power {
-    /// Of the cables on the rod.
+    /// Of the cables on the rod, but for those of motors with inertia.
     pub cables: f64,
     /// Of loads other than gravity; without dead forces that act by the gradients of their heights.
     pub loads: f64,
@@ -57,7 +57,8 @@ impl Power {
             }
             for (i, cable) in rod.cables.iter().enumerate() {
                 let tension = stage.tensions[i];
-                if q >= crate::element::POINTS * cable.elements || tension == 0.0 {
+                let ends = q >= crate::element::POINTS * cable.elements;
+                if ends || tension == 0.0 || stage.is_internal[i] {
                     continue;
                 }
                 let crossing = &rod.crossings[q * count + i];

@@ -38,6 +38,19 @@ pub enum MotionError {
         depth: f64,
     },
 
+    /// A motor cannot hold the equilibrium to start from.
+    #[error(
+        "the motor `{name}` would need {needed:.3e} N·m or N to hold the equilibrium to start from, but its limit is {limit:.3e}; increase the limit, change the first commands or start from rest"
+    )]
+    MotorOverload {
+        /// Name of the motor.
+        name: String,
+        /// What it would need.
+        needed: f64,
+        /// Its limit.
+        limit: f64,
+    },
+
     /// Motion needs a quantity that the robot does not give.
     #[error("the motion needs `{path}`: {advice}")]
     Missing {

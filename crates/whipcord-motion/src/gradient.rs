@@ -74,6 +74,8 @@ struct Costate {
     strain_rates: Vec<Twist>,
     /// By what each motor's drive has moved.
     outputs: Vec<f64>,
+    /// By the tension of each cable.
+    tensions: Vec<f64>,
 }
 
 impl Simulation {
@@ -105,6 +107,14 @@ impl Simulation {
             from_equilibrium: is_equilibrium && self.state.time == 0.0,
         };
         for commands in commands {
+            let moves = |i: usize| self.moving_motor(commands, i).is_some();
+            if (0..self.rod.cables.len()).any(moves) {
+                return Err(MotionError::Unsupported {
+                    path: "motors.inertia".to_owned(),
+                    what: "gradients over a motion with a motor that has inertia",
+                    advice: "leave out the inertia and the gains of the motor, or use differences",
+                });
+            }
             let by_length = (0..self.rod.cables.len()).any(|i| self.is_by_length(commands, i));
             let is_halved = by_length || self.options.method != Method::Accurate;
             if is_halved && self.options.tolerance.is_some() {
@@ -165,6 +175,7 @@ impl Simulation {
             velocity_rates: list(nodes),
             strain_rates: list(points),
             outputs: vec![0.0; motors],
+            tensions: vec![0.0; cables],
         };
         let mut adjoint = StageAdjoint::new(&self.rod);
         let mut gradient = Gradient::default();
@@ -238,7 +249,13 @@ impl Simulation {
         // The part once more, for what its stages have found.
         self.attempt(commands, part.length, part.warm)
             .map_err(|_| MotionError::NoGradient { time: part.before.time })?;
+        // A cable that is driven by its tension ends the step with its command.
         let mut by_cable = vec![0.0; cables.len()];
+        for i in 0..cables.len() {
+            if !self.is_by_length(commands, i) {
+                by_cable[i] = core::mem::take(&mut costate.tensions[i]);
+            }
+        }
         match self.next.diagnostics.method {
             Method::Accurate => {
                 self.stages_backwards(commands, part, adjoint, costate, factors, &mut by_cable)
@@ -327,6 +344,7 @@ impl Simulation {
             velocity_rates: velocities,
             strain_rates: strains,
             outputs: core::mem::take(&mut costate.outputs),
+            tensions: core::mem::take(&mut costate.tensions),
         };
         Ok(())
     }
@@ -361,6 +379,7 @@ impl Simulation {
         };
         adjoint.velocities = stage_of(&costate.velocities, &costate.velocity_rates);
         adjoint.strains = stage_of(&costate.strains, &costate.strain_rates);
+        adjoint.tensions = core::mem::take(&mut costate.tensions);
         adjoint.pull_back(Mechanics { rod, loads }, solver, &scheme, factors)?;
         let (velocities, velocity_rates) =
             start_of(&costate.velocities, &costate.velocity_rates, &adjoint.velocities);
@@ -371,7 +390,8 @@ impl Simulation {
             *of += by;
         }
         let outputs = core::mem::take(&mut costate.outputs);
-        *costate = Costate { velocities, strains, velocity_rates, strain_rates, outputs };
+        let tensions = adjoint.tensions.clone();
+        *costate = Costate { velocities, strains, velocity_rates, strain_rates, outputs, tensions };
         Ok(())
     }
 
@@ -399,6 +419,7 @@ impl Simulation {
         loads.at(0.0, &mut solver.stage.loads);
         adjoint.velocities.fill(Twist::default());
         adjoint.strains = core::mem::take(&mut costate.strains);
+        adjoint.tensions = core::mem::take(&mut costate.tensions);
         adjoint
             .pull_back(Mechanics { rod, loads }, solver, &Scheme::STATICS, factors)
             .map_err(|_| MotionError::NoGradient { time: start.time })?;

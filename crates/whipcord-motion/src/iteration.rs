@@ -3,6 +3,7 @@
 use whipcord_numerics::Vec3;
 
 use crate::contacts::Contacts;
+use crate::drives::Drives;
 use crate::lengths::Lengths;
 use crate::loads::NodeLoads;
 use crate::pose;
@@ -60,10 +61,10 @@ const SLOW: f64 = 0.3;
 const ROUNDING: f64 = 1e-9;
 
 impl Solver {
-    pub fn new(rod: &Rod, drag: Vec3, surroundings: Option<Surroundings>) -> Self {
+    pub fn new(rod: &Rod, drives: Drives, drag: Vec3, surroundings: Option<Surroundings>) -> Self {
         Self {
             stage: Stage::new(rod),
-            lengths: Lengths::new(rod),
+            lengths: Lengths::new(rod, drives),
             contacts: Contacts::new(rod, surroundings),
             unilateral: Unilateral::new(rod),
             drag,

@@ -1,8 +1,10 @@
-//! Cables that are driven by their lengths: `0 ≤ τ ⟂ ℓ* + c τ − ℓ ≥ 0` in every step of the iteration, eq. (13) of the page on motion.
+//! Cables that are driven by their lengths: `0 ≤ τ ⟂ ℓ* + c τ − ℓ ≥ 0` in every step of the iteration, eq. (13) of the page on motion, with the tension at the end of the
+//! step where the cable stretches.
 
 use whipcord_numerics::Twist;
 
 use crate::block::{dot, transposed_bracket};
+use crate::drives::{Drives, MotorWork};
 use crate::element::{POINTS, add_to_nodes};
 use crate::rod::Rod;
 use crate::stage::{Pull, Scheme, Stage};
@@ -14,13 +16,40 @@ pub(crate) struct Lengths {
     pub cables: Vec<usize>,
     /// Length in m of each at the end of the step, where it has no tension.
     pub targets: Vec<f64>,
+    /// Tension in N of each at the start of the step.
+    pub previous: Vec<f64>,
+    /// Motors with inertia, whose cables have the length that they leave them.
+    pub drives: Drives,
+    /// What these motors gain and lose in a step.
+    pub motor_work: MotorWork,
 }
 
 impl Lengths {
     /// Room for all cables of a rod.
-    pub fn new(rod: &Rod) -> Self {
+    pub fn new(rod: &Rod, drives: Drives) -> Self {
         let count = rod.cables.len();
-        Self { cables: Vec::with_capacity(count), targets: Vec::with_capacity(count) }
+        Self {
+            cables: Vec::with_capacity(count),
+            targets: Vec::with_capacity(count),
+            previous: Vec::with_capacity(count),
+            drives,
+            motor_work: MotorWork::default(),
+        }
+    }
+
+    /// Tension at the end of a step, from those at its start and at its stage: straight through both. A cable that is slack at the stage is so at the end.
+    pub fn end_tension(previous: f64, stage: f64, place: f64) -> f64 {
+        if stage == 0.0 {
+            return 0.0;
+        }
+        (previous + (stage - previous) / place).max(0.0)
+    }
+
+    /// The same of a cable that is driven by its length.
+    pub fn end_tension_of(&self, cable: usize, stage: &Stage, scheme: &Scheme) -> f64 {
+        let place = self.cables.iter().position(|of| *of == cable);
+        let previous = place.and_then(|k| self.previous.get(k)).copied().unwrap_or_default();
+        Self::end_tension(previous, stage.tensions[cable], scheme.place)
     }
 
     /// What a tension of 1 N in a cable exerts on the nodes at the strains of a stage.
@@ -81,6 +110,8 @@ impl Lengths {
         }
         row[0] = Twist::default();
         let line = &rod.cables[cable];
-        self.targets[i] - line.compliance * line.pretension - length
+        // What stretches it at the end of the step, but for the tension of the stage.
+        let carried = self.previous[i] * (1.0 - 1.0 / scheme.place) - line.pretension;
+        self.targets[i] + line.compliance * carried - length
     }
 }

@@ -47,6 +47,11 @@ impl OneStage {
         if !from.has_rates || h > FASTEST_GROWTH * from.rates_of {
             return Self::EULER;
         }
+        Self::generalised_alpha(rho)
+    }
+
+    /// The generalised-α method from known rates.
+    pub fn generalised_alpha(rho: f64) -> Self {
         let (rate_place, place) = (0.5 * (3.0 - rho) / (1.0 + rho), 1.0 / (1.0 + rho));
         Self { rate_place, place, gamma: 0.5 + rate_place - place, conserves: false }
     }
@@ -71,8 +76,15 @@ impl OneStage {
         }
     }
 
+    /// Value and rate at the end of a step of a number, from those at its start and the value at the stage, whose history was `history`.
+    pub fn end(&self, scheme: &Scheme, [from, rate]: [f64; 2], history: f64, at: f64) -> [f64; 2] {
+        let of_stage = (at - history) / scheme.g;
+        let after = rate + (of_stage - rate) / self.rate_place;
+        [from + (at - from) / self.place, if self.rate_place == 1.0 { of_stage } else { after }]
+    }
+
     /// How much of the rates before is in the history of a stage.
-    fn carried(&self, h: f64) -> f64 {
+    pub fn carried(&self, h: f64) -> f64 {
         self.place * h * (1.0 - self.gamma / self.rate_place)
     }
 

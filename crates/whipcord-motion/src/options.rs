@@ -74,6 +74,9 @@ pub struct Start {
     pub tensions: Vec<f64>,
     /// Motion of the spool or drive of each motor, behind gear and backlash, in rad or m; empty for zero.
     pub motor_outputs: Vec<f64>,
+    /// Position, velocity and integral of the error ([`crate::MotorMotion`]) of each motor, which those with inertia start from; empty where they are at rest at
+    /// [`Self::motor_outputs`].
+    pub motors: Vec<[f64; 3]>,
 }
 
 /// Where a motion starts.

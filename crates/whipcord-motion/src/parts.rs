@@ -1,16 +1,18 @@
 //! The parts of a step: each is solved by a method, and divided where it must be.
 
 use crate::commands::{CableDrive, Commands};
+use crate::drives::MotorWork;
 use crate::energy::{Power, energies};
 use crate::error::MotionError;
 use crate::impact::PARTS;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
+use crate::lengths::Lengths;
 use crate::one_stage::OneStage;
 use crate::options::Method;
 use crate::pose;
 use crate::simulation::Simulation;
 use crate::stage::Scheme;
-use crate::state::{CableMotion, State};
+use crate::state::{CableMotion, MotorMotion, State};
 
 /// ρ of [`Method::Robust`].
 pub(crate) const RHO: f64 = 0.5;
@@ -154,6 +156,7 @@ impl Simulation {
         warm: bool,
     ) -> Result<Attempt, Stalled> {
         self.set_lengths(commands, self.state.time + h);
+        self.solver.lengths.motor_work = MotorWork::default();
         let by_length = !self.solver.lengths.cables.is_empty();
         let method = if by_length { Method::Robust } else { self.options.method };
         self.next.copy_from(&self.state);
@@ -227,7 +230,7 @@ impl Simulation {
             0.0
         };
         let end = self.state.time + h;
-        self.finish(commands, end, &work);
+        self.finish(commands, end, &work, 1.0);
         self.next.rates_of = h.max(self.state.rates_of);
         Ok(error)
     }
@@ -250,7 +253,8 @@ impl Simulation {
             };
             let end = this.state.time + h;
             this.set_lengths(commands, end);
-            this.set_tensions(commands, scheme.time(this.state.time, h));
+            let time = scheme.time(this.state.time, h);
+            this.set_tensions(commands, time);
             if touches {
                 this.look_for_contacts(h);
             }
@@ -258,15 +262,21 @@ impl Simulation {
             let work = loop {
                 this.solver.contacts.admit_overlap(&this.rod, h);
                 let Self { rod, loads, solver, state, next, .. } = this;
+                solver.lengths.drives.set(commands, time);
+                solver.lengths.drives.begin(&state.motors, &scheme, h);
                 let work =
                     scheme.step(Mechanics { rod, loads }, solver, state, next, h, &control)?;
                 rounds += 1;
                 if !touches || rounds > MOST_ROUNDS || !this.finds_overlap(&scheme.scheme(h)) {
                     break work;
                 }
-                this.set_tensions(commands, scheme.time(this.state.time, h));
+                this.set_tensions(commands, time);
             };
-            this.finish(commands, end, &work);
+            let Self { solver, next, .. } = this;
+            let Lengths { drives, motor_work, .. } = &mut solver.lengths;
+            *motor_work = drives.finish(&mut next.motors, &scheme, h, &solver.stage.tensions);
+            drives.write_efforts(commands, end, &mut next.motors);
+            this.finish(commands, end, &work, scheme.scheme(h).place);
             let keeps_rates = scheme.uses_rates() && this.next.contacts.is_empty();
             this.next.rates_of = if keeps_rates { h.max(this.state.rates_of) } else { h };
             Ok(())
@@ -323,15 +333,27 @@ impl Simulation {
         step(self, 0.5 * h)
     }
 
-    /// Sets which cables are driven by their lengths, and these at a time.
+    /// The motor of a cable, where that motor has inertia and a command.
+    pub(crate) fn moving_motor(&self, commands: &Commands, cable: usize) -> Option<usize> {
+        let (motor, _) = commands.motor_of(&self.robot, cable)?;
+        self.robot.motors()[motor].dynamics.map(|_| motor)
+    }
+
+    /// Sets which cables are driven by their lengths, and these at a time, but for what motors with inertia shorten.
     pub(crate) fn set_lengths(&mut self, commands: &Commands, time: f64) {
         self.solver.lengths.cables.clear();
         self.solver.lengths.targets.clear();
+        self.solver.lengths.previous.clear();
+        self.solver.lengths.drives.set(commands, time);
         for i in 0..self.rod.cables.len() {
+            let is_internal = self.moving_motor(commands, i).is_some();
+            self.solver.stage.is_internal[i] = is_internal;
             if self.is_by_length(commands, i) {
-                let shortening = self.command(commands, i, time, false);
+                let shortening =
+                    if is_internal { 0.0 } else { self.command(commands, i, time, false) };
                 self.solver.lengths.cables.push(i);
                 self.solver.lengths.targets.push(self.rod.cables[i].rest_length - shortening);
+                self.solver.lengths.previous.push(self.state.cables[i].tension);
             }
         }
     }
@@ -347,27 +369,35 @@ impl Simulation {
         }
     }
 
-    /// Completes the state behind a step, whose velocities and strains are in [`Self::next`] and whose stage is in the solver.
-    pub(crate) fn finish(&mut self, commands: &Commands, time: f64, work: &Power) {
+    /// Completes the state behind a step, whose velocities, strains and motors with inertia are in [`Self::next`] and whose stage, at this place in the step, is in the
+    /// solver.
+    pub(crate) fn finish(&mut self, commands: &Commands, time: f64, work: &Power, place: f64) {
+        let mut stretch = 0.0;
         for i in 0..self.rod.cables.len() {
             let by_length = self.is_by_length(commands, i);
             let commanded = self.command(commands, i, time, false);
             let line = self.rod.cables[i];
             let length = self.rod.cable_length(i, &self.next.strains);
-            let tension =
-                if by_length { self.solver.stage.tensions[i] } else { commanded.max(0.0) };
+            let tension = if by_length {
+                let stage = self.solver.stage.tensions[i];
+                Lengths::end_tension(self.state.cables[i].tension, stage, place)
+            } else {
+                commanded.max(0.0)
+            };
+            let mut shortening = commanded;
+            if let Some(motor) = self.moving_motor(commands, i) {
+                let (of, position) =
+                    (&self.robot.motors()[motor], self.next.motors[motor].position);
+                shortening = self.pull(motor, i) * (position - of.offset) / of.gear_ratio();
+                stretch += 0.5 * line.compliance * tension * tension;
+            }
             let longest =
-                line.rest_length - commanded + line.compliance * (tension - line.pretension);
+                line.rest_length - shortening + line.compliance * (tension - line.pretension);
             let slack = if by_length && tension == 0.0 { (longest - length).max(0.0) } else { 0.0 };
             self.next.commanded[i] = commanded;
             self.next.cables[i] = CableMotion { tension, length, slack };
         }
-        for (i, output) in self.next.motor_outputs.iter_mut().enumerate() {
-            if let Some(Some(course)) = commands.motors.get(i) {
-                *output =
-                    self.robot.motors()[i].output(self.state.motor_outputs[i], course.before(time));
-            }
-        }
+        self.finish_motors(commands, time);
         let Self { rod, loads, solver, state, next, base, .. } = self;
         let poses = &mut solver.stage.poses;
         next.base = loads.base_pose(state.base, state.time, time - state.time);
@@ -379,11 +409,15 @@ impl Simulation {
         }
         let energy = &mut next.energy;
         [energy.kinetic, energy.elastic, energy.gravity] = parts;
+        energy.stretch = stretch;
+        energy.motors = solver.lengths.drives.kinetic(&next.motors);
+        let motor_work = solver.lengths.motor_work;
         energy.cables = state.energy.cables + work.cables;
+        energy.control = state.energy.control + motor_work.control;
         energy.loads = state.energy.loads + work.loads;
         energy.base = state.energy.base + work.base;
         energy.contacts = state.energy.contacts + work.contacts;
-        energy.dissipated = state.energy.dissipated + work.dissipated;
+        energy.dissipated = state.energy.dissipated + work.dissipated + motor_work.dissipated;
         if next.diagnostics.method == Method::Energy {
             let back = base.rotation.conjugate();
             let ends = next.poses.iter().zip(&state.poses).zip(&solver.stage.loads);
@@ -400,5 +434,33 @@ impl Simulation {
                 || state.has_rates
                 || next.without_rates >= AFTER_IMPACT);
         solver.contacts.report(*base, rod, &mut next.contacts);
+    }
+
+    /// Writes what the drives of the motors have moved, and the motors without inertia.
+    fn finish_motors(&mut self, commands: &Commands, time: f64) {
+        for (i, motor) in self.robot.motors().iter().enumerate() {
+            let course = commands.motors.get(i).and_then(Option::as_ref);
+            let (state, next) = (&self.state, &mut self.next);
+            match course {
+                Some(_) if motor.dynamics.is_some() => {
+                    next.motor_outputs[i] =
+                        (next.motors[i].position - motor.offset) / motor.gear_ratio();
+                }
+                Some(course) => {
+                    let command = course.before(time);
+                    next.motor_outputs[i] = motor.output(state.motor_outputs[i], command);
+                    let effort = motor.effort(|cable| Some(next.cables[cable].tension));
+                    next.motors[i] = MotorMotion {
+                        effort: effort.unwrap_or_default(),
+                        ..MotorMotion::new([command, course.slope_before(time), 0.0])
+                    };
+                }
+                // A motor that is told nothing is held where it stands; its cables have commands of their own.
+                None => {
+                    let [position, ..] = next.motors[i].values();
+                    next.motors[i] = MotorMotion::new([position, 0.0, 0.0]);
+                }
+            }
+        }
     }
 }

@@ -247,6 +247,14 @@ fn refuse_unsupported(robot: &Robot) -> Result<(), MotionError> {
             "leave the friction out, or use the statics with steps of actuation",
         );
     }
+    let plays = |motor: &whipcord::Motor| motor.dynamics.is_some() && motor.backlash > 0.0;
+    if let Some(i) = robot.motors().iter().position(plays) {
+        return refuse(
+            format!("motors[{i}].backlash"),
+            "backlash of a motor with inertia",
+            "leave out the backlash, or the inertia and the gains of the motor",
+        );
+    }
     if robot.has_bending_friction() {
         return refuse(
             "backbone.yield_moment".to_owned(),

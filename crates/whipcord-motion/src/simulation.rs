@@ -5,6 +5,7 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::accurate::Accurate;
 use crate::commands::Commands;
+use crate::drives::Drives;
 use crate::energy::Power;
 use crate::equilibrium;
 use crate::error::{MotionError, count};
@@ -12,7 +13,7 @@ use crate::iteration::{Mechanics, Solver};
 use crate::loads::NodeLoads;
 use crate::options::{Initial, MotionOptions, Start};
 use crate::rod::Rod;
-use crate::state::{CableMotion, State};
+use crate::state::{CableMotion, MotorMotion, State};
 use crate::surroundings::Surroundings;
 
 /// The motion of a robot.
@@ -101,7 +102,8 @@ impl Simulation {
         let rod = Rod::new(robot, &all, &options)?;
         let loads = NodeLoads::new(&rod, case, &options);
         let drag = Vec3::new(options.drag.across, options.drag.across, options.drag.along);
-        let solver = Solver::new(&rod, drag, Surroundings::new(robot, &rod, case)?);
+        let surroundings = Surroundings::new(robot, &rod, case)?;
+        let solver = Solver::new(&rod, Drives::new(robot), drag, surroundings);
         let state = State {
             velocities: vec![Twist::default(); rod.nodes.len()],
             strains: rod.points.iter().map(|point| point.rest).collect(),
@@ -110,6 +112,7 @@ impl Simulation {
             poses: vec![Pose::IDENTITY; rod.nodes.len()],
             cables: vec![CableMotion::default(); rod.cables.len()],
             motor_outputs: vec![0.0; robot.motors().len()],
+            motors: vec![MotorMotion::default(); robot.motors().len()],
             commanded: vec![f64::NAN; rod.cables.len()],
             ..State::default()
         };
@@ -153,6 +156,7 @@ impl Simulation {
         count("strains of points", state.strains.len(), self.rod.points.len())?;
         count("cables", state.cables.len(), self.rod.cables.len())?;
         count("motors", state.motor_outputs.len(), self.state.motor_outputs.len())?;
+        count("motors", state.motors.len(), self.state.motors.len())?;
         self.state.copy_from(state);
         Ok(())
     }
@@ -249,7 +253,7 @@ impl Simulation {
 
     /// Puts velocities, strains, tensions and motors of a state that was kept in their places.
     fn start_from(&mut self, start: &Start, commands: &Commands) -> Result<(), MotionError> {
-        let Start { velocities, strains, tensions, motor_outputs } = start;
+        let Start { velocities, strains, tensions, motor_outputs, motors } = start;
         count("velocities of the state to start from", velocities.len(), self.rod.nodes.len())?;
         count("strains of the state to start from", strains.len(), self.rod.points.len())?;
         if !tensions.is_empty() {
@@ -264,9 +268,13 @@ impl Simulation {
             self.state.motor_outputs.copy_from_slice(motor_outputs);
             self.next.motor_outputs.copy_from_slice(motor_outputs);
         }
+        if !motors.is_empty() {
+            count("motors of the state to start from", motors.len(), self.state.motors.len())?;
+        }
         let twists = velocities.iter().chain(strains);
         let numbers = twists.flat_map(|of| [of.linear, of.angular]).flat_map(Vec3::to_array);
-        for value in numbers.chain(tensions.iter().chain(motor_outputs).copied()) {
+        let scalars = tensions.iter().chain(motor_outputs).chain(motors.as_flattened()).copied();
+        for value in numbers.chain(scalars) {
             if !value.is_finite() {
                 let need = "all of its numbers must be finite";
                 return Err(MotionError::Option {
@@ -281,6 +289,10 @@ impl Simulation {
         }
         self.next.velocities.copy_from_slice(velocities);
         self.solver.stage.strains.copy_from_slice(strains);
+        self.put_motors_at_rest();
+        for (motor, values) in self.next.motors.iter_mut().zip(motors) {
+            *motor = MotorMotion::new(*values);
+        }
         self.set_lengths(commands, 0.0);
         self.set_tensions(commands, 0.0);
         Ok(())
@@ -300,9 +312,29 @@ impl Simulation {
         }
     }
 
+    /// Puts the motors where their drives are.
+    fn put_motors_at_rest(&mut self) {
+        let motors = self.robot.motors().iter().zip(&self.state.motor_outputs);
+        for (of, (motor, output)) in self.next.motors.iter_mut().zip(motors) {
+            *of = MotorMotion::new([motor.offset + motor.gear_ratio() * output, 0.0, 0.0]);
+        }
+    }
+
+    /// Puts the motors with inertia in equilibrium with the tensions of the stage.
+    fn settle_motors(&mut self) -> Result<(), MotionError> {
+        let Self { robot, solver, next, .. } = self;
+        let (drives, tensions) = (&solver.lengths.drives, &solver.stage.tensions);
+        drives.settle(&mut next.motors, tensions).map_err(|(motor, needed)| {
+            let of = &robot.motors()[motor];
+            let name = of.name.clone();
+            MotionError::MotorOverload { name, needed, limit: of.limits.effort.unwrap_or_default() }
+        })
+    }
+
     /// Sets the state at the start.
     fn start(&mut self, case: &Case, commands: &Commands) -> Result<(), MotionError> {
         let initial = self.options.initial.clone();
+        self.put_motors_at_rest();
         match &initial {
             Initial::Equilibrium => {
                 self.set_lengths(commands, 0.0);
@@ -311,6 +343,7 @@ impl Simulation {
                 let statics = self.statics(case, commands)?;
                 let Self { robot, rod, loads, solver, .. } = self;
                 equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;
+                self.settle_motors()?;
             }
             Initial::Rest => self.solver.stage.tensions.fill(0.0),
             Initial::State(start) => self.start_from(start, commands)?,
@@ -318,7 +351,7 @@ impl Simulation {
         self.next.strains.copy_from_slice(&self.solver.stage.strains);
         self.refuse_overlap()?;
         let is_rest = initial == Initial::Rest;
-        self.finish(commands, 0.0, &Power::default());
+        self.finish(commands, 0.0, &Power::default(), 1.0);
         self.next.has_rates = false;
         let energy = &mut self.next.energy;
         energy.initial = energy.total();

@@ -57,6 +57,8 @@ pub(crate) struct Stage {
     pub start: Vec<Twist>,
     /// Tension of each cable in N.
     pub tensions: Vec<f64>,
+    /// Whether the work of each cable stays in the robot: of motors with inertia.
+    pub is_internal: Vec<bool>,
     /// What acts on each node.
     pub loads: Vec<NodeLoad>,
     /// Force on the strain of each point, times its weight, by dead forces that act by the gradient of their heights.
@@ -142,6 +144,7 @@ impl Stage {
             strain_history: twists(points),
             start: twists(points),
             tensions: vec![0.0; rod.cables.len()],
+            is_internal: vec![false; rod.cables.len()],
             loads: vec![NodeLoad::default(); nodes],
             dead: twists(points),
             base: Pose::IDENTITY,

@@ -6,7 +6,7 @@ use crate::options::{Method, Start};
 
 /// Energies in J of a robot in motion, and the work since the start of the motion.
 ///
-/// Without error of the integration `kinetic + elastic + gravity` changes by `cables + loads + base + contacts − dissipated`.
+/// Without error of the integration `kinetic + elastic + gravity + motors + stretch` changes by `cables + control + loads + base + contacts − dissipated`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
     /// Kinetic energy of backbone, disks and masses.
@@ -15,33 +15,43 @@ pub struct EnergyBalance {
     pub elastic: f64,
     /// Potential of gravity, zero where all masses are at the base.
     pub gravity: f64,
-    /// What the cables have given to the rod.
+    /// Kinetic energy of the motors with inertia.
+    pub motors: f64,
+    /// Energy that the stretch of the cables of these motors and of their drives holds.
+    pub stretch: f64,
+    /// What the cables have given to the rod, but for those of motors with inertia.
     pub cables: f64,
+    /// What the position loops of motors with inertia have given.
+    pub control: f64,
     /// What external loads other than gravity have given to the robot.
     pub loads: f64,
     /// What the base has given where it moves.
     pub base: f64,
     /// What obstacles have given in contact: negative, since impacts and friction take energy and obstacles do not move.
     pub contacts: f64,
-    /// What damping and drag have taken.
+    /// What damping, drag and the friction of motors have taken.
     pub dissipated: f64,
-    /// Sum of kinetic, elastic and gravity at the start of the motion.
+    /// The sum of energies at the start of the motion.
     pub initial: f64,
 }
 
 impl EnergyBalance {
-    /// Kinetic, elastic and potential energy.
+    /// Kinetic, elastic and potential energy, with those of motors that have inertia.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.kinetic + self.elastic + self.gravity
+        self.kinetic + self.elastic + self.gravity + self.motors + self.stretch
     }
 
-    /// What the integration has added to the energy, and taken from it where negative: the change of the total less what cables, loads,
-    /// base and obstacles have given and damping has taken.
+    /// What cables, loops, loads, base and obstacles have given, less what was dissipated.
+    #[must_use]
+    pub fn given(&self) -> f64 {
+        self.cables + self.control + self.loads + self.base + self.contacts - self.dissipated
+    }
+
+    /// What the integration has added to the energy, and taken from it where negative: the change of the total less what was given.
     #[must_use]
     pub fn defect(&self) -> f64 {
-        let given = self.cables + self.loads + self.base + self.contacts;
-        self.total() - self.initial - (given - self.dissipated)
+        self.total() - self.initial - self.given()
     }
 }
 
@@ -72,6 +82,38 @@ pub struct CableMotion {
     pub slack: f64,
 }
 
+/// A motor at a time: its own angle in rad before the gear, or the travel of a linear drive in m.
+///
+/// A motor with inertia moves by its equation of motion. Of one without it the position is the command, and the torque that which holds the cables; both are zero where it
+/// has no command.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorMotion {
+    /// Angle or travel.
+    pub position: f64,
+    /// Its rate.
+    pub velocity: f64,
+    /// Torque in N·m or force in N: of the position loop, or of a motor without inertia.
+    pub effort: f64,
+    /// Integral of the error of the position over time in rad·s or m·s.
+    pub integral: f64,
+    /// Rates of position, velocity and integral that the next step goes on from.
+    pub(crate) rates: [f64; 3],
+}
+
+impl MotorMotion {
+    /// A motor with this position, velocity and integral of the error.
+    #[must_use]
+    pub const fn new([position, velocity, integral]: [f64; 3]) -> Self {
+        Self { position, velocity, effort: 0.0, integral, rates: [0.0; 3] }
+    }
+
+    /// Position, velocity and integral of the error.
+    #[must_use]
+    pub const fn values(&self) -> [f64; 3] {
+        [self.position, self.velocity, self.integral]
+    }
+}
+
 /// The state of a robot in motion. It can be kept, and a simulation can go on from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
@@ -97,6 +139,8 @@ pub struct State {
     pub contacts: Vec<whipcord::shape::Contact>,
     /// Motion of the spool or drive of each motor, behind gear and backlash, in rad or m.
     pub motor_outputs: Vec<f64>,
+    /// The motors.
+    pub motors: Vec<MotorMotion>,
     /// The energy balance.
     pub energy: EnergyBalance,
     /// How the last step was computed.
@@ -128,6 +172,7 @@ impl State {
             strains: self.strains.clone(),
             tensions: self.cables.iter().map(|cable| cable.tension).collect(),
             motor_outputs: self.motor_outputs.clone(),
+            motors: self.motors.iter().map(MotorMotion::values).collect(),
         }
     }
 
@@ -144,6 +189,7 @@ impl State {
             poses,
             cables,
             motor_outputs,
+            motors,
             energy,
             diagnostics,
             rates_of,
@@ -165,6 +211,7 @@ impl State {
         poses.clone_from(&other.poses);
         cables.clone_from(&other.cables);
         motor_outputs.clone_from(&other.motor_outputs);
+        motors.clone_from(&other.motors);
         commanded.clone_from(&other.commanded);
     }
 }

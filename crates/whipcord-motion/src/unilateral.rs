@@ -92,7 +92,7 @@ impl Unilateral {
                 i += 1;
             }
         }
-        self.fill_matrix(rod, lengths, n);
+        self.fill_matrix(rod, scheme, stage, lengths, n);
         self.find_forces(rod, lengths, contacts)?;
         for (i, &cable) in lengths.cables.iter().enumerate() {
             stage.tensions[cable] = self.forces[i];
@@ -120,7 +120,14 @@ impl Unilateral {
         stage.matrix.solve(&mut self.columns[i]);
     }
 
-    fn fill_matrix(&mut self, rod: &Rod, lengths: &Lengths, n: usize) {
+    fn fill_matrix(
+        &mut self,
+        rod: &Rod,
+        scheme: &Scheme,
+        stage: &Stage,
+        lengths: &Lengths,
+        n: usize,
+    ) {
         self.matrix.clear();
         self.matrix.resize(n * n, 0.0);
         for i in 0..n {
@@ -132,10 +139,18 @@ impl Unilateral {
             }
             let own = &mut self.matrix[i * n + i];
             *own += match lengths.cables.get(i) {
-                Some(&cable) => rod.cables[cable].compliance,
+                Some(&cable) => rod.cables[cable].compliance / scheme.place,
                 None => SHARING * *own,
             };
         }
+        let Self { offset, matrix, .. } = self;
+        lengths.drives.add_lengths(
+            scheme,
+            &lengths.cables,
+            &stage.tensions,
+            |i, more| offset[i] += more,
+            |i, j, by| matrix[i * n + j] += by,
+        );
     }
 
     fn find_forces(&mut self, rod: &Rod, lengths: &Lengths, contacts: &Contacts) -> Option<()> {

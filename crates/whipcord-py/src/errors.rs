@@ -403,9 +403,10 @@ pub fn motion(py: Python<'_>, error: &MotionError) -> PyErr {
         MotionError::NotConverged { time, .. }
         | MotionError::NoGradient { time }
         | MotionError::Tolerance { time, .. } => failed(Some(*time)),
-        MotionError::Unbalanced { .. } | MotionError::NoModes | MotionError::Overlap { .. } => {
-            failed(None)
-        }
+        MotionError::Unbalanced { .. }
+        | MotionError::NoModes
+        | MotionError::Overlap { .. }
+        | MotionError::MotorOverload { .. } => failed(None),
     }
 }
 

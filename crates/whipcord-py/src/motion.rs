@@ -6,8 +6,9 @@ use std::time::Duration;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::{CableCommand, Case, Obstacle, Robot, Shortening, Twist};
+use whipcord_io::MOTION_ENERGIES;
 use whipcord_motion::{
-    CableDrive, CableMotion, Commands, Course, EnergyBalance, Linearized, Mode, MotionError,
+    CableDrive, CableMotion, Commands, Course, Linearized, Mode, MotionError, MotorMotion,
     Simulation as Inner, State as InnerState, Trajectory,
 };
 
@@ -103,19 +104,18 @@ fn states<'py>(
     }
     let outputs = states.iter().flat_map(|state| state.motor_outputs.iter().copied()).collect();
     values.set_item("motor_output", array::<f64, _>(py, outputs, [rows, motors])?)?;
-    let energy = PyDict::new(py);
-    let energies: [Named<EnergyBalance>; 9] = [
-        ("kinetic", |energy| energy.kinetic),
-        ("elastic", |energy| energy.elastic),
-        ("gravity", |energy| energy.gravity),
-        ("cables", |energy| energy.cables),
-        ("loads", |energy| energy.loads),
-        ("base", |energy| energy.base),
-        ("contacts", |energy| energy.contacts),
-        ("dissipated", |energy| energy.dissipated),
-        ("defect", |energy| energy.defect()),
+    let of_motors: [Named<MotorMotion>; 4] = [
+        ("motor_position", |motor| motor.position),
+        ("motor_velocity", |motor| motor.velocity),
+        ("motor_effort", |motor| motor.effort),
+        ("motor_integral", |motor| motor.integral),
     ];
-    for (name, value) in energies {
+    for (name, value) in of_motors {
+        let all = states.iter().flat_map(|state| state.motors.iter().map(value)).collect();
+        values.set_item(name, array::<f64, _>(py, all, [rows, motors])?)?;
+    }
+    let energy = PyDict::new(py);
+    for (name, value) in MOTION_ENERGIES {
         let all = states.iter().map(|state| value(&state.energy)).collect();
         energy.set_item(name, array::<f64, _>(py, all, [rows])?)?;
     }

@@ -33,14 +33,18 @@ pub fn table(robot: &Robot, case: &Case, solution: &Solution) -> Option<Table> {
     Some(table)
 }
 
-fn command_words(drive: Drive, command: f64) -> String {
+/// An angle or a travel of a motor.
+#[must_use]
+pub fn command_words(drive: Drive, command: f64) -> String {
     match drive {
         Drive::Spool { .. } => degrees(command),
         Drive::Linear => format!("{} mm", fixed_millimetres(command, 3)),
     }
 }
 
-fn effort_words(drive: Drive, effort: f64) -> String {
+/// A torque or a force of a motor.
+#[must_use]
+pub fn effort_words(drive: Drive, effort: f64) -> String {
     match drive {
         Drive::Spool { .. } => format!("{} mN·m", number(1e3 * effort, 4)),
         Drive::Linear => newtons(effort),

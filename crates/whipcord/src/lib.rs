@@ -63,8 +63,9 @@ pub use obstacle::{Form, MovableBody, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use presets::ModelPreset;
 pub use robot::{
-    Along, Backbone, Cable, Disks, Drive, Interpolation, Material, Motor, MotorCable, MotorLimits,
-    Problem, RestCurvature, Robot, RobotError, Routing, Section, Stiffness,
+    Along, Backbone, Cable, Disks, Drive, Interpolation, Material, Motor, MotorCable,
+    MotorDynamics, MotorLimits, Problem, RestCurvature, Robot, RobotError, Routing, Section,
+    Stiffness,
 };
 pub use shape::{
     CableState, Contact, Diagnostics, NoStability, ObjectContact, ObjectState, Part, Shape,

@@ -16,6 +16,7 @@ use crate::motion::failure;
 use crate::warnings::Warnings;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
+use whipcord_study::motors::{command_words, effort_words};
 use whipcord_study::quantity::{fixed_millimetres, millimetres, newtons, number, vector};
 use whipcord_study::style::Style;
 use whipcord_study::table::{Align, Table};
@@ -182,13 +183,37 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
     if !file.case.obstacles.is_empty() {
         text += &contacts(file, trajectory, style);
     }
+    let moving = file.robot.motors().iter().enumerate().filter(|(_, of)| of.dynamics.is_some());
+    let mut table = Table::new([
+        ("motor", Align::Left),
+        ("at the end", Align::Right),
+        ("greatest torque or force", Align::Right),
+    ]);
+    let mut has_moving = false;
+    for (i, motor) in moving {
+        has_moving = true;
+        let efforts = trajectory.states.iter().map(|state| state.motors[i].effort.abs());
+        table.row(vec![
+            motor.name.clone(),
+            command_words(motor.drive, last.motors[i].position),
+            effort_words(motor.drive, efforts.fold(0.0, f64::max)),
+        ]);
+    }
+    if has_moving {
+        text += &format!("\n{}", table.text(style));
+    }
     let energy = &last.energy;
     let millijoules = |joules: f64| format!("{} mJ", number(1e3 * joules, 4));
     text += &format!(
-        "\nenergy  {} at the start, {} at the end\n        {} from the cables, {} from loads,{} {} dissipated, {} by the integration\n",
+        "\nenergy  {} at the start, {} at the end\n        {} from the cables{}, {} from loads,{} {} dissipated, {} by the integration\n",
         millijoules(first.energy.total()),
         millijoules(energy.total()),
         millijoules(energy.cables),
+        if has_moving {
+            format!(", {} from the motors", millijoules(energy.control))
+        } else {
+            String::new()
+        },
         millijoules(energy.loads),
         match file.case.obstacles.is_empty() {
             true => String::new(),

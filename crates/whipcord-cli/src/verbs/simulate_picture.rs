@@ -49,6 +49,11 @@ pub fn charts(
     if !file.case.obstacles.is_empty() {
         energies.push(line("from obstacles", &|state| state.energy.contacts));
     }
+    if file.robot.motors().iter().any(|motor| motor.dynamics.is_some()) {
+        energies
+            .push(line("motors and stretch", &|state| state.energy.motors + state.energy.stretch));
+        energies.push(line("from the loops", &|state| state.energy.control));
+    }
     if file.motion.base.is_some() {
         energies.push(line("from the base", &|state| state.energy.base));
     }

@@ -162,3 +162,50 @@ fn an_arm_falls_on_a_ball_and_rests_there() {
     assert!(read("motion.csv").lines().next().unwrap().contains("contact_force [N]"));
     assert!(folder.join("contacts.parquet").exists());
 }
+
+/// A motor with inertia: its angle, torque and energies in every output, and a motion that goes on from where it ended.
+#[test]
+fn a_motor_with_inertia_follows_its_command() {
+    let scratch = Scratch::new();
+    let motor = |more: &str| {
+        format!(
+            "[backbone]\nlength = \"200 mm\"\ndiameter = \"4 mm\"\nyoung_modulus = \"1 GPa\"\npoisson_ratio = 0.3\ndensity = \"1200 kg/m^3\"\n\
+             damping = {{ time = \"5 ms\" }}\n[[cables]]\nname = \"a\"\nrouting = {{ kind = \"straight\", angle = 0, radius = \"10 mm\" }}\n\
+             [[motors]]\nname = \"m\"\ncables = [\"a\"]\nspool_radius = \"10 mm\"\nstiffness = \"2 N/mm\"\ninertia = \"200 g*cm^2\"\n\
+             proportional_gain = \"0.5 N*m/rad\"\nderivative_gain = \"4 mN*m*s/rad\"\n\
+             [motion]\nduration = \"0.5 s\"\n{more}\n[[motion.commands]]\nmotor = \"m\"\nangle = "
+        )
+    };
+    let file = scratch.write("arm.toml", &(motor("") + "[[0, 0], [\"0.1 s\", \"60 deg\"]]\n"));
+    let out = scratch.file("out");
+    let summary = succeed(&["simulate", &file, "--out", &out, "--plot"]);
+    assert!(
+        summary.contains("from the motors") && summary.contains("greatest torque"),
+        "{summary}"
+    );
+    let json = std::fs::read_to_string(scratch.path().join("out/motion.json")).unwrap();
+    let json: Value = serde_json::from_str(&json).unwrap();
+    let states = json["states"].as_array().unwrap();
+    let last = states.last().unwrap();
+    let motor_of = |key: &str| number(&last["motors"][0][key]);
+    let torque = 0.01 * number(&last["cables"][0]["tension"]);
+    assert!((motor_of("torque") - torque).abs() < 0.01 * torque, "{last}");
+    let short = 60_f64.to_radians() - motor_of("position");
+    assert!((short - torque / 0.5).abs() < 0.01 * short && short > 0.01, "{short}");
+    let energy = |name: &str| number(&last["energy"][name]);
+    assert!(energy("cables") == 0.0 && energy("control") > energy("stretch"));
+    assert!(energy("defect").abs() < 0.05 * energy("control"), "{last}");
+    let csv = std::fs::read_to_string(scratch.path().join("out/motion.csv")).unwrap();
+    let header = csv.lines().next().unwrap();
+    for column in ["m.angle [rad]", "m.rate [rad/s]", "m.torque [N*m]", "control [J]"] {
+        assert!(header.contains(column), "{header}");
+    }
+    // It goes on from there at rest, not from the start.
+    let more = motor("initial = \"out/motion.json\"") + "[[0, \"60 deg\"]]\n";
+    let file = scratch.write("on.toml", &more);
+    let on: Value = serde_json::from_str(&succeed(&["simulate", &file, "--json"])).unwrap();
+    for state in on["states"].as_array().unwrap() {
+        let apart = number(&state["motors"][0]["position"]) - motor_of("position");
+        assert!(apart.abs() < 2e-3, "{apart}");
+    }
+}

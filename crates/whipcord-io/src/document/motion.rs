@@ -77,7 +77,7 @@ pub fn describe_motion(
 
 /// Where a motion starts; a state that was read from a file is written out.
 fn initial(initial: &Initial) -> Item {
-    let Start { velocities, strains, tensions, motor_outputs } = match initial {
+    let Start { velocities, strains, tensions, motor_outputs, motors } = match initial {
         Initial::Equilibrium => return "equilibrium".into(),
         Initial::Rest => return "rest".into(),
         Initial::State(start) => &**start,
@@ -91,6 +91,9 @@ fn initial(initial: &Initial) -> Item {
         if !values.is_empty() {
             table.insert(key, values.clone());
         }
+    }
+    if !motors.is_empty() {
+        table.insert("motors", motors.iter().map(|of| of.to_vec()).collect::<Vec<_>>());
     }
     table.into()
 }

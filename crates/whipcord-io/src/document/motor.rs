@@ -39,5 +39,10 @@ pub(super) fn motor(motor: &Motor, names: &[&str], command: Option<f64>) -> Tabl
     table.insert_some(keys.limits, motor.limits.range);
     table.insert_some("rate_limit", motor.limits.rate);
     table.insert_some(keys.effort_limit, motor.limits.effort);
+    if let Some(dynamics) = &motor.dynamics {
+        for (key, value) in dynamics.numbers() {
+            table.insert_some(key, some(value));
+        }
+    }
     table
 }

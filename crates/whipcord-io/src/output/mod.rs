@@ -28,7 +28,7 @@ pub use design::{
 pub use fit::{fit_json, loss_name, status_words};
 pub use json::{number as json_number, optional as json_optional, solution_json};
 pub use modes::{mode_shapes_table, modes_json, modes_table};
-pub use motion::{motion_contacts_table, motion_json, motion_table, poses_table};
+pub use motion::{MOTION_ENERGIES, motion_contacts_table, motion_json, motion_table, poses_table};
 pub use notices::{problems_json, warnings_json};
 pub use parquet::{Column, Values, columns_to_parquet};
 pub use path::{Beside, answer_json};

@@ -1,7 +1,7 @@
 //! Motions as JSON and tables.
 
 use serde_json::{Value, json};
-use whipcord::{Obstacle, Robot, Twist};
+use whipcord::{Drive, Obstacle, Robot, Twist};
 use whipcord_motion::{EnergyBalance, State, Trajectory};
 
 use super::NonFinite;
@@ -83,9 +83,26 @@ fn state(
             }))
         })
         .collect::<Result<_, NonFinite>>()?;
+    let motors: Vec<Value> = robot
+        .motors()
+        .iter()
+        .zip(&state.motors)
+        .enumerate()
+        .map(|(i, (motor, of))| {
+            let path = |name: &str| place(&format!("motors[{i}].{name}"));
+            Ok(json!({
+                "name": motor.name,
+                "position": number(|| path("position"), of.position)?,
+                "velocity": number(|| path("velocity"), of.velocity)?,
+                motor.drive.keys().effort: number(|| path("effort"), of.effort)?,
+                "integral": number(|| path("integral"), of.integral)?,
+            }))
+        })
+        .collect::<Result<_, NonFinite>>()?;
     let mut energy = serde_json::Map::new();
-    for (name, value) in ENERGIES.iter().zip(energies(&state.energy)) {
-        energy.insert((*name).to_owned(), number(|| place(&format!("energy.{name}")), value)?);
+    for (name, of) in MOTION_ENERGIES {
+        let value = number(|| place(&format!("energy.{name}")), of(&state.energy))?;
+        energy.insert(name.to_owned(), value);
     }
     let contacts = state.contacts.iter().enumerate();
     let contacts: Vec<Value> = contacts
@@ -100,6 +117,7 @@ fn state(
         "cables": cables,
         "motor_outputs": numbers(&place("motor_outputs"), &state.motor_outputs)?,
         "contacts": contacts,
+        "motors": motors,
         "energy": energy,
     }))
 }
@@ -109,24 +127,21 @@ fn six(twist: &Twist) -> [f64; 6] {
     [a, b, c, d, e, f]
 }
 
-const ENERGIES: [&str; 9] = [
-    "kinetic",
-    "elastic",
-    "gravity",
-    "cables",
-    "loads",
-    "base",
-    "contacts",
-    "dissipated",
-    "defect",
+/// The energies of a motion, by their names.
+pub const MOTION_ENERGIES: [(&str, fn(&EnergyBalance) -> f64); 12] = [
+    ("kinetic", |energy| energy.kinetic),
+    ("elastic", |energy| energy.elastic),
+    ("gravity", |energy| energy.gravity),
+    ("motors", |energy| energy.motors),
+    ("stretch", |energy| energy.stretch),
+    ("cables", |energy| energy.cables),
+    ("control", |energy| energy.control),
+    ("loads", |energy| energy.loads),
+    ("base", |energy| energy.base),
+    ("contacts", |energy| energy.contacts),
+    ("dissipated", |energy| energy.dissipated),
+    ("defect", EnergyBalance::defect),
 ];
-
-fn energies(energy: &EnergyBalance) -> [f64; 9] {
-    let EnergyBalance {
-        kinetic, elastic, gravity, cables, loads, base, contacts, dissipated, ..
-    } = *energy;
-    [kinetic, elastic, gravity, cables, loads, base, contacts, dissipated, energy.defect()]
-}
 
 /// A row for each state: time, tip, its speed, the cables, the sum of the normal forces of all contacts, and the energy balance.
 #[must_use]
@@ -141,8 +156,15 @@ pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
             columns.push(format!("{}.{what}", cable.name));
         }
     }
+    for motor in robot.motors() {
+        let (position, velocity, effort) = match motor.drive {
+            Drive::Spool { .. } => ("angle [rad]", "rate [rad/s]", "torque [N*m]"),
+            Drive::Linear => ("travel [m]", "rate [m/s]", "force [N]"),
+        };
+        columns.extend([position, velocity, effort].map(|what| format!("{}.{what}", motor.name)));
+    }
     columns.push("contact_force [N]".to_owned());
-    columns.extend(ENERGIES.iter().map(|name| format!("{name} [J]")));
+    columns.extend(MOTION_ENERGIES.iter().map(|(name, _)| format!("{name} [J]")));
     let mut table = CsvTable::new(columns);
     for state in &trajectory.states {
         let (tip, last) = (state.tip(), state.velocities.last());
@@ -155,8 +177,11 @@ pub fn motion_table(robot: &Robot, trajectory: &Trajectory) -> CsvTable {
             row.extend([cable.tension, cable.length, cable.slack].map(Cell::from));
         }
         let pushed: f64 = state.contacts.iter().filter_map(|contact| contact.force).sum();
+        for motor in &state.motors {
+            row.extend([motor.position, motor.velocity, motor.effort].map(Cell::from));
+        }
         row.push(Cell::from(pushed));
-        row.extend(energies(&state.energy).map(Cell::from));
+        row.extend(MOTION_ENERGIES.map(|(_, of)| Cell::from(of(&state.energy))));
         table.push(row);
     }
     table

@@ -1,6 +1,6 @@
 //! Motors and their commands.
 
-use whipcord::{Drive, Motor, MotorCable, MotorLimits};
+use whipcord::{Drive, Motor, MotorCable, MotorDynamics, MotorLimits};
 
 use crate::check::{Data, Fields};
 use crate::error::{FileProblem, Problems};
@@ -70,12 +70,16 @@ fn motor(
     for (key, [angle, length]) in [
         ("backlash", [Dimension::Angle, Dimension::Length]),
         ("rate_limit", [Dimension::AngularRate, Dimension::Speed]),
+        ("inertia", [Dimension::Inertia, Dimension::Mass]),
+        ("damping", [Dimension::AngularDamping, Dimension::Damping]),
+        ("proportional_gain", [Dimension::AngularStiffness, Dimension::LineForce]),
+        ("derivative_gain", [Dimension::AngularDamping, Dimension::Damping]),
     ] {
         let node = document.locate(&format!("{path}.{key}"));
         let given = fields.quantity(key).filter(|_| matches!(node.value, Value::Text(_)));
         let needed = if turns { angle } else { length };
         if given.is_some_and(|(_, dimension)| dimension != needed) {
-            problems.push(node.span, || of_other_drive(key, index, turns, key == "rate_limit"));
+            problems.push(node.span, || of_other_drive(key, index, needed));
             return None;
         }
     }
@@ -97,6 +101,19 @@ fn motor(
             rate: fields.number("rate_limit"),
             effort: fields.number("torque_limit").or_else(|| fields.number("force_limit")),
         },
+        dynamics: dynamics(fields),
+    })
+}
+
+/// Inertia and gains, where they are given: the rules of the table have both.
+fn dynamics(fields: &Fields) -> Option<MotorDynamics> {
+    let number = |key: &str| fields.number(key).unwrap_or(0.0);
+    Some(MotorDynamics {
+        inertia: fields.number("inertia")?,
+        damping: number("damping"),
+        proportional: fields.number("proportional_gain")?,
+        derivative: number("derivative_gain"),
+        integral: number("integral_gain"),
     })
 }
 
@@ -127,19 +144,25 @@ pub(crate) fn motor_step(
         let needed = if turns { Dimension::Angle } else { Dimension::Length };
         let given = data.as_quantity();
         if matches!(node.value, Value::Text(_)) && given.is_some_and(|(_, of)| of != needed) {
-            problems.push(node.span, || of_other_drive("motors", i, turns, false));
+            problems.push(node.span, || of_other_drive("motors", i, needed));
         }
         commands.push(given.map(|(value, _)| value));
     }
     commands
 }
 
-fn of_other_drive(key: &'static str, index: usize, turns: bool, is_rate: bool) -> FileProblem {
-    let expected = match (turns, is_rate) {
-        (true, false) => "an angle",
-        (false, false) => "a length",
-        (true, true) => "a rate of an angle",
-        (false, true) => "a speed",
+fn of_other_drive(key: &'static str, index: usize, needed: Dimension) -> FileProblem {
+    let expected = match needed {
+        Dimension::Angle => "an angle",
+        Dimension::Length => "a length",
+        Dimension::AngularRate => "a rate of an angle",
+        Dimension::Inertia => "a moment of inertia",
+        Dimension::Mass => "a mass",
+        Dimension::AngularDamping => "a moment per rate of an angle",
+        Dimension::Damping => "a force per speed",
+        Dimension::AngularStiffness => "a moment per angle",
+        Dimension::LineForce => "a force per length",
+        _ => "a speed",
     };
     FileProblem::OtherDrive { key, what: format!("motor {}", index + 1), expected }
 }

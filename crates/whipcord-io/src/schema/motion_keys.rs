@@ -120,6 +120,12 @@ static INITIAL: Table = Table {
             "[0.2]",
             "Motion of the spool or drive of each motor, behind gear and backlash, in rad or m; zero by default.",
         ),
+        key(
+            "motors",
+            Kind::List(&Kind::Vector(&Kind::Number, 3), 1),
+            "[[10.5, 0, 0.01]]",
+            "Of each motor its angle or travel, its rate and the integral of the error of its position loop, which motors with inertia start from; by default they are at rest at `motor_outputs`.",
+        ),
     ],
     rules: &[Rule::Required("strains"), Rule::Required("velocities")],
 };

@@ -130,6 +130,34 @@ pub(super) const LINE_DRAG: &[Unit] = &[
     ),
     ten("mN*s/m^2", &["mN·s/m²", "mN⋅s/m²", "mN s/m^2", "mN s/m²", "mPa*s", "mPa·s"], -3),
 ];
+pub(super) const INERTIA: &[Unit] = &[
+    ten("kg*m^2", &["kg·m²", "kg⋅m²", "kg m^2", "kg m²", "kg*m2"], 0),
+    ten("kg*cm^2", &["kg·cm²", "kg⋅cm²", "kg cm^2", "kg cm²", "kg*cm2"], -4),
+    ten("g*cm^2", &["g·cm²", "g⋅cm²", "g cm^2", "g cm²", "g*cm2"], -7),
+    ten("g*mm^2", &["g·mm²", "g⋅mm²", "g mm^2", "g mm²", "g*mm2"], -9),
+];
+pub(super) const ANGULAR_STIFFNESS: &[Unit] = &[
+    ten("N*m/rad", &["N·m/rad", "N⋅m/rad", "N m/rad", "Nm/rad"], 0),
+    ten("mN*m/rad", &["mN·m/rad", "mN⋅m/rad", "mN m/rad", "mNm/rad"], -3),
+    factor("N*m/deg", &["N·m/deg", "N⋅m/deg", "N m/deg", "Nm/deg"], 1.0 / DEGREE),
+    factor("mN*m/deg", &["mN·m/deg", "mN⋅m/deg", "mN m/deg", "mNm/deg"], 1e-3 / DEGREE),
+];
+pub(super) const ANGULAR_DAMPING: &[Unit] = &[
+    ten(
+        "N*m*s/rad",
+        &["N·m·s/rad", "N⋅m⋅s/rad", "N m s/rad", "Nms/rad", "N*m*s", "N·m·s", "Nms"],
+        0,
+    ),
+    ten(
+        "mN*m*s/rad",
+        &["mN·m·s/rad", "mN⋅m⋅s/rad", "mN m s/rad", "mNms/rad", "mN*m*s", "mN·m·s"],
+        -3,
+    ),
+];
+pub(super) const DAMPING: &[Unit] = &[
+    ten("N*s/m", &["N·s/m", "N⋅s/m", "N s/m", "Ns/m", "kg/s"], 0),
+    ten("N*s/mm", &["N·s/mm", "N⋅s/mm", "N s/mm", "Ns/mm"], 3),
+];
 pub(super) const FORCE_RATE: &[Unit] =
     &[ten("N/s", &[], 0), ten("mN/s", &[], -3), ten("kN/s", &[], 3)];
 pub(super) const ACCELERATION: &[Unit] = &[

@@ -6,9 +6,9 @@ mod quantity;
 use core::fmt;
 
 use known::{
-    ACCELERATION, ANGLE, ANGULAR_RATE, BENDING_STIFFNESS, CURVATURE, DENSITY, FORCE, FORCE_RATE,
-    LENGTH, LINE_DRAG, LINE_FORCE, LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO,
-    SPEED, TIME,
+    ACCELERATION, ANGLE, ANGULAR_DAMPING, ANGULAR_RATE, ANGULAR_STIFFNESS, BENDING_STIFFNESS,
+    CURVATURE, DAMPING, DENSITY, FORCE, FORCE_RATE, INERTIA, LENGTH, LINE_DRAG, LINE_FORCE,
+    LINE_MOMENT, LINEAR_DENSITY, MASS, MOMENT, PRESSURE, RATIO, SPEED, TIME,
 };
 pub use quantity::{QuantityError, parse_quantity, split_quantity};
 pub(crate) use quantity::{percent, scaled, with_number};
@@ -46,6 +46,14 @@ pub enum Dimension {
     ForceRate,
     /// In N·s/m²: a force for each metre, by velocity.
     LineDrag,
+    /// In kg·m².
+    Inertia,
+    /// In N·m/rad.
+    AngularStiffness,
+    /// In N·m·s/rad.
+    AngularDamping,
+    /// In N·s/m.
+    Damping,
     /// In m/s².
     Acceleration,
     /// In 1/m.
@@ -77,7 +85,7 @@ enum Scale {
 
 impl Dimension {
     /// All dimensions.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 23] = [
         Self::Length,
         Self::Pressure,
         Self::Force,
@@ -93,6 +101,10 @@ impl Dimension {
         Self::Speed,
         Self::ForceRate,
         Self::LineDrag,
+        Self::Inertia,
+        Self::AngularStiffness,
+        Self::AngularDamping,
+        Self::Damping,
         Self::Acceleration,
         Self::Curvature,
         Self::Time,
@@ -118,6 +130,10 @@ impl Dimension {
             Self::Speed => SPEED,
             Self::ForceRate => FORCE_RATE,
             Self::LineDrag => LINE_DRAG,
+            Self::Inertia => INERTIA,
+            Self::AngularStiffness => ANGULAR_STIFFNESS,
+            Self::AngularDamping => ANGULAR_DAMPING,
+            Self::Damping => DAMPING,
             Self::Acceleration => ACCELERATION,
             Self::Curvature => CURVATURE,
             Self::Time => TIME,
@@ -153,6 +169,10 @@ impl Dimension {
             Self::Speed => "10 mm/s",
             Self::ForceRate => "2 N/s",
             Self::LineDrag => "0.5 N*s/m^2",
+            Self::Inertia => "20 g*cm^2",
+            Self::AngularStiffness => "0.5 N*m/rad",
+            Self::AngularDamping => "2 mN*m*s/rad",
+            Self::Damping => "10 N*s/m",
             Self::Acceleration => "9.81 m/s^2",
             Self::Curvature => "4 1/m",
             Self::Time => "2.2 s",
@@ -189,6 +209,10 @@ impl fmt::Display for Dimension {
             Self::Speed => "speed",
             Self::ForceRate => "rate of a force",
             Self::LineDrag => "drag per length",
+            Self::Inertia => "moment of inertia",
+            Self::AngularStiffness => "moment per angle",
+            Self::AngularDamping => "moment per rate of an angle",
+            Self::Damping => "force per speed",
             Self::Acceleration => "acceleration",
             Self::Curvature => "curvature",
             Self::Time => "time",

@@ -3,7 +3,8 @@
 use serde_json::json;
 use whipcord::warning::of_answer;
 use whipcord::{
-    Actuation, Drive, Model, ModelKind, MotorLimits, Shortening, Statics as _, Stations,
+    Actuation, Drive, Model, ModelKind, MotorDynamics, MotorLimits, Shortening, Statics as _,
+    Stations,
 };
 use whipcord_io::{Beside, CaseFile, answer_json, describe, load, parse, toml};
 
@@ -22,10 +23,18 @@ angle_offset = "10 deg"
 angle_limits = ["-9 turn", "9 turn"]
 rate_limit = "60 rpm"
 torque_limit = "0.5 N*m"
+inertia = "20 g*cm^2"
+damping = "0.01 mN*m*s/rad"
+proportional_gain = "10 mN*m/deg"
+derivative_gain = "2 mN*m*s/rad"
+integral_gain = 3
 
 [[motors]]
 cables = ["-odd"]
 travel_limits = ["-1 mm", "40 mm"]
+inertia = "200 g"
+proportional_gain = "5 N/mm"
+damping = "2 N*s/m"
 "#;
 
 fn read(tail: &str) -> CaseFile {
@@ -47,6 +56,10 @@ fn a_motor_is_read_with_all_its_numbers() {
     let rate = bend.limits.rate.unwrap();
     assert!((rate - core::f64::consts::TAU).abs() < 1e-12, "{rate}");
     assert_eq!(bend.limits.effort, Some(0.5));
+    let dynamics = bend.dynamics.unwrap();
+    assert!((dynamics.proportional * degree - 0.01).abs() < 1e-15);
+    let rest = MotorDynamics { damping: 1e-5, derivative: 2e-3, integral: 3.0, ..dynamics };
+    assert!(dynamics == rest && (dynamics.inertia - 2e-6).abs() < 1e-20);
     // A cable whose own name begins with a minus sign is that cable.
     assert_eq!(linear.name, "motor-2");
     assert_eq!(
@@ -54,6 +67,10 @@ fn a_motor_is_read_with_all_its_numbers() {
         [(2, 1.0)]
     );
     assert_eq!(linear.limits, MotorLimits { range: Some([-0.001, 0.04]), ..Default::default() });
+    assert_eq!(
+        linear.dynamics,
+        Some(MotorDynamics { damping: 2.0, ..MotorDynamics::new(0.2, 5e3) })
+    );
     assert!(file.case.commands.iter().all(|command| command.shortening.is_none()));
 }
 

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 mod allocation;
+mod closed_forms;
 mod contact;
+mod drives;
 mod energy;
 mod gradient;
 mod invariance;

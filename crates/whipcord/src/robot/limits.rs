@@ -61,6 +61,14 @@ pub const ANGULAR_RATE: Range = Range { above: true, ..Range::from(0.0, 1e9, "ra
 pub const SPEED: Range = Range { above: true, ..Range::from(0.0, 1e9, "m/s") };
 /// Greatest torque of a motor.
 pub const TORQUE: Range = Range::from(0.0, 1e12, "N·m");
+/// Moment of inertia of a motor.
+pub const MOTOR_INERTIA: Range = Range { above: true, ..Range::from(0.0, 1e9, "kg·m²") };
+/// Mass that a linear drive moves.
+pub const MOTOR_MASS: Range = Range { above: true, ..Range::from(0.0, 1e9, "kg") };
+/// Proportional gain of the position loop of a motor, in N·m/rad or N/m: without it the motor would stay nowhere.
+pub const PROPORTIONAL_GAIN: Range = Range { above: true, ..Range::from(0.0, 1e15, "") };
+/// Another gain of the position loop of a motor, or its viscous friction.
+pub const GAIN: Range = Range::from(0.0, 1e15, "");
 /// A tension.
 pub const TENSION: Range = Range::from(0.0, 1e12, "N");
 /// A component of a force.

@@ -3,6 +3,7 @@
 use super::cable::Cable;
 use super::error::{Problem, RobotError};
 use super::limits;
+use super::motor_dynamics::MotorDynamics;
 use super::range::Range;
 
 /// A motor that pulls one or several cables outside the robot.
@@ -33,6 +34,8 @@ pub struct Motor {
     pub offset: f64,
     /// What the motor cannot exceed.
     pub limits: MotorLimits,
+    /// Its inertia and position loop in a motion; `None` is a motor that is always where its command says.
+    pub dynamics: Option<MotorDynamics>,
 }
 
 /// How a motor moves its cables.
@@ -159,6 +162,7 @@ impl Motor {
             backlash: 0.0,
             offset: 0.0,
             limits: MotorLimits::default(),
+            dynamics: None,
         }
     }
 
@@ -273,6 +277,9 @@ impl Motor {
         }
         if let Some(limit) = self.limits.effort {
             effort.check(keys.effort_limit, limit)?;
+        }
+        if let Some(dynamics) = &self.dynamics {
+            dynamics.check(self.drive)?;
         }
         let elastic = |of: &MotorCable| {
             self.stiffness.is_some() || cables[of.cable].axial_stiffness.is_some()

@@ -32,23 +32,27 @@ pub(super) fn initial(
                 strains: of_rows(fields.list("strains")),
                 tensions: numbers("tensions"),
                 motor_outputs: numbers("motor_outputs"),
+                motors: rows(fields.list("motors")).collect(),
             })))
         }
         _ => None,
     }
 }
 
-fn of_rows(rows: Option<&[Data]>) -> Vec<Twist> {
-    let six = |row: &Data| {
-        let numbers: Vec<f64> = row.as_list()?.iter().filter_map(Data::as_number).collect();
-        twist(&numbers)
-    };
-    rows.unwrap_or_default().iter().filter_map(six).collect()
+fn of_rows(list: Option<&[Data]>) -> Vec<Twist> {
+    rows(list).map(twist).collect()
 }
 
-fn twist(numbers: &[f64]) -> Option<Twist> {
-    let [a, b, c, d, e, f] = *numbers.as_array::<6>()?;
-    Some(Twist { linear: Vec3::new(a, b, c), angular: Vec3::new(d, e, f) })
+/// Rows of `N` numbers.
+fn rows<const N: usize>(list: Option<&[Data]>) -> impl Iterator<Item = [f64; N]> {
+    list.unwrap_or_default().iter().filter_map(|row| {
+        let numbers: Vec<f64> = row.as_list()?.iter().filter_map(Data::as_number).collect();
+        numbers.as_array::<N>().copied()
+    })
+}
+
+fn twist([a, b, c, d, e, f]: [f64; 6]) -> Twist {
+    Twist { linear: Vec3::new(a, b, c), angular: Vec3::new(d, e, f) }
 }
 
 /// The last state of a motion in a file.
@@ -91,7 +95,16 @@ fn start(json: &Value) -> Result<Start, &'static str> {
     let numbers = |value: &Value| value.as_array()?.iter().map(number).collect::<Option<Vec<_>>>();
     let twists = |key: &str| {
         let rows = state.get(key)?.as_array()?;
-        rows.iter().map(|row| twist(&numbers(row)?)).collect::<Option<Vec<_>>>()
+        let six = |row: &Value| numbers(row)?.as_array::<6>().copied().map(twist);
+        rows.iter().map(six).collect::<Option<Vec<_>>>()
+    };
+    let motors = || {
+        let motors = state.get("motors")?.as_array()?;
+        let of = |motor: &Value, key: &str| number(motor.get(key)?);
+        let three = |motor: &Value| {
+            Some([of(motor, "position")?, of(motor, "velocity")?, of(motor, "integral")?])
+        };
+        motors.iter().map(three).collect::<Option<Vec<_>>>()
     };
     let tensions = || {
         let cables = state.get("cables")?.as_array()?;
@@ -103,5 +116,6 @@ fn start(json: &Value) -> Result<Start, &'static str> {
         strains: twists("strains").ok_or("its last state has no `strains` of six numbers")?,
         tensions: tensions().ok_or("its last state has no tensions of `cables`")?,
         motor_outputs: state.get("motor_outputs").and_then(numbers).unwrap_or_default(),
+        motors: motors().unwrap_or_default(),
     })
 }

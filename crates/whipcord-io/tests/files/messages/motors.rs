@@ -23,6 +23,17 @@ fn motors() {
         ("angle as a length", with_motor(&format!("{spool}\nangle = \"5 mm\""))),
         ("backlash as a length", with_motor(&format!("{spool}\nbacklash = \"5 mm\""))),
         ("rate as a speed", with_motor(&format!("{spool}\nrate_limit = \"5 mm/s\""))),
+        ("inertia without a loop", with_motor(&format!("{spool}\ninertia = \"20 g*cm^2\""))),
+        ("a gain without inertia", with_motor(&format!("{spool}\nderivative_gain = 1e-3"))),
+        (
+            "inertia as a mass",
+            with_motor(&format!("{spool}\ninertia = \"20 g\"\nproportional_gain = 1")),
+        ),
+        (
+            "a stiff spring as the gain of a spool",
+            with_motor(&format!("{spool}\ninertia = 1e-6\nproportional_gain = \"1 N/mm\"")),
+        ),
+        ("no inertia at all", with_motor(&format!("{spool}\ninertia = 0\nproportional_gain = 1"))),
         ("no gear", with_motor(&format!("{spool}\ngear_ratio = 0"))),
         ("rigid pretension", with_motor(&format!("{spool}\npretension = \"5 N\""))),
         (

@@ -1,4 +1,4 @@
-//! Costs of a step: `cargo bench -p whipcord-motion`.
+//! Costs of a step: `cargo bench -p whipcord --bench motion`.
 //!
 //! Before the times it prints how many iterations and linearisations a step of 10 ms takes, and its error against steps of 0.25 ms.
 
