@@ -39,6 +39,8 @@ fn tables_of_commands() {
         ("empty", of_rows("")),
         ("no rows", of_rows("pan [deg],up [N]\n")),
         ("no header", of_rows("10,2\n20,3\n")),
+        ("bars between the columns", of_rows("pan [deg]|up [N]\n1|2\n")),
+        ("spaces between the columns", of_rows("pan up\n1 2\n")),
         ("a column is missing", of_rows("pan [deg]\n10\n")),
         ("the column of a motor is missing", of_rows("up [N]\n1\n")),
         ("a slip of the pen", of_rows("pam [deg],up [N]\n1,2\n")),
@@ -123,6 +125,14 @@ fn tables_of_measurements_beside_rows() {
         ("too few lines", by_line("x,y,z\n0,0,0.2\n")),
         ("too many lines", by_line("x,y,z\n0,0,0.2\n0,0,0.2\n0,0,0.2\n")),
         ("an unknown column", by_key("run,x,y,z,quality\na,0,0,0.2,1\n")),
+        ("spaces between the columns", by_key("run x y z\na 0 0 0.2\n")),
+        ("not a number in a part of a position", by_key("run,x,y,z\na,NaN,0,0.2\n")),
+        ("no text", {
+            let arm = arm.clone();
+            message(&arm, &[("rows.csv", ROWS), ("tip.csv", "run,x,y,z\na,much,0,0.2\n")])
+        }),
+        ("empty", by_key("")),
+        ("no rows", by_key("run,x,y,z\n")),
         ("a coordinate is missing", by_key("run,x,y\na,0,0\n")),
         ("a part of a position is missing", by_key("run,x,y,z\na,0,,0.2\n")),
         ("nothing was seen", by_key("run,x,y,z\na,,,\n")),
