@@ -278,7 +278,10 @@ fn summary(
     if !solution.cables.is_empty() {
         text += &format!("\n{}", cables(solution).text(style));
         if solution.cables.iter().any(|cable| cable.tension.is_none()) {
-            text += &format!("–: {} computes no tensions\n", solution.model);
+            text += &match solution.diagnostics.length_misses.is_empty() {
+                true => format!("–: {} computes no tensions\n", solution.model),
+                false => String::from("–: not determined, as the cables pull against each other\n"),
+            };
         }
     }
     if let Some(table) = motors::table(&file.robot, &file.case, solution) {

@@ -4,10 +4,10 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::support::{Scratch, fail, succeed};
+use super::support::{Scratch, fail, succeed, warned};
 
 /// Three cables on a backbone that does not get shorter, all shortened by 0.4 mm beside a bend.
-const ROBOT: &str = "title = \"Three cables\"\n[backbone]\nlength = \"200 mm\"\ndiameter = \"1.2 mm\"\nyoung_modulus = \"60 GPa\"\npoisson_ratio = 0.3\nextensible = false\n[disks]\ncount = 5\nhole_circle_radius = \"8 mm\"\nholes = 3\n";
+const ROBOT: &str = "title = \"Three cables\"\n[backbone]\nlength = \"200 mm\"\ndiameter = \"1.2 mm\"\nyoung_modulus = \"60 GPa\"\npoisson_ratio = 0.3\nextensible = false\n[disks]\ncount = 5\nhole_circle_radius = \"8 mm\"\n";
 
 fn cables(shortening: Option<[f64; 3]>) -> String {
     let cable = |i: usize| {
@@ -89,7 +89,7 @@ fn score_and_fit_count_and_name_them() {
     assert_eq!(table.matches(",least-squares,").count(), 12, "{table}");
     assert!(table.contains("the cable lengths contradict each other: cable `a` is 0.4"), "{table}");
     let args = ["fit", &file, "--parameter", "cables[*].routing.radius", "--json"];
-    let json: Value = serde_json::from_str(&succeed(&args)).unwrap();
+    let json: Value = serde_json::from_str(&warned(&args).0).unwrap();
     let radius = number(&json["estimates"][0]["value"]);
     assert!((radius - 2e-4).abs() < 1e-5, "{radius}");
     assert_eq!(json["skipped"].as_array().unwrap().len(), 0);

@@ -5,11 +5,15 @@ use whipcord::{
     SolveError, Statics as _, Stations, over_determined,
 };
 
-use crate::common::{WITH_FORCES, model_with_forces, paper_backbone, straight};
+use crate::common::{paper_backbone, straight};
 
 fn model(kind: ModelKind) -> Model {
-    model_with_forces(kind, Stations::default(), Actuation::Natural)
+    Model::new(kind, Stations::default(), Actuation::Shortening)
 }
+
+/// Models in whose answers the backbone does not buckle between the disks.
+const KINDS: [ModelKind; 3] =
+    [ModelKind::Cosserat, ModelKind::ConstantCurvature, ModelKind::PiecewiseConstantCurvature];
 
 /// A backbone that does not get shorter, so that the lengths of straight cables have one sum.
 fn robot(angles: &[f64]) -> Robot {
@@ -32,7 +36,7 @@ fn what_three_cables_have_in_common_is_missed() {
     let three = robot(&[0.0, 120.0, 240.0]);
     // Of a bend, which an arc has; the sum is 0.
     let (bend, common) = ([4e-3, -1e-3, -3e-3], 6e-4);
-    for kind in WITH_FORCES {
+    for kind in KINDS {
         let model = model(kind);
         let case = shortened(&bend.map(|by| by + common));
         let error = model.solve(&three, &case).unwrap_err();
@@ -41,13 +45,17 @@ fn what_three_cables_have_in_common_is_missed() {
         let misses = &found.diagnostics.length_misses;
         assert_eq!(misses.len(), 3, "{kind}");
         // Cables that are straight between disks turn a little of a bend into a common part.
-        let exact = matches!(kind, ModelKind::Cosserat);
+        let exact = kind != ModelKind::PiecewiseConstantCurvature;
         for miss in misses {
-            let near = if exact { 1e-6 } else { 4e-5 };
+            let near = if exact { 1e-6 } else { 5e-5 };
             assert!((miss.excess - common).abs() < near, "{kind}: {} {}", miss.cable, miss.excess);
         }
-        assert_eq!(found.diagnostics.stable, Some(true));
+        let knows_stability = kind != ModelKind::ConstantCurvature;
+        assert_eq!(found.diagnostics.stable, knows_stability.then_some(true), "{kind}");
         assert!(found.cables.iter().all(|cable| cable.tension.is_none()));
+        if !exact {
+            continue;
+        }
         // The same shape as by the lengths of the answer, of which one cable is free to be slack.
         let mut met = shortened(&bend);
         for (command, cable) in met.commands.iter_mut().zip(&found.cables) {
