@@ -109,7 +109,7 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         let shapes = shapes.or_else(|| {
             // The shape of least squares is not found by a plain solve.
             let again = || solve(&stations, &file.robot, &file.case).ok();
-            let of = again().filter(|_| missed)?;
+            let of = missed.then(again).flatten()?;
             Some(of.answers().into_iter().map(|answer| answer.shape.clone()).collect())
         });
         let Some(shapes) = shapes else {

@@ -39,8 +39,6 @@ fn tables_of_commands() {
         ("empty", of_rows("")),
         ("no rows", of_rows("pan [deg],up [N]\n")),
         ("no header", of_rows("10,2\n20,3\n")),
-        ("bars between the columns", of_rows("pan [deg]|up [N]\n1|2\n")),
-        ("spaces between the columns", of_rows("pan up\n1 2\n")),
         ("a column is missing", of_rows("pan [deg]\n10\n")),
         ("the column of a motor is missing", of_rows("up [N]\n1\n")),
         ("a slip of the pen", of_rows("pam [deg],up [N]\n1,2\n")),
@@ -125,14 +123,6 @@ fn tables_of_measurements_beside_rows() {
         ("too few lines", by_line("x,y,z\n0,0,0.2\n")),
         ("too many lines", by_line("x,y,z\n0,0,0.2\n0,0,0.2\n0,0,0.2\n")),
         ("an unknown column", by_key("run,x,y,z,quality\na,0,0,0.2,1\n")),
-        ("spaces between the columns", by_key("run x y z\na 0 0 0.2\n")),
-        ("not a number in a part of a position", by_key("run,x,y,z\na,NaN,0,0.2\n")),
-        ("no text", {
-            let arm = arm.clone();
-            message(&arm, &[("rows.csv", ROWS), ("tip.csv", "run,x,y,z\na,much,0,0.2\n")])
-        }),
-        ("empty", by_key("")),
-        ("no rows", by_key("run,x,y,z\n")),
         ("a coordinate is missing", by_key("run,x,y\na,0,0\n")),
         ("a part of a position is missing", by_key("run,x,y,z\na,0,,0.2\n")),
         ("nothing was seen", by_key("run,x,y,z\na,,,\n")),
@@ -173,4 +163,34 @@ fn tables_of_measurements_beside_rows() {
         ("disks and table", with("disks = \"tip.csv\"\n", "run,x,y,z\na,0,0,0.2\n")),
     ];
     insta::assert_snapshot!(sections(found.into_iter()));
+}
+
+/// Each names file, line and remedy.
+#[test]
+fn tables_that_other_programs_wrote() {
+    let arm = format!("{ARM}{MOTOR}{COMMANDS}");
+    let measured = format!("{arm}key = \"run\"\n{MEASURED}");
+    let rows = "run,pan [deg],up [N]\na,1,2\nb,2,2\n";
+    let of_rows = |rows: &str| message(&arm, &[("rows.csv", rows)]);
+    let of_tip = |tip: &str| message(&measured, &[("rows.csv", rows), ("tip.csv", tip)]);
+    let separators = "save the table with commas, semicolons or tabs";
+    for (found, expected) in [
+        (
+            of_rows("pan [deg]|up [N]\n1|2\n"),
+            ["rows.csv:1:1", "the columns are separated by bars", separators],
+        ),
+        (of_rows("pan up\n1 2\n"), ["rows.csv:1:1", "separated by spaces", separators]),
+        (of_tip("run x y z\na 0 0 0.2\n"), ["tip.csv:1:1", "separated by spaces", separators]),
+        (
+            of_tip("run,x,y,z\na,NaN,0,0.2\n"),
+            ["tip.csv:2:1", "a part of the position is missing", "or leave all three empty"],
+        ),
+        (of_tip(""), ["tip.csv:1:1", "the file has no rows", "the first line names the columns"]),
+        (
+            of_tip("run,x,y,z\n"),
+            ["tip.csv:1:1", "the file has no rows", "the first line names the columns"],
+        ),
+    ] {
+        assert!(expected.iter().all(|part| found.contains(part)), "{found}");
+    }
 }

@@ -8,8 +8,8 @@ use whipcord::batch::{
 use whipcord::derivatives::{Hold, Place};
 use whipcord::parameter::Parameter;
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Material, Model, ModelKind, Motor, Problem, Robot,
-    Section, Solution, Statics as _, Stations, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Model, ModelKind, Motor, Problem, Robot, Solution,
+    Statics as _, Stations, Vec3,
 };
 
 use crate::common::{WITH_FORCES, model_with_forces, paper_backbone, straight};
@@ -393,54 +393,4 @@ fn rows_in_which_an_antagonist_gets_slack_have_answers() {
         // Equal commands one after the other change nothing.
         assert!(apart(&all[3], &all[4]) < 1e-6, "{kind}");
     }
-}
-
-/// Rows of a log in order, with friction: in one of them the cables are at rest on a coarse grid and slide on a finer one.
-#[test]
-fn cables_may_rest_on_a_coarse_grid_and_slide_on_a_finer_one() {
-    let cables = ["right", "up", "left", "down"].into_iter().zip([0.0, 90.0, 180.0, 270.0]);
-    let cables = cables
-        .map(|(name, angle)| Cable { friction: Some(0.1), ..Cable::new(name, straight(angle)) });
-    let backbone = Backbone {
-        section: Some(Section::circle(1.6e-3)),
-        material: Material {
-            young_modulus: Some(58e9),
-            poisson_ratio: Some(0.3),
-            ..Default::default()
-        },
-        ..Backbone::new(0.2)
-    };
-    let motor = |name: &str, first: usize| Motor {
-        stiffness: Some(4e4),
-        pretension: 6.0,
-        ..Motor::spool(name, [(first, 0.01), (first + 2, -0.01)])
-    };
-    let disks = Disks::equally_spaced(0.2, 11, 0.008);
-    let robot = Robot::new(backbone, disks, cables.collect()).unwrap();
-    let robot = robot.with_motors(vec![motor("pan", 0), motor("tilt", 1)]).unwrap();
-    let rows = [
-        [27.6, 45.0],
-        [4.9, 10.9],
-        [-19.6, -14.1],
-        [-39.3, -33.6],
-        [-15.2, -1.8],
-        [-20.0, -17.9],
-        [15.1, -43.6],
-        [16.8, 19.3],
-        [14.3, -37.0],
-        [22.8, 45.0],
-        [-20.0, -17.9],
-    ];
-    let mut case = Case {
-        commands: vec![Default::default(); 4],
-        before: vec![vec![Default::default(); 4]; rows.len() - 1],
-        motors: rows
-            .iter()
-            .map(|row: &[f64; 2]| row.map(|of| Some(of.to_radians())).to_vec())
-            .collect(),
-        ..Case::default()
-    };
-    case.drive(&robot).unwrap();
-    let mut prepared = model(ModelKind::Cosserat).prepare(&robot, &case.loads).unwrap();
-    assert_eq!(prepared.solve_all(&case).unwrap().len(), rows.len());
 }
