@@ -570,3 +570,24 @@ def test_an_obstacle_that_rubs_holds_on() -> None:
     smooth = case.replace(obstacles=[wall.replace(friction=0.0)])
     (slipping,) = smooth.solve().contacts
     assert slipping.friction is not None and np.all(slipping.friction == 0.0)
+
+
+def test_lengths_that_contradict_each_other_have_a_least_squares_answer() -> None:
+    robot = whipcord.Robot(
+        backbone=whipcord.Backbone(
+            length=0.2, diameter=1.2e-3, young_modulus=60e9, poisson_ratio=0.3, extensible=False
+        ),
+        disks=whipcord.Disks(count=5, hole_circle_radius=0.008, holes=3),
+        cables=[whipcord.Cable(name=name, holes=5 * [k + 1]) for k, name in enumerate("abc")],
+    )
+    case = whipcord.Case(robot, shortening=[4.4e-3, -0.6e-3, -2.6e-3])
+    with pytest.raises(whipcord.SolveError, match="least-squares answer"):
+        case.solve()
+    found = case.solve(least_squares_lengths=True)
+    misses = dict(found.diagnostics.length_misses)
+    assert set(misses) == {"a", "b", "c"} and np.allclose(list(misses.values()), 4e-4, atol=1e-6)
+    assert found.stable and all(cable.tension is None for cable in found.cables)
+    again = pickle.loads(pickle.dumps(found))
+    assert again.diagnostics.length_misses == found.diagnostics.length_misses
+    met = case.solve(shortening=[4e-3, -1.5e-3, -3.5e-3], least_squares_lengths=True)
+    assert not met.diagnostics.length_misses

@@ -122,3 +122,20 @@ def test_dots_in_two_photographs_are_points_in_space(tmp_path: Path) -> None:
         whipcord.measure_stereo(photos, (RIGHT, LEFT), kind="circles", count=6, base=("left", "left"))
     with pytest.raises(InputError, match="one for each camera"):
         whipcord.measure_stereo(photos[:1], (LEFT, RIGHT))
+
+
+def test_two_cameras_are_located_together(pair: StereoCalibration) -> None:
+    points = np.array([[0.0, 0.0, 0.5], [0.05, 0.0, 0.52], [-0.02, 0.06, 0.47]])
+    turn = rotation((0.3, -0.2, 0.1))
+    known = points @ turn.T + (0.1, 0.2, -0.3)
+    pixels = LEFT.project(points), RIGHT.project(points)
+    found = whipcord.locate_stereo((LEFT, RIGHT), (known, known), pixels)
+    assert np.allclose(found.cameras[0].position, (0.1, 0.2, -0.3), atol=1e-8)
+    assert np.allclose(found.cameras[1].position, turn @ RIGHT.position + (0.1, 0.2, -0.3), atol=1e-8)
+    assert max(found.rms) < 1e-6 and not found.is_ambiguous
+    assert [len(of) for of in found.residuals] == [3, 3]
+    with pytest.raises(InputError, match="two each"):
+        whipcord.locate_stereo((LEFT,), (known,), pixels[:1])
+    with pytest.raises(InputError, match="on one line"):
+        line = np.array([[0.0, 0.0, 0.5 + 0.01 * k] for k in range(5)])
+        whipcord.locate_stereo((LEFT, RIGHT), (line, line), (LEFT.project(line), RIGHT.project(line)))

@@ -90,10 +90,12 @@ from .solution import (
     Solution,
 )
 from .stereo import (
+    LocatedPair,
     PointsInSpace,
     StereoCalibration,
     StereoPair,
     Triangulated,
+    locate_stereo,
     measure_stereo,
     triangulate,
 )
@@ -155,6 +157,7 @@ __all__ = [
     "Linearized",
     "Loads",
     "Located",
+    "LocatedPair",
     "Marks",
     "Material",
     "Measured",
@@ -219,6 +222,7 @@ __all__ = [
     "examples",
     "fit",
     "load",
+    "locate_stereo",
     "materials",
     "measure",
     "measure_stereo",

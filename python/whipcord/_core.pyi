@@ -40,6 +40,7 @@ __all__ = [
     "follow",
     "in_space",
     "locate_orthographic",
+    "locate_pair",
     "main",
     "marks_csv",
     "materials",
@@ -283,6 +284,12 @@ _Points = tuple[_Array, _Array, _Array, _Array, _Array]
 def calibrate_two(
     cameras: list[Camera], seen: list[list[Seen]], board: Board | None = None
 ) -> tuple[list[Camera], dict[str, Any]]: ...
+def locate_pair(
+    cameras: list[Camera],
+    points: list[_Array],
+    pixels: list[_Array],
+    view: Sequence[float] | None = None,
+) -> tuple[list[Camera], list[_Array], list[float], tuple[Camera, float] | None, bool]: ...
 def triangulate(cameras: list[Camera], pixels: list[_Array], deviation: float) -> _Points: ...
 def in_space(
     cameras: list[Camera], marks: list[list[Any]], has_numbers: bool, limit: float, deviation: float
@@ -399,6 +406,7 @@ class Setup:
         shortening: Any = None,
         motors: Any = None,
         start: Solution | None = None,
+        least_squares: bool = False,
     ) -> Solution: ...
     def solve_steps(
         self, model: Model, tension: Any = None, shortening: Any = None, motors: Any = None

@@ -107,6 +107,7 @@ class Case(Description):
         stations: StationsLike = None,
         actuation: str | None = None,
         start: Solution | None = None,
+        least_squares_lengths: bool = False,
         timeout: float | None = None,
     ) -> Solution:
         """The shape that the robot takes.
@@ -135,6 +136,9 @@ class Case(Description):
         start
             A neighbouring solution to start from. Only the iteration starts there: what friction kept of the
             way to it is not carried over; that is for steps.
+        least_squares_lengths
+            Where the cable lengths of a case in one step contradict each other, gives the stable shape that misses them least;
+            ``diagnostics.length_misses`` has what each cable misses. By default that is an error.
         timeout
             Seconds after which the solve is ended; by default as long as it takes. Ctrl-C ends it, too.
 
@@ -161,7 +165,8 @@ class Case(Description):
             shortening = shortening_for(length, shortening, initial, self.robot.cables)
             name = "length"
         given = commanded(tension, shortening, chosen, self.robot, motors, name)
-        solution = Solution._of(self, chosen, self._setup.solve(chosen, *given, begun(start)), start)
+        answer = self._setup.solve(chosen, *given, begun(start), least_squares_lengths)
+        solution = Solution._of(self, chosen, answer, start)
         tell(solution.warnings)
         return solution
 

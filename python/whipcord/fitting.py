@@ -280,6 +280,9 @@ class Fit:
     """How much measurements counted that are far off."""
     skipped: tuple[Mapping[str, Any], ...]
     """Rows that were left out because the model has no answer to them: case, step (from 1) and reason."""
+    over_determined: tuple[Mapping[str, Any], ...]
+    """Rows whose cable lengths contradict each other and are met in the least-squares sense: case, step (from 1) and misses, the
+    cables that take part and by how much in m each is longer than commanded."""
     ladder: tuple[Rung, ...]
     """The first parameters alone, more and more of them, where that was asked for."""
     profiles: tuple[Profile, ...]
@@ -590,6 +593,7 @@ def _told(fitted: _core.Fitted, said: dict[str, Any]) -> Fit:
         unstable=tuple(UnstableAnswer(**one) for one in said["unstable"]),
         loss=said["loss"],
         skipped=tuple(said["skipped"]),
+        over_determined=tuple(said["over_determined"]),
         ladder=tuple(Rung(**_with_tuples(one)) for one in said["ladder"]),
         profiles=tuple(Profile(**_with_tuples(one)) for one in said["profiles"]),
         suspects=tuple(Suspect(**one) for one in said["suspects"]),

@@ -43,13 +43,15 @@ class RowScore:
     key: str | None
     """Its key there."""
     status: str
-    """``"solved"``, ``"unstable"``, ``"failed"`` or ``"not compared"``."""
+    """``"solved"``, ``"least-squares"`` (cable lengths that contradict each other), ``"unstable"``, ``"failed"`` or ``"not compared"``."""
     reason: str | None
     """Why there is no answer."""
     error: float | None
     """Root mean square distance in m over the markers of the row."""
     angle: float | None
     """Angle in rad between the measured and the computed orientation of a tracked body."""
+    length_misses: Sequence[Mapping[str, Any]]
+    """Cables whose lengths contradict each other, each with its name, ``cable``, and how much longer than commanded it is in m, ``excess``."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,10 @@ class ModelScore:
     """Rows without an answer."""
     unstable: int
     """Rows whose answer is unstable."""
+    over_determined: int
+    """Rows whose cable lengths contradict each other, which are met in the least-squares sense."""
+    greatest_miss: Mapping[str, Any] | None
+    """The cable that misses its length most in these rows: file, row (from 1), cable, and excess in m."""
     markers: int
     """Markers that are compared."""
     distance: Measures | None

@@ -261,6 +261,9 @@ class Diagnostics:
     """Integration steps, or sections, from base to tip."""
     stability_lost_at: float | None
     """Fraction of the loads at which the robot left the shape it had; None where it did not."""
+    length_misses: list[tuple[str, float]]
+    """Cables whose prescribed lengths contradict each other, and how much longer each is in this least-squares answer, in m; empty where
+    the lengths are met."""
     unstable: bool
     """Whether the robot leaves this shape at the slightest disturbance."""
     stable: bool | None

@@ -14,13 +14,22 @@ from . import _core
 from ._commands import whole
 from ._files import write
 from .calibration import Distortion, _board, _given, _photo, calibrate
-from .camera import Camera
+from .camera import Camera, _pairs, _view
 from .case import Case
 from .errors import InputError
 from .photographs import Base, Marks, PhotoLike, measure, picture
 from .robot import Robot
 
-__all__ = ["PointsInSpace", "StereoCalibration", "StereoPair", "Triangulated", "measure_stereo", "triangulate"]
+__all__ = [
+    "LocatedPair",
+    "PointsInSpace",
+    "StereoCalibration",
+    "StereoPair",
+    "Triangulated",
+    "locate_stereo",
+    "measure_stereo",
+    "triangulate",
+]
 
 Array = npt.NDArray[np.float64]
 Length = Union[float, str]
@@ -263,6 +272,79 @@ class PointsInSpace:
             zip(self.disk, self.position.tolist(), self.deviation.tolist(), self.epipolar.tolist())
         )
         write(path, _core.points_csv(number, rows))
+
+
+@dataclass(frozen=True, eq=False)
+class LocatedPair:
+    """Two cameras in their places, and how well they explain what was seen."""
+
+    cameras: tuple[Camera, Camera]
+    """The cameras; the second is in the frame of the first where it was."""
+    residuals: tuple[Array, Array]
+    """(n, 2) of each camera, the columns and rows by which each point was seen beside where the camera has it."""
+    rms: tuple[float, float]
+    """The root of their mean square distance in each image, in pixels."""
+    other: Camera | None
+    """The next best place of the first camera, where there is one."""
+    other_rms: float | None
+    """The RMS distance over both images that it leaves, in pixels."""
+    is_ambiguous: bool
+    """Whether what was seen does not tell the two apart."""
+
+
+def locate_stereo(
+    cameras: Sequence[Camera],
+    points: Sequence[npt.ArrayLike],
+    pixels: Sequence[npt.ArrayLike],
+    *,
+    view: Sequence[float] | None = None,
+) -> LocatedPair:
+    """Two cameras, fastened to one another, in the place from which they see points of the world.
+
+    The pose of the second camera relative to the first is kept; the squares of the distances in both images are least. Three
+    points that both see, or four that one sees, are enough. Points on one line, such as the centres of the disks of a straight
+    robot, need `view`.
+
+    Parameters
+    ----------
+    cameras
+        The two cameras, as :meth:`Camera.calibrate_stereo` gives them.
+    points
+        For each camera (n, 3) points of the world in m that it sees; the same numbers where both see the same point.
+    pixels
+        For each camera (n, 2) columns and rows at which they are seen.
+    view
+        (3,) direction of the world in which the first camera looks, where the points are on one line.
+
+    Examples
+    --------
+    >>> left = Camera(focal=(800, 800), centre=(320, 240), position=(0, 0, -0.5))
+    >>> right = Camera(focal=(800, 800), centre=(320, 240), position=(0.2, 0, -0.5))
+    >>> seen = [[0, 0, 0], [0.05, 0, 0.02], [0, 0.05, -0.01]]
+    >>> pixels = left.project(seen), right.project(seen)
+    >>> moved = [Camera(focal=(800, 800), centre=(320, 240), position=(x, 0, 0)) for x in (0, 0.2)]
+    >>> found = locate_stereo(moved, (seen, seen), pixels)
+    >>> bool(np.allclose(found.cameras[0].position, [0, 0, -0.5]))
+    True
+    """
+    if not len(cameras) == len(points) == len(pixels) == 2:
+        message = "cameras, points and pixels must be two each, one for each camera"
+        raise InputError(message, path="cameras")
+    pairs = [_pairs(own, seen) for own, seen in zip(points, pixels)]
+    found, residuals, rms, other, ambiguous = _core.locate_pair(
+        [camera._camera for camera in cameras],
+        [own for own, _ in pairs],
+        [seen for _, seen in pairs],
+        _view(view),
+    )
+    return LocatedPair(
+        cameras=(Camera._of(found[0]), Camera._of(found[1])),
+        residuals=(residuals[0], residuals[1]),
+        rms=(rms[0], rms[1]),
+        other=Camera._of(other[0]) if other else None,
+        other_rms=other[1] if other else None,
+        is_ambiguous=ambiguous,
+    )
 
 
 def measure_stereo(

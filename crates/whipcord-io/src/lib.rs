@@ -31,8 +31,8 @@ pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
 pub use case_file::{CaseFile, load, load_stream, load_with, parse};
 pub use design_problem::{DesignProblem, NoDesignProblem, designed_case};
 pub use document::{
-    FittedFile, Inexpressible, Item, Table, describe, describe_fit, describe_goal, describe_motion,
-    table_in_si, toml,
+    FittedFile, Inexpressible, Item, Mounting, Table, describe, describe_fit, describe_goal,
+    describe_motion, table_in_si, toml,
 };
 pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
@@ -40,12 +40,12 @@ pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
     Beside, Cell, Column, CsvTable, MOTION_ENERGIES, NonFinite, SpacePoint, Values, answer_json,
     boundary_table, columns_to_parquet, contacts_csv, design_errors_table, design_json,
-    distributions, fit_json, follow_json, holes_table, json_number, json_optional, loss_name,
-    marks_csv, mode_shapes_table, modes_json, modes_table, motion_contacts_table, motion_json,
-    motion_table, path_table, points_csv, poses_table, problems_json, quantile, reach_json,
-    remove_stale, remove_unfinished, samples_table, shape_csv, solution_json, status_words,
-    steps_csv, stiffness_json, tolerances_json, warnings_json, workspace_json, workspace_table,
-    write_atomically, write_one_of_many,
+    distributions, fit_json, follow_json, holes_table, json_number, json_optional,
+    length_misses_json, loss_name, marks_csv, mode_shapes_table, modes_json, modes_table,
+    motion_contacts_table, motion_json, motion_table, path_table, points_csv, poses_table,
+    problems_json, quantile, reach_json, remove_stale, remove_unfinished, samples_table, shape_csv,
+    solution_json, status_words, steps_csv, stiffness_json, tolerances_json, warnings_json,
+    workspace_json, workspace_table, write_atomically, write_one_of_many,
 };
 pub use read::{
     CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded,

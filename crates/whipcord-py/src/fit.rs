@@ -10,7 +10,7 @@ use whipcord_estimation::identification::{
     Asked, Experiment, IdentifyError, Prior, Robustness, Settings, Unknown, analyse, identify,
     registered, split,
 };
-use whipcord_io::{CaseFile, Fit};
+use whipcord_io::{CaseFile, Fit, Mounting};
 use whipcord_study::fitting::{self, not_converged};
 
 use crate::errors;
@@ -195,8 +195,8 @@ impl Fitted {
     fn text(&self, py: Python<'_>, number: usize, folder: PathBuf) -> PyResult<Option<String>> {
         let Some(file) = &self.file_data[number].file else { return Ok(None) };
         let found = &self.inner.found;
-        let offset = found.marker_offset(number);
-        let text = file.with_numbers_of(&found.robot, &found.cases[number], offset, &folder);
+        let mounting = Mounting { offset: found.marker_offset(number), body: found.bodies[number] };
+        let text = file.with_numbers_of(&found.robot, &found.cases[number], mounting, &folder);
         let text = text.map_err(|error| errors::input(py, "case", error.to_string()))?;
         Ok(text.keeps_text.then_some(text.text))
     }
@@ -225,6 +225,7 @@ fn experiment(py: Python<'_>, path: &str, setup: &Setup) -> PyResult<Experiment>
         alignment: measured.alignment,
         frame: Pose::IDENTITY,
         labels: setup.file_data.file.as_ref().map(|file| file.row_labels()).unwrap_or_default(),
+        ..Experiment::default()
     })
 }
 

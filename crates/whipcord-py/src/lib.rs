@@ -101,7 +101,7 @@ mod _core {
     #[pymodule_export]
     use super::solution::Solution;
     #[pymodule_export]
-    use super::stereo::{calibrate_two, in_space, points_csv, triangulate};
+    use super::stereo::{calibrate_two, in_space, locate_pair, points_csv, triangulate};
     #[pymodule_export]
     use super::sweep::sweep;
     #[pymodule_export]

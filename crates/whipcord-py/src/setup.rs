@@ -11,7 +11,7 @@ use whipcord::kinematics::{Compliance, DerivativeMethod, DrivenBy};
 use whipcord::warning::{of_answer, of_case, of_spacing};
 use whipcord::{
     Actuation, BranchOptions, CableCommand, Case, CriticalKind, Differentiable, ModelKind,
-    Parameter, Prepared, Robot, Shortening, SolveError, Statics, Warning,
+    Parameter, Prepared, Robot, Shortening, SolveError, Statics, Warning, over_determined,
 };
 use whipcord_io::{CaseFile, Goal, Motion};
 
@@ -300,7 +300,7 @@ impl Setup {
     }
 
     /// The answer, after all steps of the case unless it starts from another answer.
-    #[pyo3(signature = (model, tension = None, shortening = None, motors = None, start = None))]
+    #[pyo3(signature = (model, tension = None, shortening = None, motors = None, start = None, least_squares = false))]
     fn solve(
         slf: &Bound<'_, Self>,
         model: &Model,
@@ -308,13 +308,21 @@ impl Setup {
         shortening: Option<&Bound<'_, PyAny>>,
         motors: Option<&Bound<'_, PyAny>>,
         start: Option<&Solution>,
+        least_squares: bool,
     ) -> PyResult<Solution> {
         let case = slf.get().commanded(tension, shortening, motors)?;
+        let chosen = model.inner.clone();
         let start = start.map(|solution| Arc::clone(&solution.inner));
         let of = Arc::clone(&case);
-        let answer = Self::watched(slf, model, move |prepared| match start {
-            None => prepared.solve_to_the_end(&of).map_err(|(_, error)| error),
-            Some(start) => prepared.solve(&of, Some(&start)),
+        let answer = Self::watched(slf, model, move |prepared| {
+            let solved = match start {
+                None => prepared.solve_to_the_end(&of).map_err(|(_, error)| error),
+                Some(start) => prepared.solve(&of, Some(&start)),
+            };
+            match least_squares && of.before.is_empty() {
+                true => over_determined::or(solved, &chosen, prepared.robot(), &of),
+                false => solved,
+            }
         })?;
         Ok(Solution::new(answer, &case))
     }

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
-    CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, ModelKind, MotorState,
+    CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, LengthMiss, ModelKind, MotorState,
     NoStability, Obstacle, Part, Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
 };
 
@@ -49,8 +49,16 @@ impl Solution {
 /// What [`Solution::state`] is made of: what pickles hold.
 type ShapeState = (Vec<f64>, Vec<f64>, Vec<f64>);
 type CableRow = (String, Option<f64>, f64, f64, bool, Vec<f64>, Vec<String>);
-type DiagnosticsRow =
-    (usize, f64, (Option<bool>, Option<f64>), Option<f64>, usize, Option<f64>, Option<String>);
+type DiagnosticsRow = (
+    usize,
+    f64,
+    (Option<bool>, Option<f64>),
+    Option<f64>,
+    usize,
+    Option<f64>,
+    Option<String>,
+    Vec<(String, f64)>,
+);
 /// Obstacle, disk if it is one, arc length, force, gap, point, normal, friction, and whether it sticks.
 type TouchRow =
     (usize, Option<usize>, f64, Option<f64>, f64, [f64; 3], [f64; 3], Option<[f64; 3]>, bool);
@@ -186,6 +194,7 @@ impl Solution {
         values.set_item("discretization_error", of.discretization_error)?;
         values.set_item("steps", of.steps)?;
         values.set_item("stability_lost_at", of.stability_lost_at)?;
+        values.set_item("length_misses", misses(of))?;
         values.set_item("unstable", of.is_unstable())?;
         values.set_item("stable", of.stable)?;
         Ok(values)
@@ -231,6 +240,7 @@ impl Solution {
                 d.steps,
                 d.stability_lost_at,
                 d.stability_absent.map(|reason| reason.name().to_owned()),
+                misses(d),
             ),
             of.contacts.iter().map(touch_row).collect(),
             of.objects.iter().map(object_state::row).collect(),
@@ -249,8 +259,8 @@ impl Solution {
             let slip_states = slip_states.iter().map(|name| slip_state(name)).collect();
             CableState { name, tension, length, initial_length, slack, span_tensions, slip_states }
         });
-        let (iterations, residual, (stable, stability), discretization_error, steps, lost_at, why) =
-            d;
+        let (iterations, residual, (stable, stability), error, steps, lost_at, why, misses) = d;
+        let miss = |(cable, excess): (String, f64)| LengthMiss { cable, excess };
         let solution = whipcord::Solution {
             model,
             shape: shape_of(shape),
@@ -269,13 +279,19 @@ impl Solution {
                 stable,
                 stability,
                 stability_absent: why.as_deref().and_then(NoStability::named),
-                discretization_error,
+                discretization_error: error,
                 steps,
                 stability_lost_at: lost_at,
+                length_misses: misses.into_iter().map(miss).collect(),
             },
         };
         Ok(Self::new(solution, &setup.case))
     }
+}
+
+/// Cables that miss their lengths, and by how much.
+fn misses(of: &Diagnostics) -> Vec<(String, f64)> {
+    of.length_misses.iter().map(|miss| (miss.cable.clone(), miss.excess)).collect()
 }
 
 impl Solution {

@@ -3,16 +3,45 @@
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use whipcord::Vec3;
 use whipcord_estimation::camera::{self, Lens, Pinhole};
 use whipcord_vision::PointsInSpace;
 use whipcord_vision::boards::stereo;
 use whipcord_vision::detect::Mark;
 
 use crate::calibration::{Board, Seen};
-use crate::camera::Camera;
+use crate::camera::{Camera, sightings};
 use crate::convert::array;
 use crate::errors;
 use crate::wait::interruptible;
+
+/// Cameras, residuals of each, RMS of each, and the next best first camera with its RMS.
+type LocatedPair<'py> =
+    ([Camera; 2], [Bound<'py, PyArray2<f64>>; 2], [f64; 2], Option<(Camera, f64)>, bool);
+
+/// Two cameras that keep their pose relative to one another, in the place that (n, 3) points at (n, 2) pixels of each say.
+#[pyfunction]
+#[pyo3(signature = (cameras, points, pixels, view = None))]
+pub fn locate_pair<'py>(
+    py: Python<'py>,
+    cameras: [PyRef<'_, Camera>; 2],
+    points: [PyReadonlyArray2<'py, f64>; 2],
+    pixels: [PyReadonlyArray2<'py, f64>; 2],
+    view: Option<[f64; 3]>,
+) -> PyResult<LocatedPair<'py>> {
+    let seen = [0, 1].map(|i| sightings(&points[i], &pixels[i]));
+    let both = [&cameras[0].inner, &cameras[1].inner];
+    let found = camera::locate_rig(both, [&seen[0], &seen[1]], view.map(Vec3::from));
+    let found = found.map_err(|error| errors::input(py, "points", error.to_string()))?;
+    let ambiguous = found.is_ambiguous();
+    let residuals = |i: usize| {
+        let of = &found.residuals[i];
+        array(py, of.concat(), [of.len(), 2])
+    };
+    let residuals = [residuals(0)?, residuals(1)?];
+    let other = found.other.map(|other| (Camera::of(other.camera), other.rms));
+    Ok((found.cameras.map(Camera::of), residuals, found.rms, other, ambiguous))
+}
 
 /// The pose of the second camera relative to the first, from what both show of a board at each time. Without a board, the points of
 /// each photograph are given, in one numbering.

@@ -7,8 +7,8 @@ use whipcord::obstacle::Bends;
 use whipcord::robot::SectionProperties;
 use whipcord::{
     Actuation, Along, Cable, CableCommand, Case, Disks, DistributedLoad, Form, Interpolation,
-    LoadFrame, Loads, ModelKind, NoStability, Pose, RestCurvature, Robot, Routing, Section,
-    Solution, Stiffness, Vec3,
+    LengthMiss, LoadFrame, Loads, ModelKind, NoStability, Pose, RestCurvature, Robot, Routing,
+    Section, Solution, Stiffness, Vec3,
 };
 use whipcord_io::CaseFile;
 
@@ -449,6 +449,13 @@ pub fn instability(solution: &Solution) -> Option<String> {
 /// Of an answer to lengths that contradict each other a little: which cable is longer than prescribed, and by how
 /// much. Only four-bar gives such answers.
 pub fn compromise(solution: &Solution, case: &Case) -> Option<String> {
+    let misses = &solution.diagnostics.length_misses;
+    if !misses.is_empty() {
+        return Some(format!(
+            "least squares: the prescribed cable lengths contradict each other; {}",
+            LengthMiss::describe(misses, " is")
+        ));
+    }
     if solution.model != ModelKind::FourBar || solution.cables.iter().any(|c| c.tension.is_some()) {
         // Where tensions are known the lengths are met, up to what elastic cables stretch.
         return None;

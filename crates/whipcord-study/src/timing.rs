@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use whipcord::{Case, Model, Robot, Shape, Solution, SolveError};
+use whipcord::{Case, Model, Robot, Shape, Solution, SolveError, over_determined};
 
 use crate::statistics::median;
 
@@ -62,6 +62,45 @@ pub fn solve(
     let (solution, solve) = measure(BUDGET, REPEATS, || prepared.solve(case, None));
     let solution = solution.map_err(|error| (0, error))?;
     Ok(TimedSolution { solution, solve, build, steps })
+}
+
+/// As [`solve`]; steps whose cable lengths contradict each other have their least-squares answer. With friction, and after
+/// a step that has none, there is no such answer.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_in_least_squares(
+    model: &Model,
+    robot: &Robot,
+    case: &Case,
+) -> Result<TimedSolution, (usize, SolveError)> {
+    let of_step = |error: &(usize, SolveError)| over_determined::may_be(&error.1);
+    let is_unstable = |of: &&Solution| of.diagnostics.is_unstable();
+    let found = solve(model, robot, case);
+    let is_doubtful = match &found {
+        Ok(found) => found.answers().iter().any(is_unstable),
+        Err(error) => of_step(error),
+    };
+    if robot.has_history() || !is_doubtful {
+        return found;
+    }
+    let (prepared, build) = measure(BUDGET, REPEATS, || model.prepare(robot, &case.loads));
+    let mut prepared = prepared.map_err(|error| (0, error))?;
+    let mut steps: Vec<(Solution, f64)> = Vec::new();
+    for (number, step) in case.single_steps().enumerate() {
+        let begun = Instant::now();
+        let near = steps.last().map(|(solution, _)| solution).filter(|_| !case.independent);
+        let solved = over_determined::or(prepared.solve(&step, near), model, robot, &step);
+        let solution = solved.map_err(|error| (number, error))?;
+        steps.push((solution, begun.elapsed().as_secs_f64()));
+    }
+    let Some((solution, median)) = steps.last().cloned() else {
+        return Err((0, SolveError::TensionsNotFound));
+    };
+    if case.before.is_empty() {
+        steps.clear();
+    }
+    Ok(TimedSolution { solution, solve: Timing { median, repeats: 1 }, build, steps })
 }
 
 impl TimedSolution {

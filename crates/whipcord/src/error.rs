@@ -75,8 +75,8 @@ pub enum SolveError {
     /// Cable lengths that cannot be had together, whatever pulls at the cables: a backbone that does not get
     /// shorter, say, has no shape in which a cable and its antagonist are both shortened.
     #[error(
-        "the prescribed cable lengths contradict one another: at the best compromise {}; shorten each by that much less, drive one of them by its tension, or give the cables their axial stiffness",
-        too_long(misses)
+        "the prescribed cable lengths contradict one another: at the best compromise {}; shorten each by that much less, drive one of them by its tension, give the cables their axial stiffness or their motors a stiffness, or ask for the least-squares answer",
+        LengthMiss::describe(misses, " is still")
     )]
     ContradictoryLengths {
         /// The cables that contradict one another, two or more, and how each misses its length.
@@ -409,21 +409,24 @@ pub struct LengthMiss {
     pub excess: f64,
 }
 
-/// What each of these cables misses, in words.
-fn too_long(misses: &[LengthMiss]) -> String {
-    let mut words = String::new();
-    for (i, miss) in misses.iter().enumerate() {
-        let joint = match i {
-            0 => "",
-            _ if i + 1 == misses.len() => " and ",
-            _ => ", ",
-        };
-        let still = if i == 0 { " is still" } else { "" };
-        let excess = millimetres(miss.excess, Round::Nearest);
-        let long = if i == 0 { " too long" } else { "" };
-        words += &format!("{joint}cable `{}`{still} {excess}{long}", miss.cable);
+impl LengthMiss {
+    /// What each of these cables misses, in words; `is` stands between the first name and its number.
+    #[must_use]
+    pub fn describe(misses: &[Self], is: &str) -> String {
+        let mut words = String::new();
+        for (i, miss) in misses.iter().enumerate() {
+            let joint = match i {
+                0 => "",
+                _ if i + 1 == misses.len() => " and ",
+                _ => ", ",
+            };
+            let is = if i == 0 { is } else { "" };
+            let excess = millimetres(miss.excess, Round::Nearest);
+            let long = if i == 0 { " too long" } else { "" };
+            words += &format!("{joint}cable `{}`{is} {excess}{long}", miss.cable);
+        }
+        words
     }
-    words
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ pub mod linkage;
 pub mod model;
 mod motor_state;
 pub mod obstacle;
+pub mod over_determined;
 pub mod parameter;
 pub mod piecewise_constant_curvature;
 pub mod presets;

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
+use crate::error::LengthMiss;
 use crate::kind::ModelKind;
 use crate::obstacle::Obstacle;
 use crate::robot::Route;
@@ -161,6 +162,9 @@ pub struct Diagnostics {
     /// buckled or snapped through. Of the tensions where no load acts and the cables buckle spans. An answer that is stable all the same lies beyond. `None` where
     /// it did not come to that, or where a neighbouring answer led here.
     pub stability_lost_at: Option<f64>,
+    /// Cables whose prescribed lengths contradict each other, and how much longer each is in this least-squares answer
+    /// ([`crate::over_determined`]); empty where the lengths are met.
+    pub length_misses: Vec<LengthMiss>,
 }
 
 /// What is known of the stability of an equilibrium.

@@ -9,7 +9,7 @@ use whipcord_estimation::identification::{
     Asked, Experiment, Identified, IdentifyError, ParameterPath, Prior, Progress, Robustness,
     Settings, Unknown, analyse, identify, registered, rows, split,
 };
-use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, parameter_path};
+use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, Mounting, parameter_path};
 
 use crate::deadline;
 use crate::inputs::{self, Inputs};
@@ -289,9 +289,10 @@ fn with_estimates(
 ) -> Result<FittedFile, Failure> {
     let failed =
         |error: Inexpressible| Failure::Input(format!("error: {}: {error}", file.path.display()));
-    let offset = found.marker_offset(experiment);
     let case = &found.cases[experiment];
-    file.with_numbers_of(&found.robot, case, offset, folder).map_err(failed)
+    let mounting =
+        Mounting { offset: found.marker_offset(experiment), body: found.bodies[experiment] };
+    file.with_numbers_of(&found.robot, case, mounting, folder).map_err(failed)
 }
 
 /// What was measured in a case.
@@ -310,6 +311,7 @@ fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
         alignment: measured.alignment,
         frame: Pose::IDENTITY,
         labels: file.row_labels(),
+        ..Experiment::default()
     })
 }
 

@@ -57,6 +57,10 @@ pub struct SolveArgs {
     /// List all equilibria connected to the unloaded shape, stable and unstable
     #[arg(long, conflicts_with = "csv")]
     branches: bool,
+    /// Where prescribed cable lengths contradict each other, give the stable shape that misses them least (least squares), with what each cable
+    /// misses; by default that is an error
+    #[arg(long)]
+    least_squares_lengths: bool,
     /// Show the iterations on standard error
     #[arg(long)]
     trace: bool,
@@ -87,7 +91,11 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         // A closed standard error is no reason not to solve.
         let _ = io::stderr().lock().write_all(text.as_bytes());
     }
-    let mut timed = timing::solve(&model, &file.robot, &file.case)
+    let solve = match args.least_squares_lengths {
+        true => timing::solve_in_least_squares,
+        false => timing::solve,
+    };
+    let mut timed = solve(&model, &file.robot, &file.case)
         .map_err(|(step, error)| Failure::from_step(&file, &error, step))?;
     let of_answer = about_answers(&file, &(model.clone(), timed.answers()));
     args.warnings.tell(&file, &of_answer)?;
@@ -97,6 +105,13 @@ pub fn run(args: &SolveArgs, style: Style) -> Result<String, Failure> {
         let stations = model.at(Stations::Equal(count));
         let shapes = timed.shapes_at_stations_of(&stations, &file.robot, &file.case);
         let shapes: Option<Vec<Shape>> = shapes.into_iter().collect();
+        let missed = timed.answers().iter().any(|of| !of.diagnostics.length_misses.is_empty());
+        let shapes = shapes.or_else(|| {
+            // The shape of least squares is not found by a plain solve.
+            let again = || solve(&stations, &file.robot, &file.case).ok();
+            let of = missed.then(again).flatten()?;
+            Some(of.answers().into_iter().map(|answer| answer.shape.clone()).collect())
+        });
         let Some(shapes) = shapes else {
             let path = file.path.display();
             return Err(Failure::Solve(format!(
@@ -263,7 +278,10 @@ fn summary(
     if !solution.cables.is_empty() {
         text += &format!("\n{}", cables(solution).text(style));
         if solution.cables.iter().any(|cable| cable.tension.is_none()) {
-            text += &format!("–: {} computes no tensions\n", solution.model);
+            text += &match solution.diagnostics.length_misses.is_empty() {
+                true => format!("–: {} computes no tensions\n", solution.model),
+                false => String::from("–: not determined, as the cables pull against each other\n"),
+            };
         }
     }
     if let Some(table) = motors::table(&file.robot, &file.case, solution) {

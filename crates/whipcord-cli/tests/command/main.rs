@@ -20,6 +20,7 @@ mod fit;
 mod hostile;
 mod measure;
 mod modes;
+mod over_determined;
 mod overlay;
 mod reach;
 mod reference;

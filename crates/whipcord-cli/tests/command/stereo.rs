@@ -256,3 +256,44 @@ fn photographs_that_do_not_belong_together_are_refused() {
     assert!(message.contains("whipcord camera calibrate --stereo"), "{message}");
     assert!(!Path::new(&csv).exists());
 }
+
+/// Both cameras are moved to where they see the robot before actuation, by few markers in each photograph.
+#[test]
+fn two_cameras_are_located_together() {
+    let scratch = Scratch::new();
+    let first = Pose {
+        position: Vec3::new(0.0, -0.5, 0.1),
+        rotation: UnitQuaternion::exp(Vec3::new(-core::f64::consts::FRAC_PI_2, 0.0, 0.0)),
+    };
+    let truth = cameras(first);
+    let own = cameras(Pose::IDENTITY).map(|camera| camera_text(&camera, CameraFormat::Yaml));
+    let own = [("left.yml", &own[0]), ("right.yml", &own[1])].map(|(n, t)| scratch.write(n, t));
+    // Three dots that both see: on two disks and beside the tip.
+    let dots = [(1, 0.0), (6, 0.0), (10, 0.02)];
+    let markers = [0, 1].map(|camera| {
+        let mut table = String::from("disk,offset_x,offset_y,offset_z,u,v\n");
+        for (disk, offset) in dots {
+            let point = Vec3::new(offset, 0.0, 0.02 * f64::from(disk - 1));
+            let [u, v] = truth[camera].project(point).unwrap();
+            table += &format!("{disk},{offset},0,0,{u},{v}\n");
+        }
+        scratch.write(&format!("markers-{camera}.csv"), &table)
+    });
+    let outputs = [scratch.file("a.yml"), scratch.file("b.yml")];
+    let args = ["camera", "locate", ROBOT, "--markers", &markers[0], "--lens", &own[0]];
+    let stereo = ["--stereo", &own[1], "--stereo-markers", &markers[1]];
+    let files = ["-o", &outputs[0], "--stereo-output", &outputs[1]];
+    let text = succeed(&[&args[..], &stereo, &files].concat());
+    assert!(text.contains("two cameras of") && text.contains("3 markers, 0 pixels RMS"), "{text}");
+    for (path, truth) in outputs.iter().zip(&truth) {
+        let off = truth.pose().inverse() * load_camera(path).unwrap().pose();
+        assert!(off.position.norm() < 1e-7 && off.rotation.log().norm() < 1e-7, "{path}");
+    }
+    // Markers on the axis alone are seen alike from all sides.
+    let line = scratch.write("line.csv", "disk,u,v\n1,325,400\n5,325,300\n10,325,200\n");
+    let args = ["camera", "locate", ROBOT, "--markers", &line, "--lens", &own[0]];
+    let message = fail(2, &[&args[..], &["--stereo", &own[1], "--stereo-markers", &line]].concat());
+    assert!(message.contains("(--view)"), "{message}");
+    let message = fail(2, &[&args[..], &["--stereo", &own[1]]].concat());
+    assert!(message.contains("--stereo-markers"), "{message}");
+}

@@ -7,7 +7,7 @@ use std::path::Path;
 use whipcord::{Actuation, Model, ModelKind, Pose, Stations, UnitQuaternion, Vec3};
 use whipcord_io::load_with;
 
-use super::support::{fail, root, run, settings, succeed};
+use super::support::{fail, root, run, settings, succeed, warned};
 
 const ARM: &str = "examples/motor-log/arm.toml";
 
@@ -283,4 +283,47 @@ fn a_log_calibrates_the_robot_and_scores_another_log() {
     // The noise of the tracker: 0.15 mm in each coordinate, 0.26 mm in space.
     let error = json["models"][0]["distance"]["rms"].as_f64().unwrap();
     assert!((0.2e-3..0.3e-3).contains(&error), "{error}");
+}
+
+/// The mounting that was estimated is written, so that the file scores as the fit says.
+#[test]
+fn a_fitted_file_has_the_mounting_of_the_tracked_body() {
+    let out = tempfile::tempdir().unwrap();
+    let source = root().join("examples/motor-log");
+    for name in ["motors.csv", "tracker.csv"] {
+        fs::copy(source.join(name), out.path().join(name)).unwrap();
+    }
+    let arm = fs::read_to_string(source.join("arm.toml")).unwrap();
+    let text = |rotation: &str| format!("{arm}orientation_arm = \"40 mm\"\n{rotation}");
+    let folder = out.path().join("score");
+    for rotation in ["", "rotation = { axis = [0, 0, 1], angle = \"10 deg\" }\n"] {
+        fs::write(out.path().join("arm.toml"), text(rotation)).unwrap();
+        let (file, fitted) = (out.path().join("arm.toml"), out.path().join("fitted.toml"));
+        let mut args = vec!["fit", file.to_str().unwrap(), "--model", "cosserat-disks", "--json"];
+        args.extend(["--parameter", "motors[*].stiffness", "--parameter", "measured.offset[2]"]);
+        args.extend(["-o", fitted.to_str().unwrap()]);
+        for axis in ["measured.body_turn[0]", "measured.body_turn[1]", "measured.body_turn[2]"] {
+            args.extend(["--parameter", axis]);
+        }
+        let found: serde_json::Value = serde_json::from_str(&warned(&args).0).unwrap();
+        let written = fs::read_to_string(&fitted).unwrap();
+        let key = if rotation.is_empty() { "orientation = [" } else { "rotation = { axis = [" };
+        assert!(written.contains(key), "{written}");
+        let score = |path: &Path| -> serde_json::Value {
+            let args = ["score", path.to_str().unwrap(), "--model", "cosserat-disks", "--json"];
+            let more = ["--no-figures", "--out", folder.to_str().unwrap()];
+            serde_json::from_str(&succeed(&[&args[..], &more].concat())).unwrap()
+        };
+        let after = score(&fitted);
+        let of = |score: &serde_json::Value, what: &str| {
+            score["models"][0][what]["rms"].as_f64().unwrap()
+        };
+        // A score moves the measurement by the positions alone, the fit by orientations too.
+        let expected = found["rms_distance"].as_f64().unwrap();
+        assert!((of(&after, "distance") / expected - 1.0).abs() < 0.01, "{rotation}");
+        assert!(of(&after, "angle") < 0.009, "{}", of(&after, "angle"));
+        if !rotation.is_empty() {
+            assert!(of(&score(&file), "angle") > 0.3);
+        }
+    }
 }

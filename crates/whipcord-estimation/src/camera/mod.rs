@@ -21,7 +21,10 @@ pub use calibrate::{
 pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
 pub use lens::{Lens, Orthographic, Pinhole};
-pub use locate::{Alternative, LocateError, Located, Sighting, locate, locate_orthographic};
+pub use locate::{
+    Alternative, LocateError, Located, LocatedRig, Sighting, locate, locate_orthographic,
+    locate_rig,
+};
 pub use reprojection_error::ReprojectionError;
 pub use stereo::{
     RefusedPair, SeenByBoth, StereoCalibration, StereoError, StereoPair, calibrate_stereo,

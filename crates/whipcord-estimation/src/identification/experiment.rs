@@ -1,5 +1,7 @@
 //! What was seen of a robot in a case, and the numbers that are estimated from it.
 
+use std::collections::BTreeSet;
+
 use super::quantity::Quantity;
 use super::shared::Shared;
 use crate::camera::Camera;
@@ -25,6 +27,9 @@ pub struct Experiment {
     pub frame: Pose,
     /// The rotation of tracked bodies in the frames at their places; [`registered`](super::registered) estimates it where it is `None`.
     pub body: Option<UnitQuaternion>,
+    /// Steps whose cable lengths contradict each other and are met in the least-squares sense, each by itself; a fit finds them where it
+    /// [skips](super::Settings::skips) rows.
+    pub over_determined: BTreeSet<usize>,
 }
 
 /// What is known of the measurement of a step.

@@ -190,8 +190,11 @@ impl<'a> Forward<'a> {
     /// Whether the derivatives by an unknown, where it has this value, are differences of answers.
     pub(super) fn is_by_differences(&self, piece: &Piece, j: usize, value: f64) -> bool {
         let methods = DerivativeMethod::at(&self.methods[piece.experiment][j], value);
+        let by_gain = |of: &DerivativeMethod| matches!(of, DerivativeMethod::Gain { .. });
         methods == [DerivativeMethod::Differences]
             || (piece.differs && methods.iter().any(DerivativeMethod::is_of_model))
+            // The least-squares lengths are not the commands that a gain multiplies.
+            || (piece.over_determined && methods.iter().any(by_gain))
     }
 
     pub(super) fn kind(&self) -> ModelKind {

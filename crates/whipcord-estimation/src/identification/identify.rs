@@ -81,14 +81,15 @@ fn search(
     settings: &Settings,
 ) -> Result<Identified, IdentifyError> {
     check(robot, experiments, unknowns, settings)?;
-    let refused = match fit(robot, experiments, unknowns, settings) {
+    let (marked, refused) = match fit(robot, experiments, unknowns, settings) {
         Err(IdentifyError::NoAnswerAtStart(_)) if settings.skips => {
             let forward = Forward::new(robot, experiments, unknowns, settings)?;
             let start = forward.start()?;
-            forward.refused(&start)
+            forward.marked(&start)
         }
         found => return found,
     };
+    let experiments = &marked[..];
     let left_out: BTreeSet<Row> = refused.iter().map(|of| of.row).collect();
     let kept = without(experiments, &left_out);
     if left_out.is_empty() || rows(&kept).is_empty() {

@@ -4,7 +4,7 @@ use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
 use super::forward::{Forward, measured};
 use super::outcome::Identified;
-use super::rows::{Row, without};
+use super::rows::{Row, marked, without};
 use super::settings::Settings;
 use std::collections::BTreeSet;
 use whipcord::robot::Robot;
@@ -23,7 +23,7 @@ pub(super) fn fitted(
     found: &Identified,
     weighed: bool,
 ) -> Vec<Experiment> {
-    let mut all = experiments.to_vec();
+    let mut all = marked(experiments, &found.over_determined);
     if found.noise.is_estimated && found.noise.level > 0.0 {
         for seen in all.iter_mut().flat_map(|of| &mut of.observations) {
             seen.deviation = Some(found.noise.level);

@@ -1,9 +1,10 @@
 //! The fit, and how large the noise is.
 
 use whipcord_numerics::least_squares::{
-    Loss, NoResiduals, Options, Outcome, Residuals, Status, Workspace, minimise,
+    Loss, NoResiduals, Options, Outcome, Residuals, Status, Workspace,
 };
 
+use super::corners;
 use super::error::{IdentifyError, NoAnswer, NoAnswerReason};
 use super::problem::Problem;
 use super::settings::Robustness;
@@ -123,7 +124,7 @@ fn run(
 ) -> Result<Outcome<NoAnswer>, IdentifyError> {
     let options = Options { loss, ..options.clone() };
     let mut searched = problem.searched(x);
-    let outcome = minimise(problem, &mut searched, &options, workspace);
+    let outcome = corners::search(problem, &mut searched, &options, workspace);
     problem.found(&searched, x);
     outcome.map_err(|refusal| {
         IdentifyError::NoAnswerAtStart(match refusal {

@@ -5,13 +5,13 @@ use whipcord_numerics::least_squares::Status;
 use super::error::NoAnswer;
 use super::experiment::Unknown;
 use super::quantity::Quantity;
-use super::rows::Skipped;
+use super::rows::{OverDetermined, Skipped};
 use super::settings::Robustness;
 use super::unresolved::Unresolved;
 use whipcord::case::Case;
 use whipcord::kind::ModelKind;
 use whipcord::robot::Robot;
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -45,6 +45,8 @@ pub struct Identified {
     pub rms_pixels: Option<f64>,
     /// The rows that were left out because the model has no answer to them ([`super::Settings::skips`]).
     pub skipped: Vec<Skipped>,
+    /// The rows whose cable lengths contradict each other, which are met in the least-squares sense ([`super::Settings::skips`]).
+    pub over_determined: Vec<OverDetermined>,
     /// How much observations counted that are far off.
     pub robustness: Robustness,
     /// What the measurements cannot tell apart.
@@ -61,6 +63,8 @@ pub struct Identified {
     pub starts: Starts,
     /// Where the world is in the frame of the positions that were measured, in each experiment.
     pub frames: Vec<Pose>,
+    /// The rotation of tracked bodies in the frames at their places, in each experiment whose orientations were fitted.
+    pub bodies: Vec<Option<UnitQuaternion>>,
 }
 
 /// Starts of a search ([`super::Settings::starts`]).

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::experiment::Experiment;
+use super::rows::without_commands;
 use whipcord::case::Case;
 
 /// So many rows, whatever the number of threads, so that answers do not depend on it.
@@ -17,6 +18,8 @@ pub(super) struct Piece {
     pub(super) steps: Vec<usize>,
     /// Whether what the model would differentiate comes by differences, since it once had no derivatives there.
     pub(super) differs: bool,
+    /// Whether the lengths of its one step are met in the least-squares sense.
+    pub(super) over_determined: bool,
 }
 
 impl Piece {
@@ -24,20 +27,36 @@ impl Piece {
     pub(super) fn all(experiments: &[Experiment]) -> Vec<Self> {
         let mut pieces = Vec::new();
         for (experiment, of) in experiments.iter().enumerate() {
-            let steps: BTreeSet<usize> = of.observations.iter().map(|seen| seen.step).collect();
-            let Some(&last) = steps.last() else { continue };
+            let mut steps: BTreeSet<usize> = of.observations.iter().map(|seen| seen.step).collect();
+            let alone: Vec<usize> = steps.intersection(&of.over_determined).copied().collect();
+            steps.retain(|step| !of.over_determined.contains(step));
             if of.case.independent && !of.case.before.is_empty() {
                 let steps: Vec<usize> = steps.into_iter().collect();
                 let piece = |steps: &[usize]| {
-                    let case = of.case.independent_steps(steps)?;
-                    Some(Self { experiment, case, steps: steps.to_vec(), differs: false })
+                    Some(Self::of(experiment, of.case.independent_steps(steps)?, steps.to_vec()))
                 };
                 pieces.extend(steps.chunks(ROWS).filter_map(piece));
-            } else {
-                let case = of.case.step(last).unwrap_or_else(|| of.case.clone());
-                pieces.push(Self { experiment, case, steps: (0..=last).collect(), differs: false });
+            } else if let Some(&last) = steps.last() {
+                let mut case = of.case.step(last).unwrap_or_else(|| of.case.clone());
+                if !alone.is_empty() {
+                    without_commands(&mut case, |step| of.over_determined.contains(&step));
+                }
+                pieces.push(Self::of(experiment, case, (0..=last).collect()));
             }
+            let single = |step: usize| match of.case.independent {
+                true => of.case.independent_step(step),
+                false => of.case.single_steps().nth(step),
+            };
+            let piece = |step: usize| {
+                let piece = Self::of(experiment, single(step)?, vec![step]);
+                Some(Self { over_determined: true, ..piece })
+            };
+            pieces.extend(alone.into_iter().filter_map(piece));
         }
         pieces
+    }
+
+    const fn of(experiment: usize, case: Case, steps: Vec<usize>) -> Self {
+        Self { experiment, case, steps, differs: false, over_determined: false }
     }
 }

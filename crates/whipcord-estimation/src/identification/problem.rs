@@ -1,8 +1,9 @@
 //! The least-squares problem: what the model says less what was seen, in units of the noise, and priors.
 
-use whipcord_numerics::least_squares::Residuals;
+use whipcord_numerics::least_squares::{Loss, Residuals};
 
 use super::error::{NoAnswer, NoAnswerReason};
+use super::experiment::Unknown;
 use super::forward::{Forward, measured};
 use super::logarithm::Logarithms;
 use super::settings::Progress;
@@ -102,6 +103,25 @@ impl<'f, 'a> Problem<'f, 'a> {
             all += residual * residual;
         }
         off <= NEGLIGIBLE * NEGLIGIBLE * all
+    }
+
+    /// What is made least, without derivatives; none where there is no answer.
+    pub(super) fn cost(&self, y: &[f64], loss: Loss) -> Option<f64> {
+        let mut x = vec![0.0; y.len()];
+        self.logarithms.unknowns(y, &mut x);
+        let mut off = vec![0.0; self.seen.len()];
+        self.forward.predict(&x, &mut off).ok()?;
+        for ((value, seen), deviation) in off.iter_mut().zip(&self.seen).zip(&self.deviations) {
+            *value = (*value - seen) / (deviation * self.noise);
+        }
+        let square = |block: &[f64]| block.iter().map(|r| r * r).sum::<f64>();
+        let seen: f64 = self.blocks(&off).map(|block| loss.of(square(block)).0).sum();
+        let priors = self.forward.unknowns.iter().zip(&x);
+        let prior = |(unknown, value): (&Unknown, &f64)| {
+            unknown.prior.map_or(0.0, |of| ((value - of.mean) / of.deviation).powi(2))
+        };
+        let cost = 0.5 * (seen + priors.map(prior).sum::<f64>());
+        cost.is_finite().then_some(cost)
     }
 
     /// Count of the numbers that were seen.

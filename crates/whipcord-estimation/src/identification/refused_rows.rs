@@ -1,12 +1,14 @@
 //! Rows to which a model has no answer.
 
 use super::error::NoAnswerReason;
-use super::experiment::Unknown;
+use super::experiment::{Experiment, Unknown};
 use super::forward::Forward;
 use super::pieces::Piece;
 use super::quantity::Quantity;
-use super::rows::{Row, Skipped};
+use super::rows::{OverDetermined, Row, Skipped, marked};
 use super::solver::Solver;
+use whipcord::jobs::share;
+use whipcord::over_determined;
 use whipcord::robot::{Cable, Robot};
 use whipcord::shape::Solution;
 
@@ -66,6 +68,67 @@ impl Forward<'_> {
             }
         }
         (solutions, refused)
+    }
+}
+
+impl Forward<'_> {
+    /// Which of these rows, to which the model has no answer, have lengths that contradict each other, and by how much they are missed with these
+    /// values. Where answers depend on the steps before, no step stands by itself, and there are none.
+    fn over_determined(&self, refused: &[Skipped], x: &[f64]) -> Vec<OverDetermined> {
+        let may_be = |of: &&Skipped| match &of.reason {
+            NoAnswerReason::Solve(error) => over_determined::may_be(error),
+            _ => false,
+        };
+        let rows = refused.iter().filter(may_be).map(|of| of.row);
+        let rows: Vec<Row> = rows.filter(|row| self.is_seen(row.experiment, row.step)).collect();
+        self.missed(&rows, x)
+    }
+
+    /// The experiments, with the rows marked whose lengths contradict each other with these values, and the other rows to which the model has no answer.
+    pub(super) fn marked(&self, x: &[f64]) -> (Vec<Experiment>, Vec<Skipped>) {
+        let mut refused = self.refused(x);
+        let over_determined = self.over_determined(&refused, x);
+        refused.retain(|of| !over_determined.iter().any(|solved| solved.row == of.row));
+        (marked(self.experiments, &over_determined), refused)
+    }
+
+    /// The measured rows whose lengths are met in the least-squares sense.
+    pub(super) fn over_determined_rows(&self) -> Vec<Row> {
+        let of = |(experiment, of): (usize, &Experiment)| {
+            let rows = of.over_determined.iter().map(move |&step| Row { experiment, step });
+            rows.collect::<Vec<_>>()
+        };
+        let rows = self.experiments.iter().enumerate().flat_map(of);
+        rows.filter(|row| self.is_seen(row.experiment, row.step)).collect()
+    }
+
+    /// By how much the lengths of these rows are missed with these values; without the rows whose lengths do not contradict each other.
+    pub(super) fn missed(&self, rows: &[Row], x: &[f64]) -> Vec<OverDetermined> {
+        let mut found: Vec<Option<OverDetermined>> = vec![None; rows.len()];
+        let jobs = rows.iter().zip(&mut found).collect();
+        let work = |(row, found): (&Row, &mut Option<OverDetermined>), (): &mut ()| {
+            *found = self.missed_in(*row, x);
+            true
+        };
+        // Where no thread can be started, the fit says so.
+        match share(jobs, self.threads, || (), work) {
+            Ok(()) => found.into_iter().flatten().collect(),
+            Err(_) => Vec::new(),
+        }
+    }
+
+    fn missed_in(&self, row: Row, x: &[f64]) -> Option<OverDetermined> {
+        let Row { experiment, step } = row;
+        if has_history(self, experiment) {
+            return None;
+        }
+        let (robot, case) = self.built(experiment, x).ok()?;
+        let single = match case.independent {
+            true => case.independent_step(step),
+            false => case.single_steps().nth(step),
+        };
+        let answer = over_determined::solve(&self.model, &robot, &single?)?;
+        Some(OverDetermined { row, misses: answer.diagnostics.length_misses })
     }
 }
 

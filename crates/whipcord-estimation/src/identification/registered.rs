@@ -58,9 +58,14 @@ pub fn registered(
     if of_frames.is_empty() && of_bodies.is_empty() {
         return Ok((experiments.to_vec(), unknowns.to_vec()));
     }
-    let mut all = experiments.to_vec();
     let forward = Forward::new(robot, experiments, unknowns, settings)?;
     let x = forward.start()?;
+    let experiments = match settings.skips {
+        true => forward.marked(&x).0,
+        false => experiments.to_vec(),
+    };
+    let mut all = experiments.clone();
+    let forward = Forward::new(robot, &experiments, unknowns, settings)?;
     place(&forward, &x, &of_frames, one_frame, &mut all)?;
     let placed = all.clone();
     let forward = Forward::new(robot, &placed, unknowns, settings)?;

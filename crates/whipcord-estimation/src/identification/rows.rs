@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use super::error::NoAnswerReason;
 use super::experiment::Experiment;
+use whipcord::case::Case;
+use whipcord::error::LengthMiss;
 
 /// A step of an experiment, both counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -21,6 +23,24 @@ pub struct Skipped {
     pub row: Row,
     /// Why it has none.
     pub reason: NoAnswerReason,
+}
+
+/// A row whose cable lengths contradict each other: they are met in the least-squares sense.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OverDetermined {
+    /// The row.
+    pub row: Row,
+    /// The cables that take part, and how much longer than prescribed each is at the estimates.
+    pub misses: Vec<LengthMiss>,
+}
+
+/// The same experiments, where the lengths of these rows are met in the least-squares sense.
+pub(super) fn marked(experiments: &[Experiment], rows: &[OverDetermined]) -> Vec<Experiment> {
+    let mut all = experiments.to_vec();
+    for of in rows {
+        all[of.row.experiment].over_determined.insert(of.row.step);
+    }
+    all
 }
 
 /// The rows in which something was seen, in order.
@@ -50,27 +70,34 @@ pub(super) fn only(
 pub(super) fn without(experiments: &[Experiment], rows: &BTreeSet<Row>) -> Vec<Experiment> {
     let mut all = only(experiments, rows, false);
     for (experiment, of) in all.iter_mut().enumerate() {
-        let steps = of.case.before.len() + 1;
-        let is_kept = |step: &usize| !rows.contains(&Row { experiment, step: *step });
-        let earlier = of.case.motors.len().saturating_sub(steps);
-        for step in (0..steps).filter(|step| !is_kept(step)) {
-            let before = (0..step).rev().find(is_kept);
-            let Some(other) = before.or_else(|| (step..steps).find(is_kept)) else { break };
-            let commands = of.case.before.get(other).unwrap_or(&of.case.commands).clone();
-            match of.case.before.get_mut(step) {
-                Some(place) => *place = commands,
-                None => of.case.commands = commands,
-            }
-            let loads = of.case.loads_before.get(other).unwrap_or(&of.case.loads).clone();
-            match of.case.loads_before.get_mut(step) {
-                Some(place) => *place = loads,
-                None if step + 1 == steps => of.case.loads = loads,
-                None => {}
-            }
-            if of.case.motors.len() >= steps {
-                of.case.motors[earlier + step] = of.case.motors[earlier + other].clone();
-            }
-        }
+        let left_out = |step: usize| rows.contains(&Row { experiment, step });
+        of.over_determined.retain(|step| !left_out(*step));
+        without_commands(&mut of.case, left_out);
     }
     all
+}
+
+/// Takes these steps out of a case: as if the robot had stayed where the step before left it, or started in the one after.
+pub(super) fn without_commands(case: &mut Case, left_out: impl Fn(usize) -> bool) {
+    let steps = case.before.len() + 1;
+    let is_kept = |step: &usize| !left_out(*step);
+    let earlier = case.motors.len().saturating_sub(steps);
+    for step in (0..steps).filter(|step| !is_kept(step)) {
+        let before = (0..step).rev().find(is_kept);
+        let Some(other) = before.or_else(|| (step..steps).find(is_kept)) else { break };
+        let commands = case.before.get(other).unwrap_or(&case.commands).clone();
+        match case.before.get_mut(step) {
+            Some(place) => *place = commands,
+            None => case.commands = commands,
+        }
+        let loads = case.loads_before.get(other).unwrap_or(&case.loads).clone();
+        match case.loads_before.get_mut(step) {
+            Some(place) => *place = loads,
+            None if step + 1 == steps => case.loads = loads,
+            None => {}
+        }
+        if case.motors.len() >= steps {
+            case.motors[earlier + step] = case.motors[earlier + other].clone();
+        }
+    }
 }

@@ -8,6 +8,7 @@ use super::pieces::Piece;
 use super::quantity::Quantity;
 use whipcord::case::Case;
 use whipcord::model::{Model, Prepared};
+use whipcord::over_determined::{Relaxed, relaxed};
 use whipcord::robot::Robot;
 use whipcord::shape::Solution;
 
@@ -25,6 +26,8 @@ struct Built {
     numbers: Vec<(Quantity, u64)>,
     robot: Robot,
     prepared: Prepared,
+    /// Whether its cables give, for one row alone.
+    relaxed: bool,
 }
 
 /// What would be seen in a piece.
@@ -57,18 +60,27 @@ impl<'f, 'a> Solver<'f, 'a> {
             .filter(|(quantity, _)| !quantity.is_of_case())
             .map(|(quantity, value)| (*quantity, value.to_bits()))
             .collect();
-        let kept = self.built.take().filter(|built| built.numbers == of_robot);
+        let alike = |built: &Built| built.numbers == of_robot && !built.relaxed;
+        let kept = self.built.take().filter(alike);
         let (robot, prepared) = match kept {
             Some(built) => (built.robot, Some(built.prepared)),
             None => (build::robot(forward.robot, &piece.case, &numbers)?, None),
         };
         let case = build::case(&robot, &piece.case, &numbers, forward.rest());
         let case = case.map_err(whipcord::SolveError::from)?;
+        let model = self.model.unwrap_or(&forward.model);
+        if piece.over_determined
+            && let Some(Relaxed { robot, case, .. }) = relaxed(model, &robot, &case)
+        {
+            let prepared = model.prepare(&robot, &case.loads)?;
+            let built = Built { numbers: of_robot, robot, prepared, relaxed: true };
+            return Ok((&mut self.built.insert(built).prepared, case));
+        }
         let prepared = match prepared.filter(|prepared| prepared.takes_places_of(&case.loads)) {
             Some(prepared) => prepared,
-            None => self.model.unwrap_or(&forward.model).prepare(&robot, &case.loads)?,
+            None => model.prepare(&robot, &case.loads)?,
         };
-        let built = Built { numbers: of_robot, robot, prepared };
+        let built = Built { numbers: of_robot, robot, prepared, relaxed: false };
         Ok((&mut self.built.insert(built).prepared, case))
     }
 

@@ -4,7 +4,7 @@ use whipcord_numerics::least_squares::{NoResiduals, Workspace};
 use whipcord_numerics::student_quantile;
 
 use super::error::{IdentifyError, NoAnswer};
-use super::experiment::Unknown;
+use super::experiment::{Experiment, Unknown};
 use super::forward::Forward;
 use super::logarithm::Logarithms;
 use super::noise::Fitted;
@@ -23,6 +23,11 @@ pub(super) fn tell(
 ) -> Result<Identified, IdentifyError> {
     let (answers, unstable) = forward.stability(x);
     let frames = (0..forward.experiments.len()).map(|e| forward.view(e, x).frame).collect();
+    let body = |(e, of): (usize, &Experiment)| {
+        let turns = of.observations.iter().any(|seen| seen.seen.is_rotation());
+        turns.then(|| forward.view(e, x).body)
+    };
+    let bodies = forward.experiments.iter().enumerate().map(body).collect();
     let unknowns = forward.unknowns;
     let n = unknowns.len();
     // What is sought by its logarithm is at a bound to rounding.
@@ -110,9 +115,11 @@ pub(super) fn tell(
         robot: robot.unwrap_or_else(|| forward.robot.clone()),
         cases,
         frames,
+        bodies,
         starts: Starts { tried: 1, agree: 1 },
         residuals,
         skipped: Vec::new(),
+        over_determined: forward.missed(&forward.over_determined_rows(), x),
         robustness: settings.robustness,
         answers,
         unstable,

@@ -8,7 +8,7 @@ use super::experiment::{Experiment, Unknown};
 use super::forward::{Forward, measured};
 use super::identify::identify;
 use super::registered::placed;
-use super::rows::{Row, Skipped, only, rows, without};
+use super::rows::{OverDetermined, Row, Skipped, only, rows, without};
 use super::settings::Settings;
 use crate::observation::Observation;
 use whipcord::robot::Robot;
@@ -58,6 +58,8 @@ pub struct HeldOut {
     pub rms_pixels: Option<f64>,
     /// The rows to which the model has no answer.
     pub skipped: Vec<Skipped>,
+    /// The rows whose cable lengths contradict each other, which are met in the least-squares sense.
+    pub over_determined: Vec<OverDetermined>,
 }
 
 /// Sums of squares, of distances and of pixels, and their counts.
@@ -119,7 +121,7 @@ pub fn cross_validate(
         }
         let values: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
         let held = only(experiments, &held, true);
-        let (misses, _, skipped) = predict(robot, &held, unknowns, settings, &values)?;
+        let (misses, _, skipped, _) = predict(robot, &held, unknowns, settings, &values)?;
         let [rms_distance, rms_pixels] = misses.rms();
         all.add_all(misses);
         validated.push(Fold {
@@ -150,12 +152,13 @@ pub fn hold_out(
     values: &[f64],
 ) -> Result<HeldOut, IdentifyError> {
     check_observations(robot, experiments)?;
-    let (misses, rows, skipped) = predict(robot, experiments, unknowns, settings, values)?;
+    let (misses, rows, skipped, over_determined) =
+        predict(robot, experiments, unknowns, settings, values)?;
     if settings.model.cancel().is_cancelled() {
         return Err(IdentifyError::Cancelled);
     }
     let [rms_distance, rms_pixels] = misses.rms();
-    Ok(HeldOut { rows, rms_distance, rms_pixels, skipped })
+    Ok(HeldOut { rows, rms_distance, rms_pixels, skipped, over_determined })
 }
 
 /// Measurements in two parts, to fit and to hold out: at least this fraction of the rows is held out, chosen at random by a seed.
@@ -235,8 +238,8 @@ fn parts(experiments: &[Experiment], unknowns: &[Unknown]) -> Vec<Part> {
     parts
 }
 
-/// What is said of rows: the misses of all, the distance of each, and the rows without an answer.
-type Predicted = (Misses, Vec<(Row, Option<f64>)>, Vec<Skipped>);
+/// What is said of rows: the misses of all, the distance of each, the rows without an answer, and those whose lengths contradict each other.
+type Predicted = (Misses, Vec<(Row, Option<f64>)>, Vec<Skipped>, Vec<OverDetermined>);
 
 /// How far off what was held out is.
 fn predict(
@@ -246,9 +249,8 @@ fn predict(
     settings: &Settings,
     values: &[f64],
 ) -> Result<Predicted, IdentifyError> {
-    let held = &placed(robot, held, (unknowns, values), settings)?[..];
-    let forward = Forward::new(robot, held, unknowns, settings)?;
-    let skipped = forward.refused(values);
+    let (marked, skipped) = Forward::new(robot, held, unknowns, settings)?.marked(values);
+    let held = &placed(robot, &marked, (unknowns, values), settings)?[..];
     let left_out: BTreeSet<Row> = skipped.iter().map(|of| of.row).collect();
     let seen: BTreeSet<Row> = rows(held).into_iter().collect();
     let skipped = skipped.into_iter().filter(|of| seen.contains(&of.row)).collect();
@@ -269,5 +271,6 @@ fn predict(
         }
     }
     let rows = of_rows.into_iter().map(|(row, misses)| (row, misses.rms()[0])).collect();
-    Ok((all, rows, skipped))
+    let over_determined = forward.missed(&forward.over_determined_rows(), values);
+    Ok((all, rows, skipped, over_determined))
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use whipcord::{Case, Robot, Vec3};
+use whipcord::{Case, Robot, UnitQuaternion, Vec3};
 use whipcord_estimation::Observation;
 use whipcord_motion::Initial;
 
@@ -24,6 +24,21 @@ pub struct FittedFile {
     pub keeps_text: bool,
 }
 
+/// How what was measured sits on the robot, beside what the file says of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mounting {
+    /// Added to where the markers are in the frames of their places, in m.
+    pub offset: Vec3,
+    /// The rotation of the tracked body in the frame of its place, where it was estimated.
+    pub body: Option<UnitQuaternion>,
+}
+
+impl From<Vec3> for Mounting {
+    fn from(offset: Vec3) -> Self {
+        Self { offset, body: None }
+    }
+}
+
 /// What only a table of commands says.
 pub const LOADS_OF_ROWS: &str =
     "loads that differ from step to step, as the rows of its table have them";
@@ -34,8 +49,7 @@ const NEAR: f64 = 1e-9;
 impl CaseFile {
     /// The text of this file with the numbers of another robot and case, for the folder it goes to: where
     /// the numbers stand in this file they are changed in place, in their units; where they stand in one that it
-    /// extends, a table is laid over that; else the file is written anew. `offset` is added to where the markers are in the
-    /// frames of their places.
+    /// extends, a table is laid over that; else the file is written anew. `[measured]` gets the mounting.
     ///
     /// # Errors
     /// [`Inexpressible`] for what no robot file can say.
@@ -43,15 +57,16 @@ impl CaseFile {
         &self,
         robot: &Robot,
         case: &Case,
-        offset: Vec3,
+        mounting: impl Into<Mounting>,
         folder: &Path,
     ) -> Result<FittedFile, Inexpressible> {
+        let mounting = mounting.into();
         let new = describe(None, robot, case)?;
         let old = describe(None, &self.robot, &self.case)?;
-        if let Some(text) = self.edited(&old, &new, offset, folder) {
+        if let Some(text) = self.edited(&old, &new, mounting, folder) {
             // The proof of the text is in reading it, where the files are that it names.
             let name = folder.join("fitted.toml");
-            let again = parse(&text, &name).ok().filter(|again| self.is_moved(again, offset));
+            let again = parse(&text, &name).ok().filter(|again| self.is_moved(again, mounting));
             let again = again.and_then(|again| describe(None, &again.robot, &again.case).ok());
             if again.is_some_and(|again| is_near(&Item::Table(again), &Item::Table(new.clone()))) {
                 return Ok(FittedFile { text, keeps_text: true });
@@ -82,10 +97,19 @@ impl CaseFile {
 
     /// The text of this file with the numbers in which the two differ changed, and the paths it names seen from
     /// another folder; `None` where it has no place for one of them.
-    fn edited(&self, old: &Table, new: &Table, offset: Vec3, folder: &Path) -> Option<String> {
+    fn edited(
+        &self,
+        old: &Table,
+        new: &Table,
+        mounting: Mounting,
+        folder: &Path,
+    ) -> Option<String> {
         let (mut edits, mut added) = (Vec::new(), Table::default());
-        if offset != Vec3::ZERO {
-            self.move_markers(offset, &mut edits)?;
+        if mounting.offset != Vec3::ZERO {
+            self.move_markers(mounting.offset, &mut edits)?;
+        }
+        if let Some(body) = mounting.body {
+            self.turn_body(body, &mut edits)?;
         }
         for (key, item) in &new.entries {
             match old.get(key) {
@@ -140,8 +164,15 @@ impl CaseFile {
         Some(text)
     }
 
-    /// Whether the markers of another file are beside those of this one by this offset.
-    fn is_moved(&self, other: &Self, offset: Vec3) -> bool {
+    /// Whether the markers and the tracked body of another file are mounted beside those of this one like that.
+    fn is_moved(&self, other: &Self, Mounting { offset, body }: Mounting) -> bool {
+        let mounted = other.measured.as_ref().and_then(|measured| measured.body);
+        let apart = |(body, mounted): (UnitQuaternion, UnitQuaternion)| {
+            (body.conjugate() * mounted).log().norm()
+        };
+        if body.is_some() && body.zip(mounted).map(apart).is_none_or(|angle| angle > NEAR) {
+            return false;
+        }
         let all = |file: &Self| file.measured.iter().flat_map(|m| m.observations.clone()).collect();
         let (own, others): (Vec<_>, Vec<_>) = (all(self), all(other));
         let apart = |(own, other): (&Observation, &Observation)| {
@@ -163,10 +194,36 @@ impl CaseFile {
                 edits,
             );
         }
+        let [x, y, z] = offset.to_array().map(short);
+        self.add_to_measured(&format!("offset = [{x}, {y}, {z}]"), edits)
+    }
+
+    /// Sets the rotation of the tracked body in `[measured]`; `None` where it is not in this file.
+    fn turn_body(&self, body: UnitQuaternion, edits: &mut Vec<(Span, String)>) -> Option<()> {
+        let [w, x, y, z] = body.wxyz().map(short);
+        let orientation = format!("[{w}, {x}, {y}, {z}]");
+        if let Some(node) = self.document().find("measured.orientation") {
+            edits.push((Some(node.span).filter(|span| span.file == 0)?, orientation));
+            return Some(());
+        }
+        let Some(node) = self.document().find("measured.rotation") else {
+            return self.add_to_measured(&format!("orientation = {orientation}"), edits);
+        };
+        let span = Some(node.span).filter(|span| span.file == 0)?;
+        self.text()?.get(span.start..span.end).filter(|text| text.starts_with('{'))?;
+        let turn = body.log();
+        let angle = turn.norm();
+        let axis = if angle > 0.0 { turn * (1.0 / angle) } else { Vec3::new(0.0, 0.0, 1.0) };
+        let [x, y, z] = axis.to_array().map(short);
+        edits.push((span, format!("{{ axis = [{x}, {y}, {z}], angle = {} }}", short(angle))));
+        Some(())
+    }
+
+    /// Adds a line behind the header of `[measured]`; `None` where that is not in this file.
+    fn add_to_measured(&self, line: &str, edits: &mut Vec<(Span, String)>) -> Option<()> {
         let header = self.document().find("measured").filter(|node| node.span.file == 0)?.span;
         self.text()?.get(header.start..header.end).filter(|text| text.starts_with('['))?;
-        let [x, y, z] = offset.to_array().map(short);
-        edits.push((Span { start: header.end, ..header }, format!("\noffset = [{x}, {y}, {z}]")));
+        edits.push((Span { start: header.end, ..header }, format!("\n{line}")));
         Some(())
     }
 

@@ -14,7 +14,7 @@ mod unknowns;
 
 pub use check::table_in_si;
 pub use describe::{Inexpressible, describe};
-pub use fitted::FittedFile;
+pub use fitted::{FittedFile, Mounting};
 pub use goal::describe_goal;
 pub use motion::describe_motion;
 pub use text::toml;

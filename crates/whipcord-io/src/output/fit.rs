@@ -2,7 +2,7 @@ use serde_json::{Value, json};
 use whipcord_estimation::identification::{Analyses, Identified, Robustness, Status, Validated};
 
 use super::NonFinite;
-use super::fit_analyses::{rows_json, said};
+use super::fit_analyses::{over_determined_json, rows_json, said};
 use super::json::{number, numbers, optional};
 
 /// What was identified, as the JSON object that `whipcord fit --json` prints; SI, and pixels. `names` are
@@ -121,6 +121,7 @@ pub fn fit_json(
         "answers": found.answers,
         "unstable": unstable.collect::<Result<Vec<_>, NonFinite>>()?,
         "skipped": rows_json(&found.skipped, names),
+        "over_determined": over_determined_json(&found.over_determined, names),
         "cross_validation": analyses.validated.as_ref().map(folds).transpose()?,
         "models": models.collect::<Result<Vec<_>, NonFinite>>()?,
         "warnings": warnings,

@@ -2,11 +2,11 @@
 
 use serde_json::{Value, json};
 use whipcord_estimation::identification::{
-    Analyses, Identified, Row, Skipped, Worth, best_measurements, worth_by_disk,
+    Analyses, Identified, OverDetermined, Row, Skipped, Worth, best_measurements, worth_by_disk,
 };
 
 use super::NonFinite;
-use super::json::{number, numbers, optional};
+use super::json::{length_misses_json, number, numbers, optional};
 
 /// The keys that a fit has besides those of its estimates.
 pub(super) fn said(
@@ -96,6 +96,7 @@ pub(super) fn said(
             "rms_pixels": optional(|| "test.rms_pixels".to_owned(), test.rms_pixels)?,
             "rows": rows.collect::<Result<Vec<_>, NonFinite>>()?,
             "skipped": rows_json(&test.skipped, test_names),
+            "over_determined": over_determined_json(&test.over_determined, test_names),
         }))
     });
     let worth = |worth: &Worth| -> Result<Value, NonFinite> {
@@ -147,4 +148,14 @@ pub(super) fn rows_json(skipped: &[Skipped], names: &[String]) -> Vec<Value> {
         value
     };
     skipped.iter().map(of).collect()
+}
+
+/// Rows whose cable lengths contradict each other, each with what its cables miss.
+pub(super) fn over_determined_json(rows: &[OverDetermined], names: &[String]) -> Vec<Value> {
+    let of = |of: &OverDetermined| {
+        let mut value = row_json(of.row, names);
+        value["misses"] = length_misses_json(&of.misses);
+        value
+    };
+    rows.iter().map(of).collect()
 }

@@ -1,7 +1,7 @@
 use serde_json::{Map, Number, Value, json};
 use whipcord::{
-    CableOverlap, CableState, Contact, Diagnostics, Grasp, Motor, MotorState, ObjectContact,
-    ObjectState, Obstacle, Pose, Robot, Shape, Solution, Vec3, Wrench,
+    CableOverlap, CableState, Contact, Diagnostics, Grasp, LengthMiss, Motor, MotorState,
+    ObjectContact, ObjectState, Obstacle, Pose, Robot, Shape, Solution, Vec3, Wrench,
 };
 
 use whipcord::robot::DriveKeys;
@@ -41,7 +41,10 @@ pub fn solution_json(
         "title": title,
         "model": solution.model.name(),
         // A model answers with a converged solution or with an error.
-        "status": "converged",
+        "status": match solution.diagnostics.length_misses.is_empty() {
+            true => "converged",
+            false => "least-squares",
+        },
         // Null where it is not known: diagnostics.stability_absent says why.
         "stable": solution.diagnostics.stable,
         "shape": {
@@ -243,11 +246,20 @@ fn diagnostics(diagnostics: &Diagnostics, solve_time: f64) -> Result<Value, NonF
     let error = diagnostics.discretization_error;
     insert("discretization_error", optional(|| path("discretization_error"), error)?);
     insert("steps", json!(diagnostics.steps));
+    if !diagnostics.length_misses.is_empty() {
+        insert("length_misses", length_misses_json(&diagnostics.length_misses));
+    }
     let lost_at = diagnostics.stability_lost_at;
     insert("stability_lost_at", optional(|| path("stability_lost_at"), lost_at)?);
     insert("solve_time", number(|| path("solve_time"), solve_time)?);
     insert("version", json!(env!("CARGO_PKG_VERSION")));
     Ok(Value::Object(object))
+}
+
+/// What each cable misses in a least-squares answer to lengths that contradict each other, in m.
+#[must_use]
+pub fn length_misses_json(misses: &[LengthMiss]) -> Value {
+    misses.iter().map(|of| json!({ "cable": of.cable, "excess": of.excess })).collect()
 }
 
 /// A number as JSON.

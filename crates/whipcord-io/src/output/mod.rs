@@ -26,7 +26,9 @@ pub use design::{
     tolerances_json,
 };
 pub use fit::{fit_json, loss_name, status_words};
-pub use json::{number as json_number, optional as json_optional, solution_json};
+pub use json::{
+    length_misses_json, number as json_number, optional as json_optional, solution_json,
+};
 pub use modes::{mode_shapes_table, modes_json, modes_table};
 pub use motion::{MOTION_ENERGIES, motion_contacts_table, motion_json, motion_table, poses_table};
 pub use notices::{problems_json, warnings_json};

@@ -217,3 +217,29 @@ fn a_motor_that_must_go_too_fast_is_told_of() {
     // Rows for themselves are of no motion.
     assert_eq!(warnings("independent"), []);
 }
+
+/// What spreadsheets and other systems write around the same cells.
+#[test]
+fn marks_of_order_line_ends_and_quotes_do_not_matter() {
+    let plain = "run,pan [deg],up [N]\na,20,1\nb,19.5,1\n";
+    let quoted: String = plain
+        .lines()
+        .map(|line| {
+            line.split(',').map(|cell| format!("\"{cell}\"")).collect::<Vec<_>>().join(",") + "\n"
+        })
+        .collect();
+    let tail = "[commands]\ntable = \"rows.csv\"\nkey = \"run\"\n";
+    let of = |text: &str| read(tail, &[("rows.csv", text.as_bytes())]).case;
+    let expected = of(plain);
+    for text in [
+        format!("\u{feff}{plain}"),
+        plain.replace('\n', "\r\n"),
+        plain.replace(',', "\t"),
+        plain.replace(',', ";").replace("19.5", "19,5"),
+        format!("\n# a log\n{plain}\n\n"),
+        plain.trim_end().to_owned(),
+        quoted,
+    ] {
+        assert_eq!(of(&text), expected, "{text}");
+    }
+}

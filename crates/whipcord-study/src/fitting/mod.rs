@@ -20,7 +20,7 @@ use whipcord_io::{
 use crate::describe::REVERSED_HELP;
 use crate::failure::Failure;
 use crate::files::{Folder, no_result, picture, plot_failure, unique_names, write};
-use crate::quantity::number;
+use crate::quantity::{millimetres, number};
 
 /// A warning about a fit as a whole.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -121,6 +121,7 @@ impl Fit {
         let all = [
             self.instability(),
             self.left_out(),
+            self.contradicted(),
             remarks::stands_out(&self.analyses, self.found.robot.backbone().length),
             remarks::drifts(&self.analyses),
         ];
@@ -153,6 +154,24 @@ impl Fit {
             ),
         };
         Some(Remark { code: "skipped-rows", message: rows + &more, help: SKIPPED_HELP })
+    }
+
+    /// The warning where the lengths of rows contradict each other: how many rows, and which cable misses its length most.
+    fn contradicted(&self) -> Option<Remark> {
+        let rows = &self.found.over_determined;
+        let all = rows.iter().flat_map(|of| of.misses.iter().map(move |miss| (of.row, miss)));
+        let (row, most) = all.max_by(|a, b| a.1.excess.total_cmp(&b.1.excess))?;
+        let count = match rows.len() {
+            1 => String::from("the cable lengths of 1 row contradict each other and are"),
+            count => format!("the cable lengths of {count} rows contradict each other and are"),
+        };
+        let message = format!(
+            "{count} met in the least-squares sense: at most cable `{}` is {} longer than commanded, in {}",
+            most.cable,
+            millimetres(most.excess),
+            self.row(row)
+        );
+        Some(Remark { code: "over-determined-rows", message, help: CONTRADICTED_HELP })
     }
 
     /// What a row is called.
@@ -242,6 +261,7 @@ pub(super) fn row_name(names: &[String], cases: &[CaseFile], row: Row) -> String
 }
 
 const SKIPPED_HELP: &str = "check their commands; cables that cannot all have the lengths of their commands need an `axial_stiffness`, or motors a `stiffness`";
+const CONTRADICTED_HELP: &str = "a real robot stretches its cables and drives there: give or estimate an `axial_stiffness`, or the `stiffness` of motors, or check the commands";
 const UNSTABLE_HELP: &str = "check the loads, the commands and the start values";
 
 /// Warnings about a file, and about the answers of the robot with the estimates to its case.

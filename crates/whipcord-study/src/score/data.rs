@@ -1,6 +1,6 @@
 //! What a score holds.
 
-use whipcord::{ModelKind, Pose, SolveError, Vec3};
+use whipcord::{LengthMiss, ModelKind, Pose, SolveError, Vec3};
 use whipcord_io::CaseFile;
 
 use super::solve::{Subject, Unsolved};
@@ -46,6 +46,8 @@ pub struct RowScore {
     pub failure: Option<Unsolved>,
     /// Whether the answer is an unstable equilibrium.
     pub unstable: bool,
+    /// Cables whose lengths contradict each other, and what each misses: the answer is then the least-squares one.
+    pub misses: Vec<LengthMiss>,
     /// Root mean square distance in m over the markers of the row that are not on the base; `None` where nothing is compared.
     pub error: Option<f64>,
     /// Angle in rad between the measured and the computed orientation of the tracked body.

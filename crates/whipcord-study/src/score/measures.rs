@@ -1,6 +1,6 @@
 //! Distances of answers from measurements, and what sums them up.
 
-use whipcord::{Mat3, ModelKind, Pose, UnitQuaternion};
+use whipcord::{LengthMiss, Mat3, ModelKind, Pose, UnitQuaternion};
 use whipcord_estimation::observation::in_space;
 use whipcord_estimation::registration::{Alignment, align, nearest_rotation};
 use whipcord_io::Measured;
@@ -24,15 +24,23 @@ impl FileScore {
         };
         let mut solved: Vec<(usize, SolvedRow)> = Vec::new();
         for (row, answer) in answers {
-            let (failure, unstable) = match answer {
-                Ok(answer) => {
-                    let unstable = answer.unstable;
-                    solved.push((row, answer));
-                    (None, unstable)
-                }
-                Err(failure) => (Some(failure), false),
+            let mut of_row = RowScore {
+                row,
+                failure: None,
+                unstable: false,
+                misses: Vec::new(),
+                error: None,
+                angle: None,
             };
-            score.rows.push(RowScore { row, failure, unstable, error: None, angle: None });
+            match answer {
+                Ok(mut answer) => {
+                    of_row.unstable = answer.unstable;
+                    of_row.misses = core::mem::take(&mut answer.misses);
+                    solved.push((row, answer));
+                }
+                Err(failure) => of_row.failure = Some(failure),
+            }
+            score.rows.push(of_row);
         }
         let refused = score.rows.iter().map(|row| match &row.failure {
             Some(Unsolved::Failed(error)) if refuses(error) => Some(error),
@@ -137,6 +145,10 @@ pub struct Summary {
     pub failed: usize,
     /// Rows whose answer is unstable.
     pub unstable: usize,
+    /// Rows whose cable lengths contradict each other, which are met in the least-squares sense.
+    pub over_determined: usize,
+    /// The cable that misses its length most in these rows, and its row.
+    pub greatest_miss: Option<Missed>,
     /// Markers that are compared.
     pub markers: usize,
     /// Distances in m.
@@ -160,6 +172,17 @@ pub struct Worst {
     pub row: usize,
     /// Its error in m.
     pub error: f64,
+}
+
+/// The cable that misses its length most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Missed {
+    /// Number of the file.
+    pub file: usize,
+    /// The row, from 0.
+    pub row: usize,
+    /// The cable, and how much longer than prescribed it is.
+    pub miss: LengthMiss,
 }
 
 /// Measures of errors.
@@ -193,6 +216,7 @@ impl Summary {
         files: impl Iterator<Item = (usize, &'s FileScore)>,
     ) -> Self {
         let (mut rows, mut refused, mut failed, mut unstable) = (0, 0, 0, 0);
+        let (mut over_determined, mut greatest_miss) = (0, None::<Missed>);
         let (mut distances, mut errors) = (Vec::new(), Vec::new());
         let (mut relative, mut relative_errors) = (Vec::new(), Vec::new());
         let mut angles = Vec::new();
@@ -212,6 +236,12 @@ impl Summary {
             rows += of.rows.len();
             for row in &of.rows {
                 unstable += usize::from(row.unstable);
+                over_determined += usize::from(!row.misses.is_empty());
+                for miss in &row.misses {
+                    if greatest_miss.as_ref().is_none_or(|most| miss.excess > most.miss.excess) {
+                        greatest_miss = Some(Missed { file, row: row.row, miss: miss.clone() });
+                    }
+                }
                 match (&row.failure, row.error) {
                     (Some(failure), _) => {
                         let counted = if of.refused.is_some() { &mut refused } else { &mut failed };
@@ -245,6 +275,8 @@ impl Summary {
             refused,
             failed,
             unstable,
+            over_determined,
+            greatest_miss,
             markers: distances.len(),
             distances: Measures::of(distances.into_iter(), errors),
             relative: Measures::of(relative.into_iter(), relative_errors),

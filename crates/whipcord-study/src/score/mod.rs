@@ -12,7 +12,7 @@ pub mod tables;
 use whipcord::ModelKind;
 
 pub use data::{FileScore, MarkerScore, RowScore, Score};
-pub use measures::{Measures, Summary, Worst};
+pub use measures::{Measures, Missed, Summary, Worst};
 pub use run::Solved;
 pub use solve::{Answers, Job, SolvedRow, Subject, Unsolved};
 

@@ -1,8 +1,8 @@
 //! The score for programs: JSON and CSV, in SI units.
 
 use serde_json::{Map, Value, json};
-use whipcord::Pose;
-use whipcord_io::{Cell, CsvTable};
+use whipcord::{LengthMiss, Pose};
+use whipcord_io::{Cell, CsvTable, length_misses_json};
 
 use super::{FileScore, Measures, RowScore, Score, Summary};
 
@@ -73,6 +73,13 @@ fn summary(score: &Score<'_>, of: &Summary) -> Map<String, Value> {
         "refused": of.refused,
         "failed": of.failed,
         "unstable": of.unstable,
+        "over_determined": of.over_determined,
+        "greatest_miss": of.greatest_miss.as_ref().map(|most| json!({
+            "file": score.file(most.file).path.display().to_string(),
+            "row": most.row + 1,
+            "cable": most.miss.cable,
+            "excess": most.miss.excess,
+        })),
         "markers": of.markers,
         "distance": measures(of.distances),
         "relative": measures(of.relative),
@@ -115,6 +122,7 @@ fn row(score: &Score<'_>, file: usize, row: &RowScore) -> Value {
         "key": place.key,
         "status": status(row),
         "reason": row.failure.as_ref().map(ToString::to_string),
+        "length_misses": length_misses_json(&row.misses),
         "error": row.error,
         "angle": row.angle,
     })
@@ -125,6 +133,7 @@ fn status(row: &RowScore) -> &'static str {
         RowScore { failure: Some(_), .. } => "failed",
         RowScore { unstable: true, .. } => "unstable",
         RowScore { error: None, angle: None, .. } => "not compared",
+        RowScore { misses, .. } if !misses.is_empty() => "least-squares",
         _ => "solved",
     }
 }
@@ -140,6 +149,7 @@ pub fn summary_csv(score: &Score<'_>) -> CsvTable {
         "refused",
         "failed",
         "unstable",
+        "over_determined",
         "markers",
         "rms",
         "median",
@@ -156,7 +166,16 @@ pub fn summary_csv(score: &Score<'_>) -> CsvTable {
     let mut add = |file: Cell, model: &str, of: &Summary| {
         let mut row: Vec<Cell> = vec![file, model.into()];
         row.extend(
-            [of.rows, of.compared, of.refused, of.failed, of.unstable, of.markers].map(Cell::from),
+            [
+                of.rows,
+                of.compared,
+                of.refused,
+                of.failed,
+                of.unstable,
+                of.over_determined,
+                of.markers,
+            ]
+            .map(Cell::from),
         );
         let measures = |of: Option<Measures>| match of {
             Some(of) => [of.rms, of.median, of.percentile_95, of.worst].map(Cell::Number),
@@ -229,6 +248,10 @@ fn reason(model: &FileScore, row: &RowScore) -> Option<String> {
     match &row.failure {
         Some(failure) => Some(failure.to_string()),
         None if row.error.is_none() => model.incomparable.clone(),
+        None if !row.misses.is_empty() => Some(format!(
+            "the cable lengths contradict each other: {}",
+            LengthMiss::describe(&row.misses, " is")
+        )),
         None => None,
     }
 }

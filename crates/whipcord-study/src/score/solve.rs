@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use whipcord::{
-    Actuation, Cancel, Case, Model, ModelKind, Pose, Prepared, Solution, SolveError, Stations,
+    Actuation, Cancel, Case, LengthMiss, Model, ModelKind, Pose, Prepared, Robot, Solution,
+    SolveError, Stations, over_determined,
 };
 use whipcord_estimation::observation::in_space;
 use whipcord_io::CaseFile;
@@ -44,6 +45,8 @@ pub struct SolvedRow {
     pub poses: Vec<Pose>,
     /// Whether the robot leaves this shape.
     pub unstable: bool,
+    /// Cables whose lengths contradict each other, and what each misses in the least-squares answer.
+    pub misses: Vec<LengthMiss>,
 }
 
 /// Why a row has no answer.
@@ -122,8 +125,17 @@ impl Job {
                 0 => Some((*row, case.clone())),
                 _ => Some((*row, case.independent_step(*row)?)),
             });
+            // Where the lengths of one row contradict each other those of the others mostly do, and what finds that is quicker.
+            let mut contradict = false;
             let solve = |(row, step): (usize, Case)| {
-                let solved = prepared.solve(&step, None);
+                let compromise =
+                    contradict.then(|| over_determined::solve(&model, robot, &step)).flatten();
+                let solved = compromise.map_or_else(
+                    || over_determined::or(prepared.solve(&step, None), &model, robot, &step),
+                    Ok,
+                );
+                let misses = |of: &Solution| !of.diagnostics.length_misses.is_empty();
+                contradict = solved.as_ref().is_ok_and(misses);
                 (row, solved.map(|solution| SolvedRow::of(&solution)).map_err(Unsolved::Failed))
             };
             return steps.map(solve).collect();
@@ -132,7 +144,7 @@ impl Job {
         let mut found = if robot.has_history() {
             with_memory(&mut prepared, case, last)
         } else {
-            from_row_to_row(&mut prepared, case, last)
+            from_row_to_row(&mut prepared, (&model, robot, case), last)
         };
         rows.iter()
             .map(|row| {
@@ -147,14 +159,22 @@ impl Job {
 
 impl SolvedRow {
     fn of(solution: &Solution) -> Self {
-        Self { poses: solution.shape.poses.clone(), unstable: solution.diagnostics.is_unstable() }
+        Self {
+            poses: solution.shape.poses.clone(),
+            unstable: solution.diagnostics.is_unstable(),
+            misses: solution.diagnostics.length_misses.clone(),
+        }
     }
 }
 
 type Row = Option<Result<SolvedRow, Unsolved>>;
 
 /// The rows up to `last`, each from the answer to the last one before it that has one, else from cold.
-fn from_row_to_row(prepared: &mut Prepared, case: &Case, last: usize) -> Vec<Row> {
+fn from_row_to_row(
+    prepared: &mut Prepared,
+    (model, robot, case): (&Model, &Robot, &Case),
+    last: usize,
+) -> Vec<Row> {
     let mut rows = Vec::with_capacity(last + 1);
     let mut before: Option<Solution> = None;
     for step in case.single_steps().take(last + 1) {
@@ -162,9 +182,13 @@ fn from_row_to_row(prepared: &mut Prepared, case: &Case, last: usize) -> Vec<Row
         if before.is_some() && solved.as_ref().is_err_and(|error| !refuses(error)) {
             solved = prepared.solve(&step, None);
         }
+        let solved = over_determined::or(solved, model, robot, &step);
         rows.push(Some(match solved {
             Ok(solution) => {
-                let row = SolvedRow::of(before.insert(solution));
+                let row = SolvedRow::of(&solution);
+                if solution.diagnostics.length_misses.is_empty() {
+                    before = Some(solution);
+                }
                 Ok(row)
             }
             Err(error) => Err(Unsolved::Failed(error)),

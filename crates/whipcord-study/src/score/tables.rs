@@ -1,6 +1,6 @@
 //! The score in tables for people.
 
-use whipcord::ModelKind;
+use whipcord::{LengthMiss, ModelKind};
 use whipcord_estimation::registration::Alignment;
 
 use super::{Score, Summary};
@@ -214,6 +214,21 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
         notes.push(String::from(
             "Unstable rows have an answer that the robot leaves; they count in the errors.",
         ));
+    }
+    for (model, kind) in score.models.iter().enumerate() {
+        let summary = score.summary(model);
+        if let Some(most) = &summary.greatest_miss {
+            let rows = match summary.over_determined {
+                1 => String::from("1 row whose cable lengths contradict each other is"),
+                count => format!("{count} rows whose cable lengths contradict each other are"),
+            };
+            let LengthMiss { cable, excess } = &most.miss;
+            notes.push(format!(
+                "{kind}: {rows} solved in the least-squares sense (status `least-squares` in rows.csv); at most cable `{cable}` is {} longer than commanded, in {}.",
+                millimetres(*excess),
+                score.label(most.file, most.row)
+            ));
+        }
     }
     for (model, kind) in score.models.iter().enumerate() {
         notes.extend(reasons(*kind, &score.summary(model)));

@@ -268,7 +268,8 @@ impl Cosserat {
             let guess = guess.filter(|answer| 2 * (answer.shape.nodes.len() - 1) == grid.len());
             let mut course = core::mem::take(&mut memory.courses[n]);
             course.rest = match guess {
-                Some(answer) if keeps_rest => {
+                // A step that had no way to go on the coarser grid leaves nothing of it.
+                Some(answer) if keeps_rest && course.rest.len() == answer.slip_states.len() => {
                     friction.nodes.halved_rest(grid, &course.rest, &answer.slip_states)
                 }
                 _ => Vec::new(),

@@ -485,7 +485,9 @@ pub enum Problem {
     )]
     LoadPlaces,
     /// A parameter that the robot or the case does not have.
-    #[error("is no number of this robot and case that could change")]
+    #[error(
+        "robot and case do not give this number, so that it cannot change: give it in the file, as the value to start from; a cable with a list of `holes` has no angle and radius of its own: give it `routing = {{ kind = \"straight\", angle = \"90 deg\", radius = \"8 mm\" }}`"
+    )]
     NoSuchQuantity,
     /// A case whose list does not fit the robot.
     #[error("has {given} entries, but the robot has {cables} cables")]

@@ -183,6 +183,18 @@ impl Robot {
         stiffness.map_or(0.0, |stiffness| rest_length / stiffness) + self.outside[cable].compliance
     }
 
+    /// The same robot, whose cables give by this much in m under 1 N where they and their drives are rigid.
+    #[must_use]
+    pub fn giving(&self, compliance: f64) -> Self {
+        let mut giving = self.clone();
+        for cable in 0..self.cables.len() {
+            if !self.is_elastic(cable) {
+                giving.outside[cable].compliance = compliance;
+            }
+        }
+        giving
+    }
+
     /// The part of [`Self::cable_compliance`] that lies outside the robot.
     ///
     /// # Panics

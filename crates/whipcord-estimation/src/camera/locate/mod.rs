@@ -3,6 +3,7 @@
 
 mod error;
 mod refine;
+mod rig;
 mod sighting;
 mod start;
 
@@ -12,6 +13,7 @@ use super::lens::{Lens, Orthographic, Pinhole};
 use super::view::{Camera, check_range};
 pub use error::LocateError;
 pub(super) use refine::{Freedoms, InImage};
+pub use rig::{LocatedRig, locate_rig};
 pub use sighting::{Alternative, Sighting};
 pub(super) use start::{Cloud, plane_columns};
 

@@ -37,7 +37,7 @@ impl Freedoms {
         Self { shifts, turns: AXES.to_vec(), scale: true }
     }
 
-    fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.shifts.len() + self.turns.len() + usize::from(self.scale)
     }
 }

@@ -6,6 +6,7 @@ mod coverage;
 mod coverage_of_motors;
 mod estimates;
 mod laboratory;
+mod over_determined;
 mod refusals;
 mod shared;
 mod speed;

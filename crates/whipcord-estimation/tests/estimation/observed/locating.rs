@@ -2,7 +2,7 @@ use proptest::prelude::*;
 use whipcord::{Pose, Twist, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::{
     Camera, Distortion, Lens, LocateError, Located, Orthographic, Pinhole, Sighting, locate,
-    locate_orthographic,
+    locate_orthographic, locate_rig,
 };
 
 fn lens() -> Pinhole {
@@ -243,4 +243,98 @@ proptest! {
         prop_assert!(found.rms < 1e-7, "{}", found.rms);
         prop_assert_eq!(found.is_ambiguous(), flat);
     }
+}
+
+/// Two cameras before the origin, and the same pair in a world of its own, with the first at the origin.
+fn pair() -> ([Camera; 2], [Camera; 2]) {
+    let rotation = UnitQuaternion::exp(Vec3::new(0.1, -0.2, 0.05));
+    let first = Pose { position: Vec3::new(0.1, 0.05, -0.6), rotation };
+    let turn = UnitQuaternion::exp(Vec3::new(0.03, -0.6, 0.05));
+    let relative = Pose { position: Vec3::new(0.3, -0.01, 0.08), rotation: turn };
+    let at = |pose: Pose| Camera::new(Lens::Pinhole(lens()), pose, None).unwrap();
+    ([at(first), at(first * relative)], [at(Pose::IDENTITY), at(relative)])
+}
+
+fn off(found: &Camera, truth: &Camera) -> [f64; 2] {
+    let off = truth.pose().inverse() * found.pose();
+    [off.position.norm(), off.rotation.log().norm()]
+}
+
+#[test]
+fn two_cameras_are_moved_together() {
+    let (truth, own) = pair();
+    let points = [
+        Vec3::ZERO,
+        Vec3::new(0.05, 0.0, 0.02),
+        Vec3::new(-0.02, 0.06, -0.03),
+        Vec3::new(0.01, -0.05, 0.04),
+        Vec3::new(-0.06, -0.01, 0.01),
+    ];
+    let seen = |camera: usize, numbers: &[usize]| -> Vec<Sighting> {
+        let points: Vec<Vec3> = numbers.iter().map(|number| points[*number]).collect();
+        seen_by(&truth[camera], &points)
+    };
+    // What both see; three points that both see; four that one sees alone; and different ones.
+    for [first, second] in [
+        [&[0, 1, 2, 3, 4][..], &[0, 1, 2, 3, 4]],
+        [&[0, 1, 2], &[0, 1, 2]],
+        [&[], &[0, 1, 2, 3]],
+        [&[0, 1, 2, 4], &[3, 4]],
+    ] {
+        let seen = [seen(0, first), seen(1, second)];
+        let found = locate_rig([&own[0], &own[1]], [&seen[0], &seen[1]], None).unwrap();
+        for (found, truth) in found.cameras.iter().zip(&truth) {
+            let [shift, turn] = off(found, truth);
+            assert!(shift < 1e-7 && turn < 1e-7, "{first:?} {second:?}: {shift} {turn}");
+        }
+        assert!(found.rms_of_both() < 1e-6 && !found.is_ambiguous());
+        assert_eq!(found.residuals.each_ref().map(Vec::len), [first.len(), second.len()]);
+    }
+    let few = [seen(0, &[0, 1]), seen(1, &[2])];
+    let few = locate_rig([&own[0], &own[1]], [&few[0], &few[1]], None);
+    assert!(matches!(few, Err(LocateError::TooFew { .. } | LocateError::NoPose { .. })), "{few:?}");
+}
+
+/// Points on one line fix all but the turn about it, which the direction of the first camera gives.
+#[test]
+fn two_cameras_before_a_straight_robot_need_a_direction() {
+    let (truth, own) = pair();
+    let points: Vec<Vec3> =
+        (0..8).map(|i| Vec3::new(0.0, 0.02 * f64::from(i) - 0.07, 0.0)).collect();
+    let seen = truth.each_ref().map(|camera| seen_by(camera, &points));
+    let both = [&own[0], &own[1]];
+    let refused = locate_rig(both, [&seen[0], &seen[1]], None);
+    assert!(matches!(refused, Err(LocateError::FreeTurn { .. })), "{refused:?}");
+    let view = truth[0].pose().rotation.rotate(Vec3::Z);
+    let found = locate_rig(both, [&seen[0], &seen[1]], Some(view)).unwrap();
+    let [shift, turn] = off(&found.cameras[0], &truth[0]);
+    assert!(shift < 1e-6 && turn < 1e-6, "{shift} {turn}");
+}
+
+/// With noise, both images together are more exact than either, by a given seed.
+#[test]
+fn two_images_are_more_exact_than_one() {
+    let (truth, own) = pair();
+    let points: Vec<Vec3> = (0..6)
+        .map(|i| {
+            let angle = f64::from(i);
+            Vec3::new(0.03 * angle.cos(), 0.02 * angle - 0.05, 0.03 * (2.0 * angle).sin())
+        })
+        .collect();
+    let mut squares = [0.0; 2];
+    let mut random = whipcord_numerics::random::SplitMix64::new(5);
+    for _ in 0..40 {
+        let noisy = truth.each_ref().map(|camera| {
+            let mut seen = seen_by(camera, &points);
+            for at in &mut seen {
+                at.pixel = at.pixel.map(|x| x + 0.5 * (random.next_part() - 0.5));
+            }
+            seen
+        });
+        let both = locate_rig([&own[0], &own[1]], [&noisy[0], &noisy[1]], None).unwrap();
+        let one = locate(&lens(), None, &noisy[0], None).unwrap();
+        squares[0] += off(&both.cameras[0], &truth[0])[0].powi(2);
+        squares[1] += off(&one.camera, &truth[0])[0].powi(2);
+    }
+    assert!(squares[0] < 0.7 * squares[1], "{squares:?}");
 }

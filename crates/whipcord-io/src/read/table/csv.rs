@@ -48,6 +48,10 @@ pub(super) fn grid(
         problems.push(span, || problem(message, header));
         return None;
     }
+    if let Some((span, message)) = other_separator(text, file) {
+        problems.push(span, || problem(message, SEPARATORS));
+        return None;
+    }
     let mut start = 0;
     for line in text.split_inclusive('\n') {
         if let Some(content) = content(line) {
@@ -79,6 +83,31 @@ pub(super) fn grid(
         return None;
     }
     Some(Grid { columns, rows, header: line })
+}
+
+const SEPARATORS: &str = "save the table with commas, semicolons or tabs between the columns";
+
+/// Where and by what the columns of a table are separated that is none of the separators that are read: the first line of values has
+/// several by it, and one alone by those.
+fn other_separator(text: &str, file: usize) -> Option<(Span, String)> {
+    let mut start = 0;
+    let lines = text.split_inclusive('\n').map(|line| {
+        let at = start;
+        start += line.len();
+        (at, line)
+    });
+    let mut lines = lines.filter_map(|(at, line)| Some((at, line, content(line)?)));
+    let ((at, line, names), (.., values)) = (lines.next()?, lines.next()?);
+    if values.contains([',', ';', '\t']) || names.contains([',', ';', '\t']) {
+        return None;
+    }
+    let separator = match values {
+        _ if values.contains('|') && names.contains('|') => "bars (`|`)",
+        _ if values.split_whitespace().count() > 1 => "spaces",
+        _ => return None,
+    };
+    let span = Span::new(file, at, at + line.trim_end().len());
+    Some((span, format!("the columns are separated by {separator}")))
 }
 
 const DECIMAL_COMMAS: &str =

@@ -164,3 +164,33 @@ fn tables_of_measurements_beside_rows() {
     ];
     insta::assert_snapshot!(sections(found.into_iter()));
 }
+
+/// Each names file, line and remedy.
+#[test]
+fn tables_that_other_programs_wrote() {
+    let arm = format!("{ARM}{MOTOR}{COMMANDS}");
+    let measured = format!("{arm}key = \"run\"\n{MEASURED}");
+    let rows = "run,pan [deg],up [N]\na,1,2\nb,2,2\n";
+    let of_rows = |rows: &str| message(&arm, &[("rows.csv", rows)]);
+    let of_tip = |tip: &str| message(&measured, &[("rows.csv", rows), ("tip.csv", tip)]);
+    let separators = "save the table with commas, semicolons or tabs";
+    for (found, expected) in [
+        (
+            of_rows("pan [deg]|up [N]\n1|2\n"),
+            ["rows.csv:1:1", "the columns are separated by bars", separators],
+        ),
+        (of_rows("pan up\n1 2\n"), ["rows.csv:1:1", "separated by spaces", separators]),
+        (of_tip("run x y z\na 0 0 0.2\n"), ["tip.csv:1:1", "separated by spaces", separators]),
+        (
+            of_tip("run,x,y,z\na,NaN,0,0.2\n"),
+            ["tip.csv:2:1", "a part of the position is missing", "or leave all three empty"],
+        ),
+        (of_tip(""), ["tip.csv:1:1", "the file has no rows", "the first line names the columns"]),
+        (
+            of_tip("run,x,y,z\n"),
+            ["tip.csv:1:1", "the file has no rows", "the first line names the columns"],
+        ),
+    ] {
+        assert!(expected.iter().all(|part| found.contains(part)), "{found}");
+    }
+}

@@ -17,5 +17,6 @@ mod independent_steps;
 mod limits;
 mod locked;
 mod motors;
+mod over_determined;
 mod real_time;
 mod surface_strain;
