@@ -222,10 +222,15 @@ export class Timeline {
       if (streams && this.#loop.checked && !this.#follows) {
         this.#go(0);
         this.#time0();
-      } else if (streams) this.#follows = true;
-      // What is not there yet is waited for.
-      else if (!this.#isComplete) this.#time0();
-      else if (now > this.#secondsOf(this.#moments[last]) + (this.#loaded === "steps" ? STEP : 0)) {
+      } else if (streams && !this.#follows) {
+        this.#follows = true;
+        this.#say();
+      } else if (streams) {
+        // The next shape comes by itself.
+      } else if (!this.#isComplete) {
+        // What is not there yet is waited for.
+        this.#time0();
+      } else if (now > this.#secondsOf(this.#moments[last]) + (this.#loaded === "steps" ? STEP : 0)) {
         if (!this.#loop.checked) return this.#pause();
         this.#go(0);
         this.#time0();

@@ -162,27 +162,36 @@ test.describe("a camera", () => {
     await page.waitForTimeout(600);
     await page.screenshot({ path: `${ARTEFACTS}/camera.png` });
     await axe(page);
-    // The ring at the tip lies on the green square of the tip: the projection is that of the photograph.
-    const place = JSON.parse((await page.locator("#canvas").getAttribute("data-handle"))!) as [number, number];
+    // The ring at the tip lies where a lens without distortion sees it, in a view that has all of the picture in its middle.
+    const box = (await page.locator("#canvas").boundingBox())!;
+    const ratio = Math.min(box.width / 640, box.height / 480);
+    const ideal = ([x, y, z]: readonly number[]): [number, number] => {
+      const pixel = [330 + (900 * x!) / (y! + 0.6), 250 + (910 * (0.1 - z!)) / (y! + 0.6)] as const;
+      return [(box.width - 640 * ratio) / 2 + ratio * (pixel[0] + 0.5), (box.height - 480 * ratio) / 2 + ratio * (pixel[1] + 0.5)];
+    };
+    const handle = JSON.parse((await page.locator("#canvas").getAttribute("data-handle"))!) as [number, number];
+    const tipAt = ideal(disks.at(-1)!);
+    expect(Math.hypot(handle[0] - tipAt[0], handle[1] - tipAt[1])).toBeLessThan(0.1);
+    // And the green square of the base is drawn there: the distortion has been taken out of the photograph.
     const found = await page.evaluate(([x, y]) => {
       const canvas = document.getElementById("canvas") as HTMLCanvasElement;
       const copy = document.createElement("canvas");
       [copy.width, copy.height] = [canvas.clientWidth, canvas.clientHeight];
       const context = copy.getContext("2d")!;
       context.drawImage(canvas, 0, 0, copy.width, copy.height);
-      let [sum, u, v] = [0, 0, 0];
-      const [left, top, size] = [Math.round(x) - 14, Math.round(y) - 14, 28];
+      let [count, least, most, low, high] = [0, Infinity, -Infinity, Infinity, -Infinity];
+      const [left, top, size] = [Math.round(x) - 16, Math.round(y) - 16, 32];
       const { data } = context.getImageData(left, top, size, size);
       for (let k = 0; k < size * size; k++) {
         if (data[4 * k + 1]! < 200 || data[4 * k]! > 90 || data[4 * k + 2]! > 90) continue;
-        sum++;
-        u += left + (k % size);
-        v += top + Math.floor(k / size);
+        count++;
+        const [u, v] = [left + (k % size) + 0.5, top + Math.floor(k / size) + 0.5];
+        [least, most, low, high] = [Math.min(least, u), Math.max(most, u), Math.min(low, v), Math.max(high, v)];
       }
-      return sum > 0 ? [sum, u / sum + 0.5 - x, v / sum + 0.5 - y] : [0, 0, 0];
-    }, place);
-    expect(found[0]).toBeGreaterThan(3);
-    expect(Math.hypot(found[1]!, found[2]!)).toBeLessThan(4);
+      return [count, (least + most) / 2 - x, (low + high) / 2 - y] as const;
+    }, ideal(disks[0]!));
+    expect(found[0]).toBeGreaterThan(8);
+    expect(Math.hypot(found[1], found[2])).toBeLessThan(2);
     // Another direction of view leaves the camera.
     await page.getByRole("button", { name: "Isometric" }).click();
     await expect(page.getByLabel("Calibrated camera")).toHaveValue("");
