@@ -56,6 +56,8 @@ export class App {
   #streamed: readonly Answer[] = [];
   #streamedOthers: readonly (Answer | null)[] = [];
   #answers: readonly Answer[] = [];
+  /** Places of shapes that were played, which the view has room for. */
+  readonly #played: Vector[] = [];
   /** What was measured where the shapes are that are shown; without it, in the last step. */
   #markers: readonly Marker[] | undefined;
   /** The state of the latest shape of the first model. */
@@ -137,6 +139,7 @@ export class App {
         this.#connection.endPlay();
         this.#answers = this.#live;
         this.#markers = undefined;
+        this.#played.length = 0;
         this.#dress();
       },
       film: (yes) => this.#film.record(yes),
@@ -285,6 +288,7 @@ export class App {
       : this.#store.scene?.measured[at];
     if (others) this.#beside.show(others);
     this.#dress();
+    this.#keepInSight();
   }
 
   /** Another program shows something. */
@@ -324,6 +328,15 @@ export class App {
     const act = this.#whenShown;
     this.#whenShown = undefined;
     act?.();
+  }
+
+  /** Looks from farther away where what is played leaves the view, as long as the user has not chosen from where to look. */
+  #keepInSight(): void {
+    const { scene } = this.#store;
+    const tips = [...this.#robots.shapes, ...this.#beside.shapes].flatMap(({ positions }) => positions.slice(-1));
+    if (!scene || this.#looks || tips.every((tip) => this.#stage.sees(tip))) return;
+    this.#played.push(...this.#robots.shapes.flatMap(({ positions }) => positions), ...tips);
+    this.#whole("isometric");
   }
 
   /** Shows the shapes of the answers, and their numbers. */
@@ -437,7 +450,7 @@ export class App {
     const shapes: Vector[] = this.#robots.shapes.flatMap(({ positions }) => positions);
     const ghost = this.#robots.pinned?.positions ?? [];
     const beside = this.#beside.shapes.flatMap(({ positions }) => positions);
-    this.#stage.look([scene.base.position, ...shapes, ...ghost, ...beside, ...this.#ends], side);
+    this.#stage.look([scene.base.position, ...shapes, ...ghost, ...beside, ...this.#played, ...this.#ends], side);
   }
 
   #key(event: KeyboardEvent): void {

@@ -297,7 +297,7 @@ export class Recorded implements Source {
 }
 
 /** Moments of strains, which come with bending and twist first. */
-function momentsOf(rows: readonly Strain[], rest: Vector, [x, y, z, ...linear]: Strain): Vector {
+export function momentsOf(rows: readonly Strain[], rest: Vector, [x, y, z, ...linear]: Strain): Vector {
   const all = [...linear, x - rest[0], y - rest[1], z - rest[2]];
   return rows.map((row) => row.reduce((sum, k, c) => sum + k * all[c]!, 0)) as Vector;
 }

@@ -220,6 +220,14 @@ export class Stage {
     this.draw();
   }
 
+  /** Whether a place lies in the view, and not at its very edge. */
+  sees(place: Vector): boolean {
+    const { camera } = this.cameras;
+    camera.updateMatrixWorld();
+    const { x, y, z } = new Vector3(...place).project(camera);
+    return Math.max(Math.abs(x), Math.abs(y)) < 0.95 && Math.abs(z) <= 1;
+  }
+
   /** From where, and at what the user looks. */
   get view(): number[] {
     return this.cameras.view;

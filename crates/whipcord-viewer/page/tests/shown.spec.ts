@@ -213,6 +213,18 @@ test.describe("rows that were measured", () => {
     await scrub.press("ArrowRight");
     await expect(timeline.locator("output")).toHaveText(/^step 2 of \d+$/, { timeout: 60_000 });
     await expect(page.locator("#measured")).not.toHaveText(last!);
+    // It moves far between rows, and the view makes room for it: nothing crosses its upper edge.
+    await page.waitForTimeout(400);
+    const colours = await page.evaluate(() => {
+      const canvas = document.getElementById("canvas") as HTMLCanvasElement;
+      const copy = document.createElement("canvas");
+      [copy.width, copy.height] = [canvas.width, 3];
+      const context = copy.getContext("2d")!;
+      context.drawImage(canvas, 0, 0);
+      const { data } = context.getImageData(0, 0, copy.width, 3);
+      return new Set(Array.from({ length: data.length / 4 }, (_, k) => data.slice(4 * k, 4 * k + 3).join())).size;
+    });
+    expect(colours).toBe(1);
     await page.screenshot({ path: `${ARTEFACTS}/rows.png` });
   });
 });
