@@ -72,7 +72,7 @@ pub fn run(args: &ViewArgs) -> Result<String, Failure> {
         let complain = move |why: &dyn Display| {
             said += 1;
             if said <= MOST_COMPLAINTS {
-                eprintln!("warning: {why}");
+                let _ = writeln!(io::stderr(), "warning: {why}");
             }
         };
         let lines = BufReader::new(io::stdin());
