@@ -115,3 +115,58 @@ def test_a_solution_is_viewed_as_it_is(
     assert answer["status"] == "solved" and answer["model"].startswith(solution.model)
     assert answer["driven_by"] is None
     np.testing.assert_allclose(answer["positions"][-1], solution.tip, atol=2e-6)
+
+
+def view_or_skip(*robots: whipcord.Case | whipcord.Robot) -> whipcord.View:
+    try:
+        return whipcord.View(*robots, open=False)
+    except whipcord.WhipcordError as error:
+        if "without the page" not in str(error):
+            raise
+        pytest.skip("built without Node")
+
+
+def test_shapes_of_several_robots_are_shown_as_they_come() -> None:
+    arm, finger = (
+        whipcord.load("examples/two-segment-arm.toml"),
+        whipcord.load("examples/helical-finger.toml"),
+    )
+    with view_or_skip(arm, finger.robot) as viewer:
+        page = Page(viewer.url)
+        assert page.hear()["type"] == "scene"
+        other = page.hear()
+        assert other["type"] == "beside" and other["number"] == 1
+        markers = [[0.0, 0.0, 0.1], [0.0, 0.0, 0.2]]
+        for pull in (1.0, 4.0):
+            first, second = arm.solve(tension=[pull, 0, 0, 0, 0, 0]), finger.solve(tension=[0.2 * pull])
+            viewer.show(first, second, time=pull, measured=markers)
+            shown = page.hear()
+            assert shown["type"] == "shown" and shown["time"] == pull and shown["measured"] == markers
+            for answer, solution in zip(shown["shapes"], (first, second), strict=True):
+                assert answer["model"] == solution.model
+                np.testing.assert_allclose(answer["positions"][-1], solution.tip, atol=1e-12)
+                tensions = [cable["tension"] for cable in answer["cables"]]
+                np.testing.assert_allclose(tensions, solution.tension)
+        # Frames alone, and of the second robot alone.
+        viewer.show(None, finger.solve(tension=[0.1]).disks)
+        shown = page.hear()
+        assert shown["shapes"][0] is None and shown["shapes"][1]["status"] == "solved"
+        page.close()
+        assert viewer.url in viewer._repr_html_()
+
+
+def test_what_cannot_be_shown_is_refused() -> None:
+    arm = whipcord.load("examples/two-segment-arm.toml")
+    with pytest.raises(whipcord.InputError, match="no robot"):
+        whipcord.View()
+    viewer = view_or_skip(arm)
+    solution = arm.solve()
+    with pytest.raises(whipcord.InputError, match="2 shapes"):
+        viewer.show(solution, solution)
+    with pytest.raises(whipcord.InputError, match=r"\(n, 3\)"):
+        viewer.show(solution, measured=[0.0, 0.0, 1.0])
+    with pytest.raises(whipcord.InputError, match="not finite"):
+        viewer.show(solution, time=float("nan"))
+    viewer.close()
+    with pytest.raises(whipcord.WhipcordError, match="closed"):
+        viewer.show(solution)

@@ -102,7 +102,7 @@ from .stereo import (
 from .designing import Designed, DesignTarget
 from .surveying import Boundary, Workspace
 from .sweeping import Sweep
-from .viewing import Viewer
+from .viewing import View, Viewer
 from .warning import WhipcordWarning
 
 __all__ = [
@@ -211,6 +211,7 @@ __all__ = [
     "Unknown",
     "Unresolved",
     "UnstableAnswer",
+    "View",
     "Viewer",
     "WhipcordError",
     "WhipcordWarning",

@@ -1,5 +1,6 @@
 //! Solutions as the page gets them.
 
+use serde::Serialize;
 use whipcord::section::section_stiffness;
 use whipcord::warning::of_answer;
 use whipcord::{Case, ModelPreset, Obstacle, Robot, Shape, Solution, Vec3, Warning};
@@ -96,6 +97,42 @@ fn solved(
     solved.is_finite().then_some(solved)
 }
 
+/// A shape that is no solution of a model of statics, at the stations of the page, as an answer: with these cables, after so many
+/// iterations.
+pub fn of_shape(
+    robot: &Robot,
+    model: String,
+    shape: &Shape,
+    cables: Vec<CableState>,
+    iterations: usize,
+) -> Answer {
+    let solved = Solved {
+        model: model.clone(),
+        positions: shape.positions().map(array).collect(),
+        orientations: shape.poses.iter().map(|pose| pose.rotation.wxyz()).collect(),
+        strains: strains(shape),
+        moments: moments(robot, shape),
+        cables,
+        contacts: Vec::new(),
+        grasps: Vec::new(),
+        objects: Vec::new(),
+        residual: 0.0,
+        iterations,
+        stability: None,
+        unstable: false,
+        solve_time: 0.0,
+        driven_by: None,
+        compliance: None,
+        warnings: Vec::new(),
+    };
+    if solved.is_finite() {
+        Answer::Solved(Box::new(solved))
+    } else {
+        let message = "the shape holds a number that is none; please report the robot file";
+        Answer::Failed { model, message: message.to_owned() }
+    }
+}
+
 /// What the robot exerts on each obstacle that it touches, where the model knows forces.
 fn grasps(solution: &Solution, obstacles: &[Obstacle]) -> Vec<Grasp> {
     let all = whipcord::Grasp::all(solution, obstacles);
@@ -136,21 +173,39 @@ pub fn strains(shape: &Shape) -> Vec<[f64; 6]> {
     shape.strains().map(each).collect()
 }
 
-/// The moments of the backbone that belong to the strains of a shape, by its stiffness in the middle between stations.
-pub fn moments(robot: &Robot, shape: &Shape) -> Option<Vec<[f64; 3]>> {
+/// What the moments of the backbone between two stations are of its strains there.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MomentLaw {
+    /// Bending moments about x and y and torsion in N·m: for shear along x and y, stretch, bending about x and y, and twist.
+    pub rows: [[f64; 6]; 3],
+    /// Bending about x and y and twist without any moment, in 1/m.
+    pub rest: [f64; 3],
+}
+
+/// The law between each two stations, by the stiffness in the middle between them; none where that is not known.
+pub fn moment_laws(robot: &Robot, arc_lengths: &[f64]) -> Option<Vec<MomentLaw>> {
     let (backbone, disks) = (robot.backbone(), robot.disks());
-    let pieces = shape.arc_length.windows(2).zip(shape.strains());
-    let moment = |(ends, strain): (&[f64], whipcord::Twist)| {
+    let law = |ends: &[f64]| {
         let middle = 0.5 * (ends[0] + ends[1]);
         let stiffness = section_stiffness(robot, middle, middle).ok()?;
-        let bent = strain.angular - backbone.rest_curvature_at(disks, middle);
+        // What does not shear or stretch is infinitely stiff in these, which enters no moment.
+        let rows = [stiffness[3], stiffness[4], stiffness[5]];
+        let rest = array(backbone.rest_curvature_at(disks, middle));
+        Some(MomentLaw { rows, rest })
+    };
+    arc_lengths.windows(2).map(law).collect()
+}
+
+/// The moments of the backbone that belong to the strains of a shape.
+pub fn moments(robot: &Robot, shape: &Shape) -> Option<Vec<[f64; 3]>> {
+    let laws = moment_laws(robot, &shape.arc_length)?;
+    let moment = |(law, strain): (&MomentLaw, whipcord::Twist)| {
+        let bent = strain.angular - Vec3::from(law.rest);
         let stretched = strain.linear - Vec3::Z;
         let all = [stretched.to_array(), bent.to_array()].concat();
-        // What does not shear or stretch is infinitely stiff in these, which enters no moment.
-        let of = |row: &[f64; 6]| row.iter().zip(&all).map(|(k, e)| k * e).sum::<f64>();
-        Some([of(&stiffness[3]), of(&stiffness[4]), of(&stiffness[5])])
+        law.rows.map(|row| row.iter().zip(&all).map(|(k, e)| k * e).sum::<f64>())
     };
-    pieces.map(moment).collect()
+    Some(laws.iter().zip(shape.strains()).map(moment).collect())
 }
 
 impl Solved {

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use whipcord::kinematics::principal_axes;
 use whipcord::{
-    Actuation, CableCommand, Cancel, Case, Differentiable as _, Model, ModelKind, ModelPreset,
-    PointLoad, Prepared, Shortening, Solution, SolveError, Vec3,
+    Actuation, CableCommand, Cancel, Case, Differentiable as _, ModelKind, ModelPreset, PointLoad,
+    Shortening, Solution, SolveError, Vec3,
 };
 use whipcord_io::CaseFile;
 
@@ -16,41 +16,40 @@ use crate::inverse::TipSolver;
 use crate::protocol::{Answer, Command, Compliance, Frame, Malformed, Reach, Request, Slider};
 use crate::scene::{model, sliders};
 use crate::stations::Places;
+use crate::stock::{Ready, Stock};
 
 /// Tips that are nearer to one another than this, relative to the length, are of one shape: places at which an answer
 /// is asked for change the steps of the integration, and that the answer by less.
 const SAME_SHAPE: f64 = 1e-4;
 
-/// The models of one robot, each with its last answer, from which the next solve starts.
+/// What one page solves: the models of one robot, each with its last answer, from which the next solve starts.
 #[derive(Debug)]
 pub struct Bench {
     file: Arc<CaseFile>,
     /// What each command of a request is for.
     sliders: Vec<Slider>,
     places: Places,
-    ready: Vec<Ready>,
+    stock: Arc<Stock>,
+    last: Vec<(ModelPreset, Solution)>,
     tip_solver: TipSolver,
     cancel: Cancel,
     /// How long the flag lets a solve take.
     limit: Duration,
 }
 
-#[derive(Debug)]
-struct Ready {
-    preset: ModelPreset,
-    model: Model,
-    prepared: Prepared,
-    last: Option<Solution>,
-}
-
 impl Bench {
     /// For the robot and the case of a file.
     pub fn new(file: Arc<CaseFile>) -> Self {
+        Self::sharing(file, Arc::default())
+    }
+
+    /// The same, with models that others solve with as well.
+    pub fn sharing(file: Arc<CaseFile>, stock: Arc<Stock>) -> Self {
         let places = Places::of(&file.robot);
         let sliders = sliders(&file.robot, &file.case);
-        let (ready, cancel, limit) = (Vec::new(), Cancel::default(), Duration::MAX);
+        let (last, cancel, limit) = (Vec::new(), Cancel::default(), Duration::MAX);
         let tip_solver = TipSolver::default();
-        Self { file, sliders, places, ready, tip_solver, cancel, limit }
+        Self { file, sliders, places, stock, last, tip_solver, cancel, limit }
     }
 
     /// Lets this flag, which is set after so long, end the next solves.
@@ -190,7 +189,7 @@ impl Bench {
     fn one(&mut self, preset: ModelPreset, case: &Case) -> Result<Found, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
         let (cancel, limit) = (self.cancel.clone(), self.limit);
-        let ready = self.ready(preset)?;
+        let mut ready = self.ready(preset)?;
         if !ready.prepared.takes_places_of(&case.loads) {
             let prepared = ready.model.prepare(ready.prepared.robot(), &case.loads);
             ready.prepared = prepared.map_err(|error| error.to_string())?;
@@ -200,7 +199,9 @@ impl Bench {
             || case.obstacles.iter().any(|obstacle| obstacle.friction > 0.0)
             || ready.prepared.robot().cables().iter().any(whipcord::Cable::has_friction);
         let begun = Instant::now();
-        let outcome = match (&ready.last, has_friction) {
+        let known = self.last.iter().position(|(of, _)| *of == preset);
+        let last = known.map(|place| &self.last[place].1);
+        let outcome = match (last, has_friction) {
             (_, true) => ready.prepared.solve_to_the_end(case).map_err(|(_, error)| error),
             (None, false) => ready.prepared.solve(case, None),
             (Some(last), false) => match ready.prepared.solve(case, Some(last)) {
@@ -209,8 +210,12 @@ impl Bench {
             },
         };
         let solve_time = begun.elapsed().as_secs_f64();
+        self.stock.put(ready);
         let solution = outcome.map_err(|error| Self::refusal(limit, &error))?;
-        ready.last = Some(solution.clone());
+        match known {
+            Some(place) => self.last[place].1 = solution.clone(),
+            None => self.last.push((preset, solution.clone())),
+        }
         Ok(Found { solution, solve_time, case: case.clone(), driven_by: None })
     }
 
@@ -221,9 +226,11 @@ impl Bench {
     pub fn steps(&mut self, preset: ModelPreset, case: &Case) -> Result<Vec<Answer>, Refusal> {
         case.check(&self.file.robot).map_err(|error| error.to_string())?;
         let (cancel, limit) = (self.cancel.clone(), self.limit);
-        let ready = self.ready(preset)?;
+        let mut ready = self.ready(preset)?;
         ready.prepared.set_cancel(&cancel);
-        let solved = ready.prepared.solve_all(case).map_err(|(step, error)| {
+        let outcome = ready.prepared.solve_all(case);
+        self.stock.put(ready);
+        let solved = outcome.map_err(|(step, error)| {
             format!("step {}: {}", step + 1, Self::refusal(limit, &error))
         })?;
         let found =
@@ -234,20 +241,16 @@ impl Bench {
         Ok(each.collect())
     }
 
-    fn ready(&mut self, preset: ModelPreset) -> Result<&mut Ready, Refusal> {
-        let found = self.ready.iter().position(|ready| ready.preset == preset);
-        let index = match found {
-            Some(index) => index,
-            None => {
-                let model = model(preset, &self.places);
-                let prepared = model
-                    .prepare(&self.file.robot, &self.file.case.loads)
-                    .map_err(|error| error.to_string())?;
-                self.ready.push(Ready { preset, model, prepared, last: None });
-                self.ready.len() - 1
-            }
-        };
-        Ok(&mut self.ready[index])
+    /// A model that is ready to solve: one of the stock, or another.
+    fn ready(&self, preset: ModelPreset) -> Result<Ready, Refusal> {
+        if let Some(ready) = self.stock.take(preset) {
+            return Ok(ready);
+        }
+        let model = model(preset, &self.places);
+        let prepared = model
+            .prepare(&self.file.robot, &self.file.case.loads)
+            .map_err(|error| error.to_string())?;
+        Ok(Ready { preset, model, prepared })
     }
 
     /// How the tip yields with the tensions held, in the shape that was found.
@@ -262,7 +265,7 @@ impl Bench {
         Found { solution, case, .. }: &Found,
     ) -> Result<Compliance, Refusal> {
         let cancel = self.cancel.clone();
-        let model = self.ready(preset)?.model.cancelled_by(&cancel);
+        let model = model(preset, &self.places).cancelled_by(&cancel);
         let robot = &self.file.robot;
         let length = robot.backbone().length;
         let (there, local) = model

@@ -9,24 +9,32 @@ use std::time::{Duration, Instant};
 
 use axum::extract::ws::{Message, WebSocket};
 use futures_util::{SinkExt as _, StreamExt as _};
-use tokio::sync::{mpsc, watch};
+use tokio::sync::{mpsc, oneshot, watch};
 use whipcord::Cancel;
 
 use crate::background::of_latest;
 use crate::bench::Bench;
+use crate::beside::Beside;
 use crate::opened::{Opened, Usable};
 use crate::play::play;
-use crate::protocol::{self, FromPage, Malformed, PlayRequest, Request, ToPage};
+use crate::protocol::{self, Answer, FromPage, Malformed, PlayRequest, Request, Shown, ToPage};
 use crate::survey::survey;
 
 /// Messages that wait to be sent to a page that is slow to take them.
 const WAITING: usize = 4;
+
+/// What another program shows, the latest alone: pages that are slow to take it miss some.
+pub type Shows = watch::Receiver<Option<Arc<Shown>>>;
 
 /// What all pages share.
 #[derive(Clone, Debug)]
 pub struct Shared {
     /// The robot file as it is now.
     pub opened: watch::Receiver<Opened>,
+    /// Robots that are shown beside its own.
+    pub beside: Arc<[Beside]>,
+    /// What another program shows.
+    pub shown: Option<Shows>,
     /// How long solves may take.
     pub limits: Limits,
 }
@@ -61,7 +69,9 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     };
     let surveyor = of_latest(shared.opened.clone(), latest_survey, send.clone(), survey);
     let player = of_latest(shared.opened.clone(), latest_play, send.clone(), play);
-    let solver = solve(shared, latest, send.clone());
+    let (tell_begun, begun) = oneshot::channel();
+    let shower = show(shared.shown.clone(), shared.opened.clone(), begun, send.clone());
+    let solver = solve(shared, latest, tell_begun, send.clone());
     let reader = async move {
         while let Some(Ok(message)) = incoming.next().await {
             let read = match message {
@@ -99,8 +109,43 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
         () = solver => {}
         () = surveyor => {}
         () = player => {}
+        () = shower => {}
         () = reader => {}
     }
+}
+
+/// Tells the page of what another program shows, until the page goes.
+async fn show(
+    shown: Option<Shows>,
+    opened: watch::Receiver<Opened>,
+    begun: oneshot::Receiver<()>,
+    send: mpsc::Sender<ToPage>,
+) {
+    if let Some(mut shown) = shown
+        && begun.await.is_ok()
+    {
+        // A page that is opened later begins with what was shown last.
+        shown.mark_changed();
+        while shown.changed().await.is_ok() {
+            let Some(latest) = shown.borrow_and_update().clone() else { continue };
+            let mut latest = Shown::clone(&latest);
+            // The file may have become that of another robot since the stream began.
+            let stations = opened.borrow().usable.scene.stations.len();
+            let fits = |answer: &mut Option<Answer>| match answer {
+                Some(Answer::Solved(solved)) => solved.positions.len() == stations,
+                _ => true,
+            };
+            if let Some(first) = latest.shapes.first_mut()
+                && !fits(first)
+            {
+                *first = None;
+            }
+            if send.send(ToPage::Shown(latest)).await.is_err() {
+                return;
+            }
+        }
+    }
+    std::future::pending().await
 }
 
 /// Ends a solve when it is dropped.
@@ -124,9 +169,11 @@ async fn superseded(mut latest: watch::Receiver<Option<Arrived>>, patience: Dura
 async fn solve(
     shared: Shared,
     mut latest: watch::Receiver<Option<Arrived>>,
+    begun: oneshot::Sender<()>,
     send: mpsc::Sender<ToPage>,
 ) {
-    let Shared { mut opened, limits } = shared;
+    let mut begun = Some(begun);
+    let Shared { mut opened, beside, limits, .. } = shared;
     let (mut bench, mut known): (Option<Bench>, Option<Arc<Usable>>) = (None, None);
     opened.mark_changed();
     loop {
@@ -140,11 +187,19 @@ async fn solve(
                 // The robot that last could be used is told of once, and can be moved whatever is wrong with the file since.
                 let is_known = known.as_ref().is_some_and(|known| Arc::ptr_eq(known, &usable));
                 if !is_known {
-                    bench = Some(Bench::new(Arc::clone(&usable.file)));
+                    bench = Some(Bench::sharing(Arc::clone(&usable.file), Arc::clone(&usable.stock)));
                     let scene = ToPage::Scene(Box::new(usable.scene.clone()));
                     known = Some(usable);
                     if send.send(scene).await.is_err() {
                         return;
+                    }
+                    for (k, other) in beside.iter().enumerate() {
+                        if send.send(other.message(k + 1)).await.is_err() {
+                            return;
+                        }
+                    }
+                    if let Some(begun) = begun.take() {
+                        let _ = begun.send(());
                     }
                 }
                 if let Some(why) = broken

@@ -8,6 +8,7 @@ use whipcord::{ModelPreset, Shape, Solution, Twist, Vec3};
 use whipcord_inverse::Workspace;
 use whipcord_io::{CaseFile, load};
 
+use crate::answer::{MomentLaw, moment_laws};
 use crate::bench::Bench;
 use crate::convert::pose;
 use crate::error::ViewError;
@@ -41,6 +42,8 @@ struct Recording {
     /// The positions of each slider. The last frame is that of the file, which is none of theirs.
     axes: Vec<Vec<f64>>,
     models: Vec<Recorded>,
+    /// What moments the strains between each two stations mean, where the stiffness is known.
+    moment_laws: Option<Vec<MomentLaw>>,
     /// Where the tip can go, where the page shows that.
     #[serde(skip_serializing_if = "Option::is_none")]
     cloud: Option<Cloud>,
@@ -175,7 +178,13 @@ fn record(
     });
     let recorded = recorded.collect();
     let axes = grid.axes.into_iter().map(|axis| axis.values).collect();
-    Ok(Recording { scene, axes, models: recorded, cloud })
+    let laws = moment_laws(&file.robot, &scene.stations);
+    let moment_laws = laws.filter(|laws| {
+        laws.iter().all(|law| {
+            law.rows.as_flattened().iter().chain(&law.rest).all(|number| number.is_finite())
+        })
+    });
+    Ok(Recording { scene, axes, models: recorded, moment_laws, cloud })
 }
 
 /// Frames in an order in which each is solved from a neighbour: every other row backwards.

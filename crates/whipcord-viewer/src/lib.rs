@@ -7,6 +7,7 @@
 mod answer;
 mod background;
 mod bench;
+mod beside;
 mod connection;
 mod convert;
 mod courses;
@@ -15,6 +16,7 @@ mod export;
 mod grid;
 mod inverse;
 mod loads;
+mod measured;
 mod obstacles;
 mod opened;
 mod page;
@@ -24,16 +26,22 @@ mod ranges;
 mod scene;
 mod server;
 mod stations;
+mod stock;
+mod stream;
 mod survey;
 #[cfg(test)]
 mod tests;
 
+use std::fmt::Display;
+use std::io::BufRead;
 use std::path::Path;
 
 use whipcord::ModelPreset;
 
+use crate::beside::Beside;
 use crate::page::{Page, page};
 use crate::server::{Server, Viewed};
+use crate::stream::{Streamed, follow};
 
 pub use error::ViewError;
 pub use export::{Progress, export, export_workspace};
@@ -64,6 +72,40 @@ impl View {
             .map_err(ViewError::Server)?;
         let server = runtime.block_on(Server::listen(port))?;
         Ok(Self { page, viewed, server, runtime })
+    }
+
+    /// Shows other robots beside that of the file, each as the first model that takes it has it.
+    ///
+    /// # Errors
+    /// [`ViewError::File`] for a file that cannot be used.
+    pub fn beside<'a>(
+        mut self,
+        paths: impl IntoIterator<Item = &'a Path>,
+    ) -> Result<Self, ViewError> {
+        self.viewed.beside = paths.into_iter().map(Beside::read).collect::<Result<_, _>>()?;
+        Ok(self)
+    }
+
+    /// Shows the shapes that these lines say, each as it comes: one JSON object in each line, for the robot of the file and those
+    /// beside it. A thread reads them until there are no more; what is wrong with a line is told to `complain`.
+    ///
+    /// # Errors
+    /// [`ViewError::Server`] where there is no thread to be had.
+    pub fn stream(
+        &mut self,
+        lines: impl BufRead + Send + 'static,
+        complain: impl FnMut(&dyn Display) + Send + 'static,
+    ) -> Result<(), ViewError> {
+        let first = Streamed::new(&self.viewed.opened.usable.file);
+        let others = self.viewed.beside.iter().map(|other| Streamed::new(&other.file));
+        let robots: Vec<Streamed> = std::iter::once(first).chain(others).collect();
+        let (tell, shown) = tokio::sync::watch::channel(None);
+        self.viewed.shown = Some(shown);
+        let thread = std::thread::Builder::new().name("stream".to_owned());
+        thread
+            .spawn(move || follow(lines, &robots, &tell, complain))
+            .map(drop)
+            .map_err(ViewError::Server)
     }
 
     /// Where the page is.

@@ -13,6 +13,7 @@ use whipcord_io::{CaseFile, FileError, load, render};
 use crate::error::ViewError;
 use crate::protocol::Scene;
 use crate::scene::{begin_with, scene};
+use crate::stock::Stock;
 
 /// How often the file is looked at. Editors replace files, write them in pieces, and keep them on disks that tell
 /// of no change: looking is what always works.
@@ -34,6 +35,8 @@ pub struct Usable {
     pub file: Arc<CaseFile>,
     /// What the page is told.
     pub scene: Scene,
+    /// Its models, for all pages.
+    pub stock: Arc<Stock>,
 }
 
 impl Opened {
@@ -64,7 +67,7 @@ fn read(path: &Path, known: Vec<PathBuf>) -> (Result<Usable, FileError>, Watched
         watched.keep(|watched| file.files().any(|path| path == watched));
         let file = Arc::new(file);
         let scene = scene(&file);
-        Usable { file, scene }
+        Usable { file, scene, stock: Arc::default() }
     });
     (usable, watched)
 }

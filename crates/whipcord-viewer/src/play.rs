@@ -7,14 +7,11 @@ use whipcord::{Cancel, Case, ModelKind, ModelPreset, Shape};
 use whipcord_io::CaseFile;
 use whipcord_motion::{MotionError, Simulation, State};
 
-use crate::answer::{Refusal, moments, strains};
+use crate::answer::{Refusal, of_shape};
 use crate::background::Tell;
 use crate::bench::Bench;
-use crate::convert::array;
 use crate::courses::intervals;
-use crate::protocol::{
-    Answer, CableState, Course, Moment, PlayRequest, Request, Solved, ToPage, Track,
-};
+use crate::protocol::{Answer, CableState, Course, Moment, PlayRequest, Request, ToPage, Track};
 use crate::scene::initial_lengths;
 use crate::stations::Places;
 
@@ -153,9 +150,6 @@ fn solved(
     state: &State,
     initial: &[f64],
 ) -> Answer {
-    let robot = &file.robot;
-    let poses = places.arc_lengths.iter().map(|&s| moving.at(s)).collect();
-    let shape = Shape { arc_length: places.arc_lengths.clone(), poses };
     let cables = state.cables.iter().zip(initial).map(|(cable, &initial_length)| CableState {
         tension: Some(cable.tension),
         length: cable.length,
@@ -165,29 +159,6 @@ fn solved(
         span_tensions: Vec::new(),
     });
     let model = ModelPreset::usual(ModelKind::Cosserat).name().to_owned();
-    let solved = Solved {
-        model: model.clone(),
-        positions: shape.positions().map(array).collect(),
-        orientations: shape.poses.iter().map(|pose| pose.rotation.wxyz()).collect(),
-        strains: strains(&shape),
-        moments: moments(robot, &shape),
-        cables: cables.collect(),
-        contacts: Vec::new(),
-        grasps: Vec::new(),
-        objects: Vec::new(),
-        residual: 0.0,
-        iterations: state.diagnostics.iterations,
-        stability: None,
-        unstable: false,
-        solve_time: 0.0,
-        driven_by: None,
-        compliance: None,
-        warnings: Vec::new(),
-    };
-    if solved.is_finite() {
-        Answer::Solved(Box::new(solved))
-    } else {
-        let message = "the motion holds a number that is none; please report the robot file";
-        Answer::Failed { model, message: message.to_owned() }
-    }
+    let iterations = state.diagnostics.iterations;
+    of_shape(&file.robot, model, &places.along(moving), cables.collect(), iterations)
 }

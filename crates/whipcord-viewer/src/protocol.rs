@@ -10,8 +10,10 @@ mod common;
 mod course;
 mod inverse;
 mod loads;
+mod measured;
 mod obstacle;
 mod request;
+mod shown;
 
 use serde::{Deserialize, Serialize};
 use whipcord::{ModelKind, ModelPreset};
@@ -21,8 +23,10 @@ pub use common::{Pose, Warning};
 pub use course::{Course, CourseChoice, Moment, PlayRequest, Track};
 pub use inverse::{Cloud, MetLimit, Reach};
 pub use loads::{Load, Pull};
+pub use measured::{Camera, Lens, Marker, Sight};
 pub use obstacle::{Form, Obstacle};
 pub use request::{Command, Malformed, Request, Slider};
+pub use shown::Shown;
 
 /// Most bytes of a message from the page. The longest that says anything has a command for each of a thousand cables.
 pub const MOST_BYTES: usize = 64 * 1024;
@@ -53,6 +57,17 @@ pub enum FromPage {
 pub enum ToPage {
     /// The robot and the case of the file: the first message, and again whenever the file changes.
     Scene(Box<Scene>),
+    /// Another robot that is shown beside that of the file, by its number from 1 on.
+    Beside {
+        /// Its number.
+        number: usize,
+        /// The robot.
+        scene: Box<Scene>,
+        /// What the first model that takes it says of its file.
+        answer: Answer,
+    },
+    /// What a program shows.
+    Shown(Shown),
     /// The file cannot be used as it now is.
     Broken {
         /// What is wrong with it, with the place, as the command line prints it.
@@ -119,8 +134,10 @@ pub struct Scene {
     pub other_loads: Vec<String>,
     /// What can be played.
     pub courses: Vec<CourseChoice>,
-    /// Where the real robot's disks and markers were measured, in m, in the world.
-    pub measured: Vec<[f64; 3]>,
+    /// Where the real robot's disks and markers were measured, in each step.
+    pub measured: Vec<Vec<Marker>>,
+    /// The cameras that saw it.
+    pub cameras: Vec<Camera>,
     /// What stands in the robot's way.
     pub obstacles: Vec<Obstacle>,
     /// Warnings about the file.

@@ -5,15 +5,14 @@ use whipcord::{
     Actuation, CableCommand, Case, Drive, LoadFrame, Model, ModelKind, ModelPreset, Motor,
     Prepared, Robot, Section, SolveError, StabilityAnalysis, Stations, Vec3,
 };
-use whipcord_estimation::observation::{in_space, measured_in_world};
-use whipcord_estimation::registration::Alignment;
-use whipcord_io::{CaseFile, FileWarning, Measured};
+use whipcord_io::{CaseFile, FileWarning};
 use whipcord_plot::{CableCourse, plates_of};
 
 use crate::convert::{array, pose};
 use crate::courses;
 use crate::error::ViewError;
 use crate::loads::loads;
+use crate::measured;
 use crate::obstacles;
 use crate::protocol::{self, Command, Disk, ModelChoice, Request, Scene, Slider};
 use crate::ranges::{motor_reach, ranges};
@@ -57,7 +56,8 @@ pub fn scene(file: &CaseFile) -> Scene {
         loads: loads(&case.loads, robot.backbone().length),
         other_loads: other_loads(file),
         courses: courses::choices(file),
-        measured: measured(file, first),
+        measured: measured::by_step(file, first),
+        cameras: measured::cameras(file),
         obstacles: case.obstacles.iter().map(obstacles::obstacle).collect(),
         warnings: warnings(file),
     }
@@ -255,26 +255,6 @@ fn refusal(file: &CaseFile, preset: ModelPreset) -> Option<String> {
         ) => Some(error.to_string()),
         _ => None,
     }
-}
-
-/// Where disks and markers were measured, in the world: brought there, where the file says how, as onto the first
-/// model's answer. None where there is no such answer, or no motion brings them to it.
-fn measured(file: &CaseFile, first: Option<ModelPreset>) -> Vec<[f64; 3]> {
-    let (robot, case) = (&file.robot, &file.case);
-    let Some(Measured { observations, alignment, .. }) = &file.measured else { return Vec::new() };
-    if *alignment == Alignment::None {
-        let last = case.before.len();
-        let of_last = in_space(observations).filter(|(seen, _)| seen.step == last);
-        return of_last.map(|(_, position)| array(position)).collect();
-    }
-    let moved = first.and_then(|first| {
-        let model = first.model(Stations::Disks, robot.disks().count() - 1);
-        let mut prepared = model.prepare(robot, &case.loads).ok()?;
-        let answers = prepared.solve_all(case).ok()?;
-        let answers: Vec<_> = answers.iter().collect();
-        measured_in_world(first.kind, robot, case, &answers, observations, *alignment).ok()
-    });
-    moved.into_iter().flatten().map(array).collect()
 }
 
 /// Loads of the file that no slider moves.

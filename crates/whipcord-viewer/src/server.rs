@@ -20,7 +20,8 @@ use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 use whipcord::ModelPreset;
 
-use crate::connection::{self, Limits, Shared};
+use crate::beside::Beside;
+use crate::connection::{self, Limits, Shared, Shows};
 use crate::error::ViewError;
 use crate::opened::{Opened, Watched, follow};
 use crate::page::Page;
@@ -31,6 +32,9 @@ const LIMITS: Limits =
     Limits { patience: Duration::from_millis(500), deadline: Duration::from_secs(20) };
 /// Pages that are served at once, each with one solve at most.
 const MOST_PAGES: usize = 256;
+
+/// What a page is read by, at a time: its messages have about a thousand bytes, and what is held for them is held for each page.
+const READ_BYTES: usize = 4096;
 
 /// Nothing but the page's own script and style, and no connection but to this server. The page may be framed by
 /// notebooks on this machine.
@@ -57,6 +61,10 @@ pub struct Viewed {
     pub opened: Opened,
     /// What tells that it has changed.
     pub watched: Watched,
+    /// Robots that are shown beside it.
+    pub beside: Vec<Beside>,
+    /// What another program shows.
+    pub shown: Option<Shows>,
 }
 
 impl Viewed {
@@ -66,7 +74,8 @@ impl Viewed {
     /// As [`Opened::read`].
     pub fn read(path: &Path, models: &[ModelPreset]) -> Result<Self, ViewError> {
         let (opened, watched) = Opened::read(path, models)?;
-        Ok(Self { path: path.to_owned(), models: models.to_vec(), opened, watched })
+        let (path, models) = (path.to_owned(), models.to_vec());
+        Ok(Self { path, models, opened, watched, beside: Vec::new(), shown: None })
     }
 }
 
@@ -112,9 +121,9 @@ impl Server {
         viewed: Viewed,
         stop: impl Future<Output = ()>,
     ) -> Result<(), ViewError> {
-        let Viewed { path, models, opened, watched } = viewed;
+        let Viewed { path, models, opened, watched, beside, shown } = viewed;
         let (tell, opened) = watch::channel(opened);
-        let shared = Shared { opened, limits: self.limits };
+        let shared = Shared { opened, beside: beside.into(), shown, limits: self.limits };
         let pages = Arc::new(Semaphore::new(MOST_PAGES));
         let served = Served { page, port: self.port(), shared, pages };
         let server = axum::serve(self.listener, router(served)).into_future();
@@ -159,7 +168,11 @@ async fn socket(
     let Ok(permit) = Arc::clone(&served.pages).try_acquire_owned() else {
         return refusal(StatusCode::SERVICE_UNAVAILABLE, "too many pages are open");
     };
-    let upgrade = upgrade.max_message_size(MOST_BYTES).max_frame_size(MOST_BYTES);
+    let upgrade = upgrade
+        .max_message_size(MOST_BYTES)
+        .max_frame_size(MOST_BYTES)
+        .read_buffer_size(READ_BYTES)
+        .write_buffer_size(0);
     upgrade.on_upgrade(move |socket| async move {
         connection::serve(socket, served.shared).await;
         drop(permit);

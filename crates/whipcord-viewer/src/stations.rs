@@ -1,7 +1,7 @@
 //! At which arc lengths a frame gives the shape: at every disk and every end of a cable, and close enough between them
 //! for a smooth picture.
 
-use whipcord::{Robot, equally_spaced};
+use whipcord::{Robot, Shape, equally_spaced};
 
 /// About so many stations make a backbone look smooth at any bend.
 const SMOOTH: usize = 24;
@@ -47,6 +47,12 @@ impl Places {
             anchors: robot.routes().iter().map(|route| nearest(route.end())).collect(),
             arc_lengths,
         }
+    }
+
+    /// A shape at these stations.
+    pub fn along(&self, shape: &Shape) -> Shape {
+        let poses = self.arc_lengths.iter().map(|&s| shape.at(s)).collect();
+        Shape { arc_length: self.arc_lengths.clone(), poses }
     }
 }
 

@@ -1,6 +1,7 @@
 //! `whipcord view`: a robot in the browser.
 
-use std::io::{self, Write as _};
+use std::fmt::Display;
+use std::io::{self, BufReader, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -11,6 +12,9 @@ use crate::model_arguments::preset_parser;
 use crate::progress;
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
+
+/// Lines of a stream that are complained of: a program that writes nothing but wrong ones is known by then.
+const MOST_COMPLAINTS: usize = 20;
 
 /// Move the cables of a robot in the browser
 ///
@@ -27,6 +31,14 @@ pub struct ViewArgs {
     /// Print the address without opening the browser
     #[arg(long)]
     no_open: bool,
+    /// Another robot file, shown beside the first; may be given several times
+    #[arg(long, value_name = "FILE", conflicts_with = "export")]
+    beside: Vec<PathBuf>,
+    /// Show shapes from standard input as they come, one JSON object per line, with `shapes`, a list
+    /// of one object for each robot with `arc_length`, `positions`, `orientations` and optionally
+    /// `tensions`; and optionally `time` and `measured`, the positions of markers
+    #[arg(long, conflicts_with = "export")]
+    stream: bool,
     /// Write a page that needs no server, with precomputed shapes over the ranges of the cable
     /// sliders
     #[arg(long, value_name = "OUT.html", conflicts_with_all = ["port", "no_open"])]
@@ -53,6 +65,19 @@ pub fn run(args: &ViewArgs) -> Result<String, Failure> {
         return Ok(format!("{}\n", out.display()));
     }
     let view = View::open(&args.file, &args.model, args.port).map_err(|error| failure(&error))?;
+    let mut view =
+        view.beside(args.beside.iter().map(PathBuf::as_path)).map_err(|error| failure(&error))?;
+    if args.stream {
+        let mut said = 0;
+        let complain = move |why: &dyn Display| {
+            said += 1;
+            if said <= MOST_COMPLAINTS {
+                let _ = writeln!(io::stderr(), "warning: {why}");
+            }
+        };
+        let lines = BufReader::new(io::stdin());
+        view.stream(lines, complain).map_err(|error| failure(&error))?;
+    }
     // Who waits for the address may read it from a pipe.
     let mut out = io::stdout().lock();
     let _ = writeln!(out, "{}", view.url()).and_then(|()| out.flush());

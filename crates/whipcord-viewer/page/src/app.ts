@@ -1,6 +1,7 @@
 // The page: what the user does becomes a state, a state a request, an answer a picture. The parts do not know one another.
 
 import { acting } from "./acting";
+import { Beside } from "./beside";
 import { modelColour } from "./colours";
 import { describe as describeCloud, points } from "./cloud";
 import { Connection } from "./connection";
@@ -10,19 +11,20 @@ import { Dragging } from "./dragging";
 import { poseAt } from "./geometry";
 import { Help } from "./help";
 import { key, show, type Legend } from "./legend";
+import { describe as describeErrors, errors, MEASURED } from "./measured";
 import { Panel } from "./panel";
 import type { Said } from "./picture";
-import type { Answer, Cloud, Frame, Moment, Scene, Solved, Vector } from "./protocol";
+import type { Answer, Cloud, Frame, Marker, Scene, Shown, Solved, Vector } from "./protocol";
 import { describe, Recorded, recordingInPage, type Recording } from "./recorded";
 import { ellipsoids, Robots, slackLabels } from "./robots";
 import { Film, saving } from "./save";
 import { scaleBar } from "./scale";
 import { Live } from "./source";
-import { gridSpacing, MEASURED, Stage } from "./stage";
+import { gridSpacing, Stage } from "./stage";
 import { viewFromHash, viewToHash, type State } from "./state";
 import { Store } from "./store";
 import { PAPER, Theme, type Colours } from "./theme";
-import { Timeline } from "./timeline";
+import { Timeline, type Played } from "./timeline";
 import { Toolbar } from "./toolbar";
 import { MILLIMETRE, significant, toUnit } from "./units";
 
@@ -38,6 +40,7 @@ export class App {
   readonly #connection: Connection;
   readonly #dragging: Dragging;
   readonly #robots = new Robots();
+  readonly #beside = new Beside();
   readonly #panel: Panel;
   readonly #toolbar: Toolbar;
   readonly #timeline: Timeline;
@@ -49,7 +52,14 @@ export class App {
   #controls: Controls | undefined;
   /** What the sliders lead to, and what is shown: of a course that is played, another. */
   #live: readonly Answer[] = [];
+  /** The latest shapes of a stream: of the robot of the file, and of those beside it. */
+  #streamed: readonly Answer[] = [];
+  #streamedOthers: readonly (Answer | null)[] = [];
   #answers: readonly Answer[] = [];
+  /** Places of shapes that were played, which the view has room for. */
+  readonly #played: Vector[] = [];
+  /** What was measured where the shapes are that are shown; without it, in the last step. */
+  #markers: readonly Marker[] | undefined;
   /** The state of the latest shape of the first model. */
   #solvable: State | undefined;
   #failure: string | undefined;
@@ -91,6 +101,7 @@ export class App {
         this.#writeAddress();
       },
       drawn: (scale) => measure(scale),
+      left: () => this.#toolbar.leave(),
     });
     this.#dragging = new Dragging(this.#store, this.#stage, {
       first: () => this.#first,
@@ -112,16 +123,23 @@ export class App {
       },
       cut: (cut) => (this.#stage.cut = cut),
       ghost: (yes) => this.#ghost(yes),
+      through: (number) => {
+        const { scene } = this.#store;
+        if (scene) this.#stage.through(number === undefined ? undefined : scene.cameras[number], scene);
+      },
+      photograph: (number, file) => void this.#photograph(number, file),
     });
     this.#film = new Film(this.#stage, () => this.#name);
     this.#timeline = new Timeline({
       load: (course) => {
         if (this.#store.state) this.#connection.play(course, this.#store.state);
       },
-      show: (moment) => this.#play(moment),
+      show: (moment, at) => this.#play(moment, at),
       leave: () => {
         this.#connection.endPlay();
         this.#answers = this.#live;
+        this.#markers = undefined;
+        this.#played.length = 0;
         this.#dress();
       },
       film: (yes) => this.#film.record(yes),
@@ -154,7 +172,14 @@ export class App {
       return new Live(url.href, listener);
     }, {
       scene: (scene) => this.#open(scene),
-      frame: (frame, came) => this.#receive(frame, came),
+      beside: (number, scene, answer) => {
+        this.#beside.add(number, scene, answer);
+        this.#dress();
+        if (!this.#looks) this.#whole("isometric");
+      },
+      shown: (all) => this.#follow(all),
+      frame: (frame) => this.#receive(frame),
+      whenFree: (act) => this.#stage.pace.whenFree(act),
       cloud: (cloud, words) => this.#cloud(cloud, words),
       course: (course, moments, complete, message) => {
         this.#timeline.receive(course, moments, complete);
@@ -213,8 +238,9 @@ export class App {
     if (stays) this.#writeAddress();
     refocus(focused);
     const spacing = significant(toUnit(gridSpacing(scene), MILLIMETRE), 3);
-    const measured = scene.measured.length > 0 ? [key({ colour: MEASURED, label: "measured on the real robot" })] : [];
-    byId("keys").replaceChildren(`grid ${spacing} mm`, ...measured);
+    byId("keys").replaceChildren(`grid ${spacing} mm`, element("span", { id: "measured" }));
+    this.#toolbar.cameras(scene.cameras.map(({ name }) => name));
+    this.#markers = undefined;
     if (this.#store.state && (!this.#recording || this.#recording.cloud)) this.#connection.survey(this.#store.state);
     if (this.#store.state) this.#ask(this.#store.state, false);
   }
@@ -232,7 +258,7 @@ export class App {
     this.#connection.ask(() => this.#store.state, () => this.#dragging.target ?? null);
   }
 
-  #receive(frame: Frame, came: number): void {
+  #receive(frame: Frame): void {
     const { state } = this.#store;
     if (!state) return;
     this.#live = frame.answers;
@@ -250,14 +276,50 @@ export class App {
     this.#dragging.answered(frame);
     if (!this.#timeline.isActive) {
       this.#dress();
-      this.#stage.drawAtOnce(came);
+      this.#stage.drawAtOnce();
     }
     this.#catchUp();
   }
 
-  #play(moment: Moment): void {
-    this.#answers = moment.answers;
+  #play({ answers, others, measured }: Played, at: number): void {
+    this.#answers = answers;
+    this.#markers = measured
+      ? measured.map((position): Marker => ({ seen: { kind: "position", position }, arc_length: null, offset: [0, 0, 0] }))
+      : this.#store.scene?.measured[at];
+    if (others) this.#beside.show(others);
     this.#dress();
+    this.#keepInSight();
+  }
+
+  /** Another program shows something. */
+  #follow(all: readonly Shown[]): void {
+    let [before, rest] = [this.#streamed, this.#streamedOthers];
+    const moments = all.map(({ time, shapes: [first, ...others], measured }): Played => {
+      // A robot without a shape stays as it was.
+      if (first) before = [first];
+      rest = others.map((answer, k) => answer ?? rest[k] ?? null);
+      return { time, answers: before.length > 0 ? [...before] : [...this.#live], others: rest, measured };
+    });
+    [this.#streamed, this.#streamedOthers] = [before, rest];
+    this.#timeline.append(moments);
+  }
+
+  async #photograph(number: number, file: File): Promise<void> {
+    const { scene } = this.#store;
+    const camera = scene?.cameras[number];
+    if (!camera) return;
+    try {
+      const picture = await createImageBitmap(file, { imageOrientation: "flipY" });
+      const [width, height] = camera.size;
+      const apart = Math.abs(picture.width / picture.height - width / height) > 0.01;
+      this.#failure = apart
+        ? `the photograph has ${picture.width}×${picture.height} pixels, and the camera ${width}×${height}: take one of the same proportions`
+        : undefined;
+      this.#stage.photograph(camera.name, apart ? undefined : picture);
+    } catch {
+      this.#failure = `${file.name} is no picture that this browser reads`;
+    }
+    this.#tell();
   }
 
   /** Does what waits for the answer to the latest request, if that is what is shown. */
@@ -268,6 +330,15 @@ export class App {
     act?.();
   }
 
+  /** Looks from farther away where what is played leaves the view, as long as the user has not chosen from where to look. */
+  #keepInSight(): void {
+    const { scene } = this.#store;
+    const tips = [...this.#robots.shapes, ...this.#beside.shapes].flatMap(({ positions }) => positions.slice(-1));
+    if (!scene || this.#looks || tips.every((tip) => this.#stage.sees(tip))) return;
+    this.#played.push(...this.#robots.shapes.flatMap(({ positions }) => positions), ...tips);
+    this.#whole("isometric");
+  }
+
   /** Shows the shapes of the answers, and their numbers. */
   #dress(): void {
     const { scene, state } = this.#store;
@@ -275,14 +346,23 @@ export class App {
     const solved = this.#answers.filter((answer) => answer.status === "solved");
     this.#legend = this.#robots.dress(scene, state, this.#answers);
     show(byId("legend"), this.#legend);
-    this.#stage.robots(this.#robots.groups);
+    this.#beside.dress(state);
+    this.#stage.robots([...this.#robots.groups, ...this.#beside.groups]);
     this.#stage.objects(solved[0]?.objects ?? []);
     this.#stage.marks(ellipsoids(scene, solved));
     const first = this.#first;
     const acts = acting(scene, this.#dragging.rest(state), this.#timeline.isActive ? undefined : first, solved, this.#ink);
     this.#ends = acts.ends;
-    this.#stage.acting(acts, [...this.#dragging.labels, ...slackLabels(scene, solved[0])]);
-    this.#stage.handles.tip(this.#recording || this.#timeline.isActive ? undefined : first?.positions.at(-1));
+    const off = errors(scene, this.#markers ?? scene.measured.at(-1) ?? [], first);
+    this.#stage.measured(off.balls);
+    acts.arrows.push(...off.arrows);
+    this.#stage.acting(acts, [...this.#dragging.labels, ...slackLabels(scene, solved[0]), ...off.labels]);
+    const words = describeErrors(off);
+    const told = document.getElementById("measured");
+    if (told && told.textContent !== words) told.replaceChildren(...(words === "" ? [] : [key({ colour: MEASURED, label: words })]));
+    const tip = this.#recording || this.#timeline.isActive ? undefined : first?.positions.at(-1);
+    this.#stage.handles.tip(tip);
+    this.#stage.movable = state.dragging === "reach" ? tip : undefined;
     this.#controls?.slack(solved[0]?.cables);
     const pinned = this.#robots.pinned;
     this.#panel.show(scene, this.#answers, pinned && { name: "ghost", solved: pinned });
@@ -369,7 +449,8 @@ export class App {
     if (!scene) return;
     const shapes: Vector[] = this.#robots.shapes.flatMap(({ positions }) => positions);
     const ghost = this.#robots.pinned?.positions ?? [];
-    this.#stage.look([scene.base.position, ...shapes, ...ghost, ...this.#ends], side);
+    const beside = this.#beside.shapes.flatMap(({ positions }) => positions);
+    this.#stage.look([scene.base.position, ...shapes, ...ghost, ...beside, ...this.#played, ...this.#ends], side);
   }
 
   #key(event: KeyboardEvent): void {

@@ -3,6 +3,7 @@
 import { Box3, MathUtils, OrthographicCamera, PerspectiveCamera, Vector3 } from "three";
 import type { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
+import type { Eye } from "./eye";
 import type { Vector } from "./protocol";
 
 /** The directions that buttons look from. */
@@ -26,6 +27,8 @@ export class Cameras {
   readonly #orbit: OrbitControls;
   #isParallel = false;
   #aspect = 1;
+  #size: [number, number] = [1, 1];
+  #eye: Eye | undefined;
 
   constructor(orbit: (camera: PerspectiveCamera) => OrbitControls) {
     for (const camera of [this.#perspective, this.#parallel]) camera.up.set(0, 0, 1);
@@ -36,7 +39,22 @@ export class Cameras {
     return [this.#perspective, this.#parallel];
   }
 
+  /** The calibrated camera that one looks through, if it is one. */
+  get eye(): Eye | undefined {
+    return this.#eye;
+  }
+
+  set eye(eye: Eye | undefined) {
+    this.#eye = eye;
+    eye?.resize(...this.#size);
+  }
+
   get camera(): PerspectiveCamera | OrthographicCamera {
+    return this.#eye?.camera ?? this.#own;
+  }
+
+  /** Without a calibrated one. */
+  get #own(): PerspectiveCamera | OrthographicCamera {
     return this.#isParallel ? this.#parallel : this.#perspective;
   }
 
@@ -48,7 +66,7 @@ export class Cameras {
   set isParallel(yes: boolean) {
     if (yes === this.#isParallel) return;
     const height = this.#height();
-    const [from, to] = [this.camera, yes ? this.#parallel : this.#perspective];
+    const [from, to] = [this.#own, yes ? this.#parallel : this.#perspective];
     this.#isParallel = yes;
     const { target } = this.#orbit;
     const way = from.position.clone().sub(target).normalize();
@@ -67,10 +85,12 @@ export class Cameras {
 
   /** Pixels for each metre at the distance of what is looked at, of a view of this height. */
   scale(height: number): number {
-    return height / this.#height();
+    return this.#eye?.scaleAt(this.#orbit.target) ?? height / this.#height();
   }
 
   resize(width: number, height: number): void {
+    this.#size = [width, height];
+    this.#eye?.resize(width, height);
     this.#aspect = width / height;
     this.#perspective.aspect = this.#aspect;
     [this.#parallel.left, this.#parallel.right] = [-this.#aspect, this.#aspect];
@@ -88,10 +108,10 @@ export class Cameras {
   fit(points: readonly Vector[], length: number, direction: Vector | undefined): void {
     const box = new Box3().setFromPoints(points.map((point) => new Vector3(...point)));
     const middle = box.getCenter(new Vector3());
-    const way = direction ? new Vector3(...direction) : this.camera.position.clone().sub(this.#orbit.target);
+    const way = direction ? new Vector3(...direction) : this.#own.position.clone().sub(this.#orbit.target);
     way.normalize();
     // What the points take up across and along the picture.
-    const camera = this.camera;
+    const camera = this.#own;
     camera.position.copy(middle).add(way);
     camera.lookAt(middle);
     const [right, up] = [new Vector3(), new Vector3()];
@@ -113,11 +133,11 @@ export class Cameras {
   /** Looks from a direction, as far away as now. */
   turn(direction: Vector3): void {
     const { target } = this.#orbit;
-    const distance = this.camera.position.distanceTo(target);
+    const distance = this.#own.position.distanceTo(target);
     const way = direction.clone().normalize();
     // Straight from above or below there is no up: what lies in front then is below.
     if (Math.hypot(way.x, way.y) < 1e-3) way.y -= 1e-4;
-    this.camera.position.copy(target).addScaledVector(way, distance);
+    this.#own.position.copy(target).addScaledVector(way, distance);
     this.#orbit.update();
   }
 
@@ -125,23 +145,23 @@ export class Cameras {
     const { target } = this.#orbit;
     if (this.#isParallel) this.#parallel.zoom *= factor;
     else this.#perspective.position.sub(target).multiplyScalar(1 / factor).add(target);
-    this.camera.updateProjectionMatrix();
+    this.#own.updateProjectionMatrix();
     this.#orbit.update();
   }
 
   /** From where, and at what one looks, in m; in parallel also the height in m that is seen. */
   get view(): number[] {
-    const six = [...this.camera.position.toArray(), ...this.#orbit.target.toArray()];
+    const six = [...this.#own.position.toArray(), ...this.#orbit.target.toArray()];
     return this.#isParallel ? [...six, this.#height()] : six;
   }
 
   set view(view: readonly number[]) {
     const height = view[6];
     this.isParallel = height !== undefined;
-    this.camera.position.fromArray(view as number[], 0);
+    this.#own.position.fromArray(view as number[], 0);
     this.#orbit.target.fromArray(view as number[], 3);
     if (height !== undefined) this.#parallel.zoom = 2 / height;
-    this.camera.updateProjectionMatrix();
+    this.#own.updateProjectionMatrix();
     this.#orbit.update();
   }
 }

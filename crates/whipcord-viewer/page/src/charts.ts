@@ -155,7 +155,7 @@ export class Charts {
     for (const name of this.#plots.keys()) if (!this.#chosen.has(name)) this.#remove(name);
     const models = this.#answers.map(({ model, contacts }) => `${model} ${contacts.length > 0}`).join();
     for (const [i, chart] of this.#all.entries()) {
-      // What no model knows, as the moments of an exported page, has no chart. Which those are changes with the models alone.
+      // What no model knows, as the moments of a robot without a material, has no chart. Which those are changes with the models alone.
       const isChosen = this.#chosen.has(chart.name);
       if (!isChosen && models === this.#models) continue;
       const { places, lines, points } = chart.data(scene, this.#answers);

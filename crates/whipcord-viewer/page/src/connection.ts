@@ -1,13 +1,19 @@
 // Requests and their answers: numbers, what is outdated, and what is waited for. It knows neither the page nor what it shows.
 
-import type { Cloud, Course, Frame, Moment, Request, Scene, Track } from "./protocol";
+import type { Answer, Cloud, Course, Frame, Moment, Request, Scene, Shown, Track } from "./protocol";
 import type { Listener, Source } from "./source";
 import { toRequest, type State } from "./state";
 
 export interface Hearer {
   scene(scene: Scene): void;
-  /** The answer to the latest request that has one, once for each picture of the display; it came at this time in ms. */
-  frame(frame: Frame, came: number): void;
+  /** Another robot beside that of the file. */
+  beside(number: number, scene: Scene, answer: Answer): void;
+  /** All that another program has shown since the last picture of the display. */
+  shown(all: readonly Shown[]): void;
+  /** The answer to the latest request that has one, once for each picture of the display. */
+  frame(frame: Frame): void;
+  /** Does this when the last picture is drawn. */
+  whenFree(act: () => void): void;
   /** What is known of where the tip can go: a cloud, or in words what keeps it. */
   cloud(cloud: Cloud | undefined, words: string): void;
   /** The shapes of a course so far. */
@@ -40,6 +46,7 @@ export class Connection {
   #survey = 0;
   #play = 0;
   #moments: Moment[] = [];
+  #shown: Shown[] = [];
 
   /** `source` makes what answers, told who listens. */
   constructor(source: (listener: Listener) => Source, hearer: Hearer) {
@@ -52,6 +59,12 @@ export class Connection {
         this.#surveyed = "";
         this.#play++;
         hearer.scene(scene);
+      },
+      beside: (number, scene, answer) => hearer.beside(number, scene, answer),
+      shown: (shown) => {
+        this.#shown.push(shown);
+        if (this.#shown.length > 1) return;
+        requestAnimationFrame(() => hearer.whenFree(() => hearer.shown(this.#shown.splice(0))));
       },
       frame: (frame) => this.#receive(frame),
       cloud: (cloud) => {
@@ -152,14 +165,13 @@ export class Connection {
     const waiting = this.#frame !== undefined;
     this.#frame = frame;
     if (waiting) return;
-    const came = performance.now();
-    requestAnimationFrame(() => {
+    requestAnimationFrame(() => this.#hearer.whenFree(() => {
       const latest = this.#frame;
       this.#frame = undefined;
       if (!latest) return;
       this.#drawn = latest.id;
-      this.#hearer.frame(latest, came);
-    });
+      this.#hearer.frame(latest);
+    }));
   }
 
   #wait(yes: boolean): void {

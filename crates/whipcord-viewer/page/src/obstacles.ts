@@ -8,9 +8,10 @@ import {
   CatmullRomCurve3,
   CylinderGeometry,
   DoubleSide,
+  FrontSide,
   Group,
   Mesh,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   PlaneGeometry,
   Quaternion as Turn,
   SphereGeometry,
@@ -26,12 +27,13 @@ export function obstacles(scene: Scene): Group {
   const group = new Group();
   for (const obstacle of scene.obstacles) {
     const open = obstacle.form.kind === "pipe" || obstacle.form.kind === "half_space";
-    const material = new MeshStandardMaterial({
+    // Of closed bodies only the outside is seen, and of open ones both sides are drawn at once: half of the work.
+    const material = new MeshLambertMaterial({
       color: COLOUR,
-      roughness: 0.9,
       transparent: true,
       opacity: open ? 0.25 : 0.6,
-      side: DoubleSide,
+      side: open ? DoubleSide : FrontSide,
+      forceSinglePass: true,
       depthWrite: !open,
     });
     const mesh = new Mesh(geometry(obstacle.form, scene.length), material);

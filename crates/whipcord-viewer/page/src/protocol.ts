@@ -129,6 +129,29 @@ export interface Warning {
   help: string;
 }
 
+/** A marker that was measured: its place, or the line of sight on which a camera saw it. */
+export interface Marker {
+  seen: { kind: "position"; position: Vector } | { kind: "line"; camera: number; origin: Vector; direction: Vector };
+  /** Where on the robot it sits, where that is known, and where in the frame there. */
+  arc_length: number | null;
+  offset: Vector;
+}
+
+export type Lens =
+  | { kind: "pinhole"; focal: [number, number]; centre: [number, number] }
+  | { kind: "orthographic"; scale: number; centre: [number, number] };
+
+/** A calibrated camera: z is the direction in which it looks, y is down in the picture. */
+export interface Camera {
+  name: string;
+  pose: Pose;
+  lens: Lens;
+  size: [number, number];
+  columns: number;
+  /** Where places of the picture lie without distortion, in pixels, row by row. */
+  ideal: ([number, number] | null)[];
+}
+
 export interface Scene {
   title: string;
   file: string;
@@ -151,7 +174,9 @@ export interface Scene {
   /** The same in words. */
   other_loads: string[];
   courses: CourseChoice[];
-  measured: Vector[];
+  /** In each step. */
+  measured: Marker[][];
+  cameras: Camera[];
   obstacles: Obstacle[];
   warnings: Warning[];
 }
@@ -265,8 +290,17 @@ export interface Track {
   message: string | null;
 }
 
+/** What a program shows at a time in s: a shape of each robot that has one, and where markers are. */
+export interface Shown {
+  time: number;
+  shapes: (Answer | null)[];
+  measured: Vector[];
+}
+
 export type ToPage =
   | ({ type: "scene" } & Scene)
+  | { type: "beside"; number: number; scene: Scene; answer: Answer }
+  | ({ type: "shown" } & Shown)
   | { type: "broken"; message: string }
   | ({ type: "frame" } & Frame)
   | ({ type: "cloud" } & Cloud)
@@ -296,6 +330,8 @@ export function decode(text: string): ToPage {
   const message = JSON.parse(text) as ToPage;
   switch (message.type) {
     case "scene":
+    case "beside":
+    case "shown":
     case "broken":
     case "frame":
     case "cloud":

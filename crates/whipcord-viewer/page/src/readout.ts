@@ -82,12 +82,17 @@ function count(n: number, one: string): string {
 }
 
 function cables(scene: Scene, solved: Solved): HTMLElement {
-  const rows = solved.cables.map((cable, i) => [
-    scene.cables[i]!.name,
-    cable.slack ? "slack" : cable.tension === null ? "–" : significant(cable.tension, 4),
-    mm(cable.length),
-    mm(cable.initial_length - cable.length),
-  ]);
+  // Of a shape that another program shows the lengths are not known: it has none but those before actuation.
+  const isShown = solved.iterations === 0 && solved.solve_time === 0 && solved.residual === 0;
+  const rows = solved.cables.map((cable, i) => {
+    const known = !isShown || cable.length !== cable.initial_length;
+    return [
+      scene.cables[i]!.name,
+      cable.slack ? "slack" : cable.tension === null ? "–" : significant(cable.tension, 4),
+      known ? mm(cable.length) : "–",
+      known ? mm(cable.initial_length - cable.length) : "–",
+    ];
+  });
   return table(["cable", "tension in N", "length in mm", "shortening in mm"], rows);
 }
 

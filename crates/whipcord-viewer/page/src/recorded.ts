@@ -12,8 +12,15 @@ export interface Recording {
   scene: Scene;
   axes: number[][];
   models: RecordedModel[];
+  moment_laws: MomentLaw[] | null;
   /** Where the tip can go, if the page shows that. */
   cloud?: Cloud;
+}
+
+/** What the moments between two stations are of shear, stretch, bending and twist there, the last three less those at rest. */
+interface MomentLaw {
+  rows: [Strain, Strain, Strain];
+  rest: Vector;
 }
 
 interface RecordedModel {
@@ -258,7 +265,7 @@ export class Recorded implements Source {
       positions: poses.map((pose) => pose.position),
       orientations: poses.map((pose) => pose.orientation),
       strains: shown,
-      moments: null,
+      moments: this.#recording.moment_laws?.map(({ rows, rest }, piece): Vector => momentsOf(rows, rest, shown[piece]!)) ?? null,
       cables: scene.cables.map((_, k) => {
         const tension = cable[3 * k]!;
         const length = cable[3 * k + 1]!;
@@ -287,6 +294,12 @@ export class Recorded implements Source {
       warnings: [],
     };
   }
+}
+
+/** Moments of strains, which come with bending and twist first. */
+export function momentsOf(rows: readonly Strain[], rest: Vector, [x, y, z, ...linear]: Strain): Vector {
+  const all = [...linear, x - rest[0], y - rest[1], z - rest[2]];
+  return rows.map((row) => row.reduce((sum, k, c) => sum + k * all[c]!, 0)) as Vector;
 }
 
 /** What an exported page is, in words. */

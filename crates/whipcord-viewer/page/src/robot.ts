@@ -4,19 +4,20 @@ import {
   ExtrudeGeometry,
   Group,
   Mesh,
-  MeshStandardMaterial,
   Path,
   Quaternion as Turn,
   Shape,
   Vector2,
   type BufferGeometry,
   type Material,
+  type MeshStandardMaterialParameters,
 } from "three";
 
 import { linear, parse, type Rgb } from "./colours";
 import { course, rotate } from "./geometry";
 import { NEUTRAL } from "./legend";
 import type { Disk, Scene, Solved } from "./protocol";
+import { surface, type Surface } from "./surface";
 import { circle, ringsAlong, square, Tube, type Outline, type Ring } from "./tube";
 
 /** Colours of a robot: of the backbone at each station, of each cable at each of its points, of each disk. */
@@ -40,8 +41,8 @@ export class RobotMesh {
   readonly #scene: Scene;
   readonly #backbone: Tube;
   readonly #cables: Tube[];
-  readonly #disks: Mesh<BufferGeometry, MeshStandardMaterial>[];
-  readonly #materials: MeshStandardMaterial[] = [];
+  readonly #disks: Mesh<BufferGeometry, Surface>[];
+  readonly #materials: Surface[] = [];
   readonly #holeToHole: boolean;
   #stale = false;
 
@@ -119,8 +120,8 @@ export class RobotMesh {
     for (const material of this.#materials as Material[]) material.dispose();
   }
 
-  #material(options: ConstructorParameters<typeof MeshStandardMaterial>[0]): MeshStandardMaterial {
-    const material = new MeshStandardMaterial({ metalness: 0.05, ...options });
+  #material(options: MeshStandardMaterialParameters): Surface {
+    const material = surface({ metalness: 0.05, ...options });
     material.userData = { opacity: material.opacity, vertexColors: material.vertexColors };
     this.#materials.push(material);
     return material;

@@ -1,12 +1,13 @@
 // What is taken out of the page: a picture, a body, a film.
 
-import { Group, type Object3D } from "three";
+import { Group, Mesh, type Object3D } from "three";
 import { GLTFExporter } from "three/addons/exporters/GLTFExporter.js";
 import { STLExporter } from "three/addons/exporters/STLExporter.js";
 
 import { element } from "./dom";
 import { picture, type PictureOptions, type Said } from "./picture";
 import type { Stage } from "./stage";
+import { standard, type Surface } from "./surface";
 
 /** What there is to save. */
 export interface Saved {
@@ -35,6 +36,9 @@ function inside(robots: readonly Object3D[]): Group {
   if (robots.length === 0) throw new Error("no robot is shown whose shape is an answer");
   const group = new Group();
   group.add(...robots.map((robot) => robot.clone()));
+  group.traverse((object) => {
+    if (object instanceof Mesh) object.material = standard(object.material as Surface);
+  });
   return group;
 }
 

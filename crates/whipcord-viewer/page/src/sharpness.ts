@@ -3,10 +3,10 @@
 
 /** Time in ms after which what has not moved rests. */
 export const REST = 250;
-/** Longest mean time in ms from the wish for a picture to the picture that the eye takes for smooth. */
-const SMOOTH = 21;
+/** Time in ms that a picture of what moves may take: beyond it the next ones are coarser, and finer ones are tried when it takes less than half. */
+const SMOOTH = 16;
 /** Pictures that a mean is taken over. */
-const COUNTED = 6;
+const COUNTED = 3;
 const COARSER = 0.8;
 const COARSEST = 0.4;
 
@@ -17,8 +17,8 @@ export class Sharpness {
   readonly #bySoftware: boolean;
   /** Of the usual one, while something moves. */
   #share = 1;
-  #last = -Infinity;
-  #late = 0;
+  #moves = false;
+  #sum = 0;
   #count = 0;
 
   /** `bySoftware`: edges are not smoothed while something moves, and smoothed by more pixels when it rests. */
@@ -34,30 +34,37 @@ export class Sharpness {
 
   /** Where nothing moves. */
   get still(): number {
+    this.#moves = false;
     return this.#bySoftware ? 2 : this.usual;
   }
 
-  /** Of a picture that was asked for and is drawn at these times in ms: coarser when the last ones were late. */
-  moving(asked: number, drawn: number): number {
-    if (!this.#bySoftware) return this.usual;
-    const rested = asked - this.#last > REST;
-    this.#last = drawn;
-    if (rested) {
-      // What made the last movement slow may be over.
-      this.#share = Math.min(this.#share / COARSER, 1);
-      [this.#late, this.#count] = [0, 0];
-    }
-    this.#late += drawn - asked;
-    if (++this.#count === COUNTED) {
-      if (this.#late > SMOOTH * COUNTED) this.#share = Math.max(this.#share * COARSER, COARSEST);
-      [this.#late, this.#count] = [0, 0];
-    }
-    return this.#share * this.usual;
+  /** Where something moves. */
+  get moving(): number {
+    this.#moves = true;
+    return this.#bySoftware ? this.#share * this.usual : this.usual;
+  }
+
+  /** A picture has been drawn in this time in ms. */
+  took(time: number): void {
+    if (!this.#bySoftware || !this.#moves) return;
+    this.#sum += time;
+    if (++this.#count < COUNTED) return;
+    const mean = this.#sum / this.#count;
+    if (mean > SMOOTH) this.#share = Math.max(this.#share * COARSER, COARSEST);
+    else if (mean < SMOOTH / 2) this.#share = Math.min(this.#share / COARSER, 1);
+    [this.#sum, this.#count] = [0, 0];
   }
 }
 
 /** Whether a browser draws without a graphics card. */
 export function drawsBySoftware(): boolean {
+  known ??= isSoftware();
+  return known;
+}
+
+let known: boolean | undefined;
+
+function isSoftware(): boolean {
   const context = document.createElement("canvas").getContext("webgl2");
   const card = context?.getExtension("WEBGL_debug_renderer_info");
   const name = card ? String(context?.getParameter(card.UNMASKED_RENDERER_WEBGL)) : "";

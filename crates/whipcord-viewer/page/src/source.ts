@@ -1,9 +1,13 @@
 // Where answers come from: the server, over a WebSocket.
 
-import { decode, encode, encodePlay, encodeSurvey, type Cloud, type Frame, type PlayRequest, type Request, type Scene, type Track } from "./protocol";
+import { decode, encode, encodePlay, encodeSurvey, type Answer, type Cloud, type Frame, type PlayRequest, type Request, type Scene, type Shown, type Track } from "./protocol";
 
 export interface Listener {
   scene(scene: Scene): void;
+  /** Another robot, which is shown beside that of the file. */
+  beside(number: number, scene: Scene, answer: Answer): void;
+  /** What another program shows. */
+  shown(shown: Shown): void;
   frame(frame: Frame): void;
   /** Where the tip can go. */
   cloud(cloud: Cloud): void;
@@ -81,6 +85,10 @@ export class Live implements Source {
     switch (message.type) {
       case "scene":
         return this.#listener.scene(message);
+      case "beside":
+        return this.#listener.beside(message.number, message.scene, message.answer);
+      case "shown":
+        return this.#listener.shown(message);
       case "frame":
         return this.#listener.frame(message);
       case "cloud":

@@ -16,6 +16,7 @@ import {
   MeshBasicMaterial,
   MeshStandardMaterial,
   Plane,
+  PMREMGenerator,
   Points,
   Quaternion as Turn,
   Scene as Space,
@@ -25,6 +26,7 @@ import {
   WebGLRenderer,
   type Object3D,
 } from "three";
+import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
@@ -35,24 +37,27 @@ import { Arrows } from "./arrows";
 import { axes } from "./axes";
 import { Cameras, SIDES, type Side } from "./cameras";
 import { Compass } from "./compass";
+import { Eye } from "./eye";
 import { add, rotate } from "./geometry";
+import { Gizmo } from "./gizmo";
 import { Grab, type Grabbing } from "./grab";
 import { Handles } from "./handles";
 import { Labels, type Label } from "./labels";
-import type { Scene, Solved, Vector } from "./protocol";
+import { MEASURED } from "./measured";
+import type { Camera, Scene, Solved, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
+import { Pace } from "./pace";
 import type { Colours } from "./theme";
 import { drawsBySoftware, REST, Sharpness } from "./sharpness";
 
 export interface Watching extends Grabbing {
   /** The user looks from elsewhere. */
   looked(): void;
+  /** One no longer looks through a calibrated camera. */
+  left(): void;
   /** The view has been drawn, with so many pixels of the page for each metre where it looks at. */
   drawn(scale: number): void;
 }
-
-/** Colour of what was measured: one that no model and no cable has. */
-export const MEASURED = "#f0e442";
 
 /** A plane that cuts bodies open: its normal, and its distance from the middle of the robot relative to the robot's half extent. */
 export interface Cut {
@@ -69,6 +74,7 @@ export class Stage {
   readonly #orbit: OrbitControls;
   readonly #canvas: HTMLCanvasElement;
   readonly #watching: Watching;
+  readonly #gizmo: Gizmo;
   readonly #compass: Compass;
   #surroundings = new Group();
   #named: Label[] = [];
@@ -79,6 +85,11 @@ export class Stage {
   readonly #backs = new Group();
   readonly #cloud = new Group();
   readonly #words = new Group();
+  readonly #balls = new Group();
+  readonly #ball = new SphereGeometry(1, 16, 12);
+  readonly #ballMaterial = new MeshStandardMaterial({ color: MEASURED, depthTest: false, transparent: true });
+  readonly #photograph = new Group();
+  readonly #pictures = new Map<string, TexImageSource & { width: number; height: number }>();
   readonly #ink = new LineMaterial({ linewidth: 1.5, depthTest: false, transparent: true });
   readonly #massBody = new SphereGeometry(1, 16, 12);
   readonly #plane = new Plane();
@@ -88,6 +99,8 @@ export class Stage {
   #colours: Colours | undefined;
   #asked = false;
   readonly #sharpness: Sharpness;
+  /** When the next picture can be begun. */
+  readonly pace: Pace;
   #resting = 0;
   #filmed = false;
 
@@ -97,27 +110,54 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: !bySoftware, preserveDrawingBuffer: true });
     this.renderer.localClippingEnabled = true;
     this.#sharpness = new Sharpness(window.devicePixelRatio, bySoftware);
+    const context = this.renderer.getContext();
+    const paced = bySoftware && context instanceof WebGL2RenderingContext ? context : undefined;
+    this.pace = new Pace(paced, (time) => this.#sharpness.took(time));
     this.renderer.setPixelRatio(this.#sharpness.still);
     let made: OrbitControls | undefined;
     this.cameras = new Cameras((camera) => (made = new OrbitControls(camera, canvas)));
     this.#orbit = made!;
     this.#turned();
-    const sun = new DirectionalLight("#ffffff", 2.2);
+    const sun = new DirectionalLight("#ffffff", bySoftware ? 2.2 : 1.5);
     sun.position.set(1, -2, 3);
-    for (const camera of this.cameras.all) camera.add(new DirectionalLight("#ffffff", 0.8));
+    for (const camera of this.cameras.all) camera.add(new DirectionalLight("#ffffff", bySoftware ? 0.8 : 0.4));
+    // Light that comes from everywhere: of a room, or, without a graphics card, which that takes, of the sky.
+    if (bySoftware) this.space.add(new HemisphereLight("#ffffff", "#8890a0", 1.3));
+    else this.#light();
     this.space.add(
-      new HemisphereLight("#ffffff", "#8890a0", 1.3), sun, ...this.cameras.all, this.#surroundings, this.#robots, this.#marks,
+      sun, ...this.cameras.all, this.#surroundings, this.#robots, this.#marks,
       this.#arrows.group, this.#backs, this.handles.group, this.#cloud, this.#words,
+      this.#balls, this.#photograph,
     );
     const host = canvas.parentElement ?? canvas;
     this.labels = new Labels(host);
     this.#compass = new Compass(canvas, () => this.cameras, () => {
+      this.#leaveEye();
       this.draw();
       watching.looked();
     });
+    this.#gizmo = new Gizmo(this.cameras.camera, canvas, {
+      grab: () => watching.grab(watching.places().length - 1),
+      move: (to) => watching.move(to),
+      release: () => watching.release(),
+      changed: () => this.draw(),
+      free: (yes) => (this.#orbit.enabled = yes),
+    });
+    this.handles.group.add(this.#gizmo.body);
     new Grab(canvas, () => this.cameras.camera, watching, (free) => (this.#orbit.enabled = free));
     new ResizeObserver(() => this.#resize()).observe(host);
     this.#resize();
+  }
+
+  /** The light of a room, whose floor is below. */
+  #light(): void {
+    const maker = new PMREMGenerator(this.renderer);
+    const room = new RoomEnvironment();
+    this.space.environment = maker.fromScene(room, 0.04).texture;
+    this.space.environmentRotation.set(Math.PI / 2, 0, 0);
+    this.space.environmentIntensity = 0.35;
+    room.dispose();
+    maker.dispose();
   }
 
   #turned(): void {
@@ -126,7 +166,10 @@ export class Stage {
     this.#orbit.keyPanSpeed = 20;
     this.#orbit.keyRotateSpeed = 15;
     let before = "";
-    this.#orbit.addEventListener("start", () => (before = String(this.view)));
+    this.#orbit.addEventListener("start", () => {
+      before = String(this.view);
+      this.#leaveEye();
+    });
     // A click moves nothing.
     this.#orbit.addEventListener("end", () => {
       if (String(this.view) !== before) this.#watching.looked();
@@ -151,15 +194,7 @@ export class Stage {
     const { group, labels } = axes(scene, colours.ink);
     this.#named = labels;
     this.#surroundings.add(grid, group);
-    const point = new SphereGeometry(0.012 * scene.length, 16, 12);
-    for (const place of scene.measured) {
-      const mesh = new Mesh(point, new MeshStandardMaterial({ color: MEASURED, depthTest: false, transparent: true }));
-      mesh.name = "measured";
-      mesh.position.set(...place);
-      // In front of the robot that it may lie inside of.
-      mesh.renderOrder = 1;
-      this.#surroundings.add(mesh);
-    }
+    grid.visible = this.#photograph.children.length === 0;
     this.space.add(this.#surroundings);
     this.space.background = new Color(colours.background);
     this.#ink.color.set(colours.ink);
@@ -180,8 +215,17 @@ export class Stage {
 
   /** Looks at all of these points of a robot from a side, or from where one looks. */
   look(points: readonly Vector[], side?: Side): void {
+    this.#leaveEye();
     this.cameras.fit(points, this.#length, side && ([...SIDES[side]] as Vector));
     this.draw();
+  }
+
+  /** Whether a place lies in the view, and not at its very edge. */
+  sees(place: Vector): boolean {
+    const { camera } = this.cameras;
+    camera.updateMatrixWorld();
+    const { x, y, z } = new Vector3(...place).project(camera);
+    return Math.max(Math.abs(x), Math.abs(y)) < 0.95 && Math.abs(z) <= 1;
   }
 
   /** From where, and at what the user looks. */
@@ -190,11 +234,13 @@ export class Stage {
   }
 
   set view(view: readonly number[]) {
+    this.#leaveEye();
     this.cameras.view = view;
     this.draw();
   }
 
   zoom(factor: number): void {
+    this.#leaveEye();
     this.cameras.zoom(factor);
     this.draw();
   }
@@ -204,6 +250,11 @@ export class Stage {
     if (groups.length > 0) this.#robots.add(...groups);
     if (this.#cut) this.#applyCut();
     this.draw();
+  }
+
+  /** Where the tip can be moved along axes; nowhere where it cannot. */
+  set movable(tip: Vector | undefined) {
+    this.#gizmo.tip = tip;
   }
 
   /** A robot that the others are compared with, or none any more. */
@@ -246,6 +297,57 @@ export class Stage {
       mesh.scale.setScalar(0.016 * this.#length);
       this.#backs.add(mesh);
     }
+  }
+
+  /** Balls where markers were measured. */
+  measured(places: readonly Vector[]): void {
+    while (this.#balls.children.length > places.length) this.#balls.remove(this.#balls.children.at(-1)!);
+    places.forEach((place, k) => {
+      let ball = this.#balls.children[k];
+      if (!ball) {
+        ball = new Mesh(this.#ball, this.#ballMaterial);
+        ball.name = "measured";
+        // In front of the robot that it may lie inside of.
+        ball.renderOrder = 1;
+        this.#balls.add(ball);
+      }
+      ball.position.set(...place);
+      ball.scale.setScalar(0.012 * this.#length);
+    });
+  }
+
+  /** Looks through a calibrated camera, or no more. */
+  through(seen: Camera | undefined, scene: Scene): void {
+    this.cameras.eye = seen && new Eye(seen, scene.length, scene.base.position);
+    this.#photographed();
+    this.draw();
+  }
+
+  /** The picture that was taken by the camera with this name; none takes it away. */
+  photograph(name: string, picture: (TexImageSource & { width: number; height: number }) | undefined): void {
+    if (picture) this.#pictures.set(name, picture);
+    else this.#pictures.delete(name);
+    this.#photographed();
+    this.draw();
+  }
+
+  #photographed(): void {
+    for (const mesh of this.#photograph.children) if (mesh instanceof Mesh) (mesh.material as MeshBasicMaterial).map?.dispose();
+    discard(this.#photograph);
+    this.#photograph.clear();
+    const { eye } = this.cameras;
+    const picture = eye && this.#pictures.get(eye.seen.name);
+    if (picture) this.#photograph.add(eye.photograph(picture));
+    // Which would lie across it.
+    for (const body of this.#surroundings.children) if (body.name === "grid") body.visible = !picture;
+  }
+
+  /** Looks from elsewhere than through a calibrated camera. */
+  #leaveEye(): void {
+    if (!this.cameras.eye) return;
+    this.cameras.eye = undefined;
+    this.#photographed();
+    this.#watching.left();
   }
 
   readonly #massMaterial = new MeshBasicMaterial({ depthTest: false, transparent: true });
@@ -299,21 +401,18 @@ export class Stage {
   draw(): void {
     if (this.#asked) return;
     this.#asked = true;
-    const asked = performance.now();
     requestAnimationFrame(() => {
-      if (this.#asked) this.#drawMoving(asked);
+      this.pace.whenFree(() => {
+        if (this.#asked) this.drawAtOnce();
+      });
     });
   }
 
-  /** Draws for the picture of the display that is being made, what was asked for at this time in ms. */
-  drawAtOnce(asked: number): void {
-    this.#drawMoving(asked);
-  }
-
-  #drawMoving(asked: number): void {
+  /** Draws for the picture of the display that is being made. */
+  drawAtOnce(): void {
     this.#asked = false;
     if (!this.#filmed) {
-      this.#sharpen(this.#sharpness.moving(asked, performance.now()));
+      this.#sharpen(this.#sharpness.moving);
       window.clearTimeout(this.#resting);
       this.#resting = window.setTimeout(() => this.drawFinely(), REST);
     }
@@ -348,9 +447,11 @@ export class Stage {
     // Each camera has its light, and the other one's would light from elsewhere.
     for (const each of this.cameras.all) for (const light of each.children) light.visible = each === camera;
     this.handles.size(scale, width, height);
+    this.#gizmo.camera = camera;
     this.#ink.resolution.set(width, height);
     this.renderer.render(this.space, camera);
     if (!this.#filmed) this.#compass.render(this.renderer);
+    this.pace.begun();
     this.labels.render(this.space, camera, { width, height });
     // Where on the canvas the tip and the end of the spring are, for who has no eyes.
     const { tip, hand } = this.handles.places;
@@ -367,6 +468,7 @@ export class Stage {
 
   /** Pixels for each metre at a place, of a view of this height. */
   scaleAt(at: Vector3, height: number): number {
+    if (this.cameras.eye) return this.cameras.eye.scaleAt(at);
     const { camera } = this.cameras;
     const scale = this.cameras.scale(height);
     if (this.cameras.isParallel) return scale;
@@ -379,7 +481,7 @@ export class Stage {
   picture<T>(width: number, height: number, { transparent, grid }: { transparent: boolean; grid: boolean }, draw: () => T): T {
     const { background } = this.space;
     const ratio = this.renderer.getPixelRatio();
-    const hidden = [this.handles.group, ...this.#surroundings.children.filter((body) => body.name === "grid" && !grid)];
+    const hidden: Object3D[] = [this.handles.group, ...this.#surroundings.children.filter((body) => body.name === "grid" && !grid)];
     for (const body of hidden) body.visible = false;
     if (transparent) this.space.background = null;
     this.renderer.setPixelRatio(1);
@@ -390,6 +492,7 @@ export class Stage {
       return draw();
     } finally {
       for (const body of hidden) body.visible = true;
+      this.#photographed();
       this.space.background = background;
       this.renderer.setPixelRatio(ratio);
       this.#resize();

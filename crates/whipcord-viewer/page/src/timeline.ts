@@ -1,14 +1,23 @@
-// Plays the steps of a file, or its motion: play, scrub, speed and loop.
+// Plays the steps of a file, its motion, or what another program shows: play, scrub, speed and loop.
 
 import { element } from "./dom";
-import type { Course, CourseChoice, Moment } from "./protocol";
+import type { Answer, Course, CourseChoice, Moment, Vector } from "./protocol";
 import { fixed, significant } from "./units";
+
+/** A shape of what is played; of a stream also those of the other robots, and what was measured. */
+export interface Played extends Moment {
+  others?: readonly (Answer | null)[];
+  measured?: readonly Vector[];
+}
+
+/** What another program shows has no end that is known. */
+type Choice = CourseChoice | { course: "stream" };
 
 export interface Playing {
   /** Asks for the shapes of a course. */
   load(course: Course): void;
-  /** Shows a shape of it. */
-  show(moment: Moment): void;
+  /** Shows a shape of it, by its number. */
+  show(moment: Played, at: number): void;
   /** Back to what the sliders say. */
   leave(): void;
   /** A film begins, and ends. */
@@ -20,6 +29,9 @@ const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5] as const;
 const STEP = 0.5;
 /** How long the last shape is in a film, in ms. */
 const TAIL = 400;
+/** Shapes of a stream that are kept, and how many are dropped at once when there are more. */
+const MOST = 6000;
+const DROPPED = 600;
 
 export class Timeline {
   readonly element = element("div", { id: "timeline", role: "group", "aria-label": "Timeline", hidden: true });
@@ -32,10 +44,13 @@ export class Timeline {
   readonly #loop = element("input", { type: "checkbox", id: "loop" });
   readonly #film = element("button", { type: "button", title: "A film of the whole course, as WebM" }, "Film");
   readonly #live = element("button", { type: "button", title: "Back to what the sliders say" }, "Live");
-  #choices: readonly CourseChoice[] = [];
-  #moments: readonly Moment[] = [];
+  #choices: readonly Choice[] = [];
+  #moments: readonly Played[] = [];
+  readonly #stream: Played[] = [];
+  /** Whether the latest shape of a stream is shown as it comes. */
+  #follows = false;
   #isComplete = false;
-  #loaded: Course | undefined;
+  #loaded: Choice["course"] | undefined;
   #at = 0;
   #runs = false;
   #films = false;
@@ -47,9 +62,10 @@ export class Timeline {
     for (const speed of SPEEDS) this.#speed.append(element("option", { value: speed, selected: speed === 1 }, `${speed}×`));
     this.#play.addEventListener("click", () => (this.#runs ? this.#pause() : this.#start()));
     this.#scrub.addEventListener("input", () => {
+      const to = Number(this.#scrub.value);
       this.#pause();
       this.#loadOnce();
-      this.#go(Number(this.#scrub.value));
+      this.#go(to);
     });
     this.#speed.addEventListener("change", () => this.#time0());
     this.#course.addEventListener("change", () => this.#pick());
@@ -60,7 +76,7 @@ export class Timeline {
       this.#at = 0;
       this.#films = true;
       playing.film(true);
-      this.#start();
+      this.#start(0);
     });
     this.element.append(
       this.#course, this.#play, this.#scrub, this.#time, this.#speed,
@@ -70,19 +86,46 @@ export class Timeline {
 
   /** The courses of a file. */
   open(choices: readonly CourseChoice[]): void {
+    this.#stream.length = 0;
+    this.#offer(choices);
+    this.#pick();
+  }
+
+  #offer(choices: readonly Choice[]): void {
     this.#choices = choices;
     this.element.hidden = choices.length === 0;
-    const words = ({ course, count, duration }: CourseChoice): string =>
-      course === "steps" ? `Steps (${count})` : `Motion (${significant(duration ?? 0, 3)} s)`;
+    const words = (choice: Choice): string =>
+      choice.course === "stream" ? "Stream"
+      : choice.course === "steps" ? `Steps (${choice.count})`
+      : `Motion (${significant(choice.duration ?? 0, 3)} s)`;
     this.#course.replaceChildren(...choices.map((choice) => element("option", { value: choice.course }, words(choice))));
-    this.#pick();
+  }
+
+  /** What another program shows now: followed from the first on, until the user looks at something else. */
+  append(moments: readonly Played[]): void {
+    if (!this.#choices.some(({ course }) => course === "stream")) {
+      this.#offer([{ course: "stream" }, ...this.#choices]);
+      this.#course.value = "stream";
+      this.#pick();
+      this.#start();
+    }
+    this.#stream.push(...moments);
+    const isShown = this.#loaded === "stream";
+    if (this.#stream.length > MOST) {
+      const dropped = this.#stream.splice(0, this.#stream.length - MOST + DROPPED).length;
+      if (isShown) this.#at = Math.max(this.#at - dropped, 0);
+    }
+    if (!isShown) return;
+    this.#scrub.max = String(this.#stream.length - 1);
+    if (this.#follows) this.#go(this.#stream.length - 1);
+    else this.#say();
   }
 
   get isActive(): boolean {
     return this.#loaded !== undefined;
   }
 
-  get choice(): CourseChoice | undefined {
+  get choice(): Choice | undefined {
     return this.#choices.find(({ course }) => course === this.#course.value);
   }
 
@@ -106,7 +149,7 @@ export class Timeline {
 
   #forget(): void {
     this.#pause();
-    [this.#loaded, this.#moments, this.#isComplete, this.#at] = [undefined, [], false, 0];
+    [this.#loaded, this.#moments, this.#isComplete, this.#at, this.#follows] = [undefined, [], false, 0, false];
     this.#live.disabled = true;
     this.#scrub.value = "0";
     this.#say();
@@ -115,7 +158,9 @@ export class Timeline {
   #pick(): void {
     const was = this.isActive;
     this.#forget();
-    this.#scrub.max = String(Math.max((this.choice?.count ?? 1) - 1, 0));
+    const { choice } = this;
+    const count = choice?.course === "stream" ? this.#stream.length : (choice?.count ?? 1);
+    this.#scrub.max = String(Math.max(count - 1, 0));
     this.#say();
     if (was) this.#playing.leave();
   }
@@ -125,11 +170,17 @@ export class Timeline {
     if (course === undefined || this.#loaded === course) return;
     this.#loaded = course;
     this.#live.disabled = false;
-    this.#playing.load(course);
+    if (course !== "stream") return this.#playing.load(course);
+    this.#moments = this.#stream;
+    this.#at = Math.max(this.#stream.length - 1, 0);
   }
 
-  #start(): void {
+  /** Plays from where one is, or from this place. */
+  #start(from?: number): void {
     this.#loadOnce();
+    if (from !== undefined) this.#at = from;
+    // At the end of a stream the next shapes are waited for.
+    this.#follows = this.#loaded === "stream" && !this.#films && this.#at >= this.#moments.length - 1;
     if (this.#isComplete && this.#at >= this.#moments.length - 1) this.#at = 0;
     this.#runs = true;
     this.#play.textContent = "Pause";
@@ -139,6 +190,7 @@ export class Timeline {
 
   #pause(): void {
     this.#runs = false;
+    this.#follows = false;
     this.#play.textContent = "Play";
     if (this.#films) {
       this.#films = false;
@@ -162,11 +214,23 @@ export class Timeline {
     const last = this.#moments.length - 1;
     let next = this.#at;
     while (next < last && this.#secondsOf(this.#moments[next + 1]) <= now) next++;
-    if (next !== this.#at) this.#go(next);
+    if (next !== this.#at && !this.#follows) this.#go(next);
     if (this.#at >= last && last >= 0) {
-      // What is not there yet is waited for.
-      if (!this.#isComplete) this.#time0();
-      else if (now > this.#secondsOf(this.#moments[last]) + (this.#loaded === "steps" ? STEP : 0)) {
+      const streams = this.#loaded === "stream";
+      // The end of a stream is that of its film.
+      if (streams && this.#films) return this.#pause();
+      if (streams && this.#loop.checked && !this.#follows) {
+        this.#go(0);
+        this.#time0();
+      } else if (streams && !this.#follows) {
+        this.#follows = true;
+        this.#say();
+      } else if (streams) {
+        // The next shape comes by itself.
+      } else if (!this.#isComplete) {
+        // What is not there yet is waited for.
+        this.#time0();
+      } else if (now > this.#secondsOf(this.#moments[last]) + (this.#loaded === "steps" ? STEP : 0)) {
         if (!this.#loop.checked) return this.#pause();
         this.#go(0);
         this.#time0();
@@ -180,13 +244,21 @@ export class Timeline {
     this.#scrub.value = String(this.#at);
     this.#say();
     const moment = this.#moments[this.#at];
-    if (moment) this.#playing.show(moment);
+    if (moment) this.#playing.show(moment, this.#at);
   }
 
   #say(): void {
     const { choice } = this;
-    const count = this.#isComplete ? this.#moments.length : (choice?.count ?? 0);
     const moment = this.#moments[this.#at];
+    this.element.dataset["at"] = this.isActive ? String(this.#at) : "";
+    this.element.dataset["known"] = String(this.#moments.length);
+    if (choice?.course === "stream") {
+      const words = `${moment ? fixed(moment.time, 2) : "0"} s, ${this.#follows ? "latest" : `${this.#at + 1} of ${this.#stream.length}`}`;
+      this.#time.textContent = words;
+      this.#scrub.setAttribute("aria-valuetext", words);
+      return;
+    }
+    const count = this.#isComplete ? this.#moments.length : (choice?.count ?? 0);
     const known = this.isActive && !this.#isComplete ? ` (${this.#moments.length} of ${count} solved)` : "";
     const words =
       choice?.course === "steps"
@@ -194,7 +266,5 @@ export class Timeline {
         : `${moment ? fixed(moment.time, 2) : "0"} s of ${significant(choice?.duration ?? 0, 3)} s`;
     this.#time.textContent = words + known;
     this.#scrub.setAttribute("aria-valuetext", words);
-    this.element.dataset["at"] = this.isActive ? String(this.#at) : "";
-    this.element.dataset["known"] = String(this.#moments.length);
   }
 }

@@ -10,6 +10,10 @@ export interface Looking {
   cut(cut: Cut | undefined): void;
   /** Keeps the present shape as a ghost, or lets it go. */
   ghost(yes: boolean): void;
+  /** Looks through the calibrated camera with this number, or through none. */
+  through(camera: number | undefined): void;
+  /** A photograph that was taken by it. */
+  photograph(camera: number, file: File): void;
 }
 
 const SIDES: readonly [Side, string, string][] = [
@@ -25,6 +29,9 @@ export class Toolbar {
   readonly #ghost: HTMLButtonElement;
   readonly #along = element("select", { id: "cut", "aria-label": "Section cut", title: "Cuts robot and obstacles open across an axis of the world" });
   readonly #at = element("input", { type: "range", id: "cut-at", min: -1, max: 1, step: 0.01, value: 0, "aria-label": "Place of the section cut", hidden: true });
+  readonly #camera = element("select", { id: "through", "aria-label": "Calibrated camera", title: "Looks through a camera of the file", hidden: true });
+  readonly #photograph = element("input", { type: "file", id: "photograph", accept: "image/*", "aria-label": "Photograph of this camera", hidden: true });
+  readonly #choose = element("button", { type: "button", title: "A photograph that this camera took, behind the robot; it stays on this machine", hidden: true }, "Photograph…");
   readonly #looking: Looking;
 
   constructor(looking: Looking) {
@@ -46,6 +53,17 @@ export class Toolbar {
     }
     this.#along.addEventListener("change", () => this.#cut());
     this.#at.addEventListener("input", () => this.#cut());
+    this.#camera.addEventListener("change", () => {
+      this.#choose.hidden = this.#camera.value === "";
+      looking.through(this.#camera.value === "" ? undefined : Number(this.#camera.value));
+    });
+    this.#choose.addEventListener("click", () => this.#photograph.click());
+    this.#photograph.addEventListener("change", () => {
+      const file = this.#photograph.files?.[0];
+      if (file && this.#camera.value !== "") looking.photograph(Number(this.#camera.value), file);
+      // The same file may be chosen again.
+      this.#photograph.value = "";
+    });
     this.element.append(
       button("Fit", "The whole robot, from here (0)", () => looking.look(undefined)),
       ...SIDES.map(([side, label, key]) => button(label, `Looks from there at the whole robot (${key})`, () => looking.look(side))),
@@ -53,6 +71,9 @@ export class Toolbar {
       this.#ghost,
       this.#along,
       this.#at,
+      this.#camera,
+      this.#choose,
+      this.#photograph,
     );
   }
 
@@ -64,6 +85,22 @@ export class Toolbar {
     else if (key === "5") this.#parallel.click();
     else return false;
     return true;
+  }
+
+  /** The calibrated cameras of a file, through none of which one looks at first. */
+  cameras(names: readonly string[]): void {
+    this.#camera.replaceChildren(
+      element("option", { value: "" }, "No camera"),
+      ...names.map((name, k) => element("option", { value: k }, `Camera ${name}`)),
+    );
+    this.#camera.hidden = names.length === 0;
+    this.leave();
+  }
+
+  /** Looks through no calibrated camera any more. */
+  leave(): void {
+    this.#camera.value = "";
+    this.#choose.hidden = true;
   }
 
   set isParallel(yes: boolean) {

@@ -156,3 +156,33 @@ test.describe("among obstacles", () => {
     await expect(shown.first()).toHaveText(`${Number((1e3 * newtons).toPrecision(3))} mN`);
   });
 });
+
+test("arrows at the tip move it along an axis", async ({ page, viewer }) => {
+  void viewer;
+  const targets: number[][] = [];
+  page.on("websocket", (socket) => socket.on("framesent", ({ payload }) => {
+    const { target } = JSON.parse(String(payload)) as { target?: number[] | null };
+    if (target) targets.push(target);
+  }));
+  await page.reload();
+  await fromFront(page);
+  await page.getByLabel("Move the tip").check();
+  await page.waitForTimeout(500);
+  const before = await tip(page, "cosserat");
+  const { handle } = await places(page);
+  const box = (await page.locator("#canvas").boundingBox())!;
+  const [x, y] = [box.x + handle[0], box.y + handle[1]];
+  await page.screenshot({ path: `${ARTEFACTS}/gizmo.png` });
+  await page.mouse.move(x, y - 42);
+  await page.mouse.move(x, y - 44);
+  await page.mouse.down();
+  // Up and sideways: along the axis alone it follows.
+  for (let k = 1; k <= 6; k++) await page.mouse.move(x + 4 * k, y - 44 + 3 * k);
+  await page.mouse.up();
+  await expect.poll(() => targets.length).toBeGreaterThan(0);
+  for (const target of targets) {
+    expect(Math.abs(target[0]! - before[0]!)).toBeLessThan(1e-6);
+    expect(Math.abs(target[1]! - before[1]!)).toBeLessThan(1e-6);
+  }
+  expect(targets.at(-1)![2]).toBeLessThan(before[2]! - 1e-3);
+});

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use whipcord::ModelKind;
 
+use crate::protocol::{Marker, Sight};
+
 use super::*;
 
 fn example(name: &str) -> Arc<CaseFile> {
@@ -168,7 +170,9 @@ fn what_is_too_large_for_a_page_is_refused() {
     let mut recording =
         record(&file, &[ModelPreset::usual(ModelKind::FourBar)], None, drop).unwrap();
     written(bare(), &recording).unwrap();
-    recording.scene.measured = vec![[1.0 / 3.0; 3]; 100_000];
+    let seen = Sight::Position { position: [1.0 / 3.0; 3] };
+    let marker = Marker { seen, arc_length: None, offset: [0.0; 3] };
+    recording.scene.measured = vec![vec![marker; 100_000]];
     match written(bare(), &recording).unwrap_err() {
         ViewError::TooLarge { bytes, most: 5_000_000 } => assert!(bytes > 5_000_000, "{bytes}"),
         other => panic!("{other}"),

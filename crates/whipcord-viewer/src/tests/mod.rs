@@ -13,6 +13,7 @@ mod inverse;
 mod live;
 mod samples;
 mod scenes;
+mod shown;
 mod soak;
 
 use std::path::{Path, PathBuf};
@@ -23,7 +24,8 @@ use tokio::net::TcpStream;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest as _;
 use tokio_tungstenite::tungstenite::http::{HeaderValue, header};
-use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
+use tokio_tungstenite::tungstenite::protocol::WebSocketConfig;
+use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async_with_config};
 
 use whipcord::{Model, ModelKind, ModelPreset, Statics as _, Stations, Vec3};
 use whipcord_io::{CaseFile, load};
@@ -81,7 +83,8 @@ impl Client {
         let mut request = format!("ws://127.0.0.1:{port}/socket").into_client_request().unwrap();
         let origin = HeaderValue::from_str(&format!("http://127.0.0.1:{port}")).unwrap();
         request.headers_mut().insert(header::ORIGIN, origin);
-        let (socket, _) = connect_async(request).await.unwrap();
+        let small = WebSocketConfig::default().read_buffer_size(4096).write_buffer_size(0);
+        let (socket, _) = connect_async_with_config(request, Some(small), false).await.unwrap();
         let mut client = Self { socket };
         match client.hear().await {
             ToPage::Scene(scene) => (client, *scene),

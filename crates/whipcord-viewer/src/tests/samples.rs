@@ -5,10 +5,10 @@ use std::path::Path;
 use std::{env, fs};
 
 use crate::protocol::{
-    Answer, Cable, CableState, Cloud, Command, Compliance, Contact, Course, CourseChoice, Disk,
-    Form, Frame, FromPage, Grasp, Load, MetLimit, ModelChoice, Moment, Motor, Obstacle,
-    PlacedObject, PlayRequest, Pose, Pull, Ranges, Reach, Request, Scene, Section, Slider, Solved,
-    ToPage, Track, Warning, read,
+    Answer, Cable, CableState, Camera, Cloud, Command, Compliance, Contact, Course, CourseChoice,
+    Disk, Form, Frame, FromPage, Grasp, Lens, Load, Marker, MetLimit, ModelChoice, Moment, Motor,
+    Obstacle, PlacedObject, PlayRequest, Pose, Pull, Ranges, Reach, Request, Scene, Section, Shown,
+    Sight, Slider, Solved, ToPage, Track, Warning, read,
 };
 
 fn request() -> Request {
@@ -107,7 +107,40 @@ fn scenes() -> Vec<Scene> {
             CourseChoice { course: Course::Steps, count: 4, duration: None },
             CourseChoice { course: Course::Motion, count: 101, duration: Some(1.0) },
         ],
-        measured: vec![[0.0, 0.0, 0.2]],
+        measured: vec![
+            vec![Marker {
+                seen: Sight::Position { position: [0.0, 0.0, 0.2] },
+                arc_length: Some(0.2),
+                offset: [0.0, 0.005, 0.0],
+            }],
+            vec![Marker {
+                seen: Sight::Line {
+                    camera: 0,
+                    origin: [0.0, -1.0, 0.1],
+                    direction: [0.0, 1.0, 0.0],
+                },
+                arc_length: None,
+                offset: [0.0; 3],
+            }],
+        ],
+        cameras: vec![
+            Camera {
+                name: "left".to_owned(),
+                pose,
+                lens: Lens::Pinhole { focal: [800.0, 810.0], centre: [320.0, 240.0] },
+                size: [640.0, 480.0],
+                columns: 2,
+                ideal: vec![Some([-0.5, -0.5]), None],
+            },
+            Camera {
+                name: "right".to_owned(),
+                pose,
+                lens: Lens::Orthographic { scale: 2000.0, centre: [320.0, 240.0] },
+                size: [640.0, 480.0],
+                columns: 1,
+                ideal: vec![],
+            },
+        ],
         obstacles: obstacles.collect(),
         warnings: vec![warning()],
     };
@@ -243,6 +276,12 @@ fn the_page_has_the_types_of_the_server() {
         let (course, moments) = (Course::Motion, vec![moment.clone()]);
         to_page.push(ToPage::Track(Track { id: 9, course, from: 16, moments, complete, message }));
     }
+    let [first, ..] = &frame().answers[..] else { panic!() };
+    if let Some(scene) = scenes().pop() {
+        to_page.push(ToPage::Beside { number: 1, scene: Box::new(scene), answer: first.clone() });
+    }
+    let shapes = vec![Some(first.clone()), None];
+    to_page.push(ToPage::Shown(Shown { time: 0.5, shapes, measured: vec![[0.0, 0.0, 0.1]] }));
     to_page.push(ToPage::NoCloud { id: 8, message: "why".to_owned() });
     to_page.push(ToPage::Error { message: "why".to_owned() });
     let [from, to] = [

@@ -18,6 +18,39 @@ fn resident() -> Option<f64> {
     Some(line.split_whitespace().nth(1)?.parse::<f64>().ok()? / 1024.0)
 }
 
+/// Opens so many pages, each of which solves by two models and surveys, and closes them all.
+async fn pages_come_and_go(port: u16, count: usize) {
+    let mut pages = Vec::new();
+    for _ in 0..count {
+        let (mut client, scene) = Client::connect(port).await;
+        let models = ["cosserat", "cosserat-disks"].map(str::to_owned).to_vec();
+        let request = Request { id: 1, models, compliance: true, ..scene.initial };
+        client.ask(&request).await;
+        assert!(matches!(client.hear().await, ToPage::Frame(_)));
+        pages.push(client);
+    }
+}
+
+/// Memory in MiB before pages come, with all of them open, and when they have gone.
+async fn memory_of_pages(count: usize) -> Option<[f64; 3]> {
+    let port = serve(&example(ARM)).await;
+    // What the first page has made once for all.
+    pages_come_and_go(port, 2).await;
+    let before = resident()?;
+    pages_come_and_go(port, count).await;
+    let most = resident()?;
+    // The server has noticed that they have gone.
+    tokio::time::sleep(Duration::from_secs(1)).await;
+    Some([before, most, resident()?])
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn memory_returns_when_pages_have_gone() {
+    let Some([before, most, after]) = memory_of_pages(40).await else { return };
+    println!("{before:.1} MiB, with 40 pages {most:.1} MiB, then {after:.1} MiB");
+    assert!(after - before < 30.0, "{before:.1} MiB, then {after:.1} MiB");
+}
+
 /// What became of sliders that were moved.
 struct Moved {
     /// From request to frame, in s.
