@@ -98,8 +98,13 @@ fn needed(
     };
     let model = Model::new(ModelKind::Cosserat, Stations::Disks, whipcord::Actuation::Tension)
         .cancelled_by(cancel.cancel());
-    let control =
-        RefineOptions { starts: 1, iterations: options.iterations, seed: options.seed, rim };
+    let control = RefineOptions {
+        starts: 1,
+        iterations: options.iterations,
+        seed: options.seed,
+        rim,
+        criteria: None,
+    };
     let refined = refine(&model, &bare, core::slice::from_ref(&goal), &unknowns, &control)?;
     sections(length)
         .map(|s| {

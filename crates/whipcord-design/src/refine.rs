@@ -12,6 +12,7 @@ use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspac
 use whipcord_numerics::random::SplitMix64;
 
 use crate::chebyshev;
+use crate::criteria::{Criteria, Terms};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::unknown::{Unknown, applied, parameters};
@@ -39,12 +40,14 @@ pub(crate) struct Refined {
 
 /// How a refinement is controlled.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RefineOptions {
+pub(crate) struct RefineOptions<'a> {
     pub starts: usize,
     pub iterations: usize,
     pub seed: u64,
     /// How far from the axis a cable may be in m.
     pub rim: f64,
+    /// What counts beside the distances.
+    pub criteria: Option<&'a Criteria>,
 }
 
 /// What a cable beyond the rim costs: so many lengths of the backbone for each radius beyond it.
@@ -53,6 +56,11 @@ const BEYOND: f64 = 10.0;
 const EXACT: f64 = 1e-7;
 /// Costs that agree to this part are of one answer.
 const AGREE: f64 = 0.01;
+
+/// Rounds of the method of multipliers, the penalty of a violation in the first, and by how much it grows where violations hardly fall.
+const ROUNDS: usize = 12;
+const FIRST_PENALTY: f64 = 10.0;
+const STEEPER: f64 = 5.0;
 
 /// A rest curvature bends the backbone by no more than this over its length, in rad.
 const LARGEST_TURN: f64 = 30.0;
@@ -82,7 +90,7 @@ pub(crate) fn refine(
     robot: &Robot,
     goals: &[ShapeGoal],
     unknowns: &[Bounded],
-    options: &RefineOptions,
+    options: &RefineOptions<'_>,
 ) -> Result<Refined, DesignError> {
     let lower: Vec<f64> = unknowns.iter().map(|of| of.range[0]).collect();
     let upper: Vec<f64> = unknowns.iter().map(|of| of.range[1]).collect();
@@ -98,16 +106,15 @@ pub(crate) fn refine(
     let mut refusal = None;
     for start in 0..options.starts.max(1) {
         let mut values = start_values(unknowns, start, options);
-        let mut problem = Problem::new(model, robot, goals, unknowns, options.rim);
-        let outcome = minimise(&mut problem, &mut values, &minimiser, &mut Workspace::default());
-        match outcome {
-            Ok(outcome) => {
+        let mut problem = Problem::new(model, robot, goals, unknowns, options)?;
+        match problem.constrained(&mut values, &minimiser) {
+            Ok(is_converged) => {
                 values = problem.within_rim(&values);
                 let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
-                ends.push((cost, outcome.status.is_converged(), values));
+                ends.push((cost, is_converged, values));
                 // Nothing comes nearer than this.
                 let length = robot.backbone().length;
-                if cost.sqrt() <= EXACT * length * (problem.points() as f64).sqrt() {
+                if cost.sqrt() <= EXACT * length * (problem.points().max(1) as f64).sqrt() {
                     break;
                 }
             }
@@ -146,7 +153,7 @@ pub(crate) fn refine(
 }
 
 /// The given start, or another: cables on helices that start at any angle, all else anywhere in its range.
-fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions) -> Vec<f64> {
+fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions<'_>) -> Vec<f64> {
     if start == 0 {
         return unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect();
     }
@@ -186,6 +193,12 @@ struct Problem<'a> {
     parameters: Vec<Parameter>,
     rim: f64,
     length: f64,
+    criteria: Option<&'a Criteria>,
+    /// Of each constraint its multiplier by the penalty, in the method of multipliers, and the penalty.
+    shifts: Vec<f64>,
+    penalty: f64,
+    /// How many objectives and constraints there are.
+    terms: [usize; 2],
     /// The answers at the last unknowns, which the next ones start from.
     answers: Vec<Option<Solution>>,
     /// Cables with a course of so many nodes.
@@ -198,8 +211,8 @@ impl<'a> Problem<'a> {
         robot: &'a Robot,
         goals: &'a [ShapeGoal],
         unknowns: &[Bounded],
-        rim: f64,
-    ) -> Self {
+        options: &RefineOptions<'a>,
+    ) -> Result<Self, DesignError> {
         let list: Vec<Unknown> = unknowns.iter().map(|of| of.unknown).collect();
         let mut courses = Vec::new();
         for unknown in &list {
@@ -210,7 +223,7 @@ impl<'a> Problem<'a> {
             }
         }
         let step = |of: &Bounded| 1e-4 * (of.starts[1] - of.starts[0]).abs().max(1e-9);
-        Self {
+        let mut problem = Self {
             model,
             robot,
             goals,
@@ -218,11 +231,69 @@ impl<'a> Problem<'a> {
             parameters: parameters(&list),
             unknowns: list,
             steps: unknowns.iter().map(step).collect(),
-            rim,
+            rim: options.rim,
             length: robot.backbone().length,
+            criteria: options.criteria.filter(|criteria| !criteria.is_empty()),
+            shifts: Vec::new(),
+            penalty: FIRST_PENALTY,
+            terms: [0; 2],
             answers: vec![None; goals.len()],
             courses,
+        };
+        if problem.criteria.is_some() {
+            let start: Vec<f64> =
+                unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect();
+            let terms = problem.terms(&start)?;
+            problem.terms = [terms.objectives.len(), terms.violations.len()];
+            problem.shifts = vec![0.0; terms.violations.len()];
         }
+        Ok(problem)
+    }
+
+    /// Minimises from some values by the method of multipliers of Powell and of Hestenes and leaves the best in them; whether that converged.
+    fn constrained(
+        &mut self,
+        values: &mut [f64],
+        minimiser: &Options,
+    ) -> Result<bool, NoResiduals<DesignError>> {
+        let mut before = f64::INFINITY;
+        for round in 0..ROUNDS {
+            let outcome = minimise(self, values, minimiser, &mut Workspace::default())?;
+            let is_converged = outcome.status.is_converged();
+            if self.shifts.is_empty() {
+                return Ok(is_converged);
+            }
+            let terms = self.terms(values).map_err(NoResiduals::Refused)?;
+            let worst = terms.worst_violation();
+            if worst <= 0.0 || round + 1 == ROUNDS {
+                return Ok(is_converged && worst <= 0.0);
+            }
+            for (shift, violation) in self.shifts.iter_mut().zip(&terms.violations) {
+                *shift = (*shift + violation).max(0.0);
+            }
+            if worst > 0.3 * before {
+                self.penalty *= STEEPER;
+                self.shifts.iter_mut().for_each(|shift| *shift /= STEEPER);
+            }
+            before = worst;
+        }
+        Ok(false)
+    }
+
+    /// What the criteria make of these unknowns.
+    fn terms(&mut self, values: &[f64]) -> Result<Terms, DesignError> {
+        let Some(criteria) = self.criteria else { return Ok(Terms::default()) };
+        let solutions = self.solved(values)?;
+        let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, values)?;
+        criteria.terms(&robot, &cases, &solutions)
+    }
+
+    /// Residuals of criteria: objectives, then constraints that are violated or were.
+    fn of_criteria(&self, terms: &Terms) -> Vec<f64> {
+        let root = self.penalty.sqrt();
+        let violated = terms.violations.iter().zip(&self.shifts);
+        let violated = violated.map(|(of, shift)| root * (of + shift).max(0.0));
+        terms.objectives.iter().copied().chain(violated).collect()
     }
 
     fn points(&self) -> usize {
@@ -288,10 +359,14 @@ impl<'a> Problem<'a> {
         Ok(solutions)
     }
 
+    /// What starts are compared by, in m².
     fn cost(&mut self, values: &[f64]) -> Option<f64> {
         let solutions = self.solved(values).ok()?;
         let goals = self.goals.iter().zip(&solutions);
-        Some(goals.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum())
+        let cost = goals.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
+        let Some(criteria) = self.criteria else { return Some(cost) };
+        let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, values).ok()?;
+        Some(cost + criteria.cost(&robot, &cases, &solutions).ok()?)
     }
 
     fn by_difference(
@@ -311,12 +386,43 @@ impl<'a> Problem<'a> {
     }
 }
 
+impl Problem<'_> {
+    /// Derivatives of the residuals of criteria, by central differences: volumes, clearances and compliances have no others.
+    fn criteria_by_differences(
+        &mut self,
+        unknowns: &[f64],
+        into: &mut [f64],
+    ) -> Result<(), DesignError> {
+        let columns = unknowns.len();
+        for column in 0..columns {
+            let step = self.steps[column];
+            let mut side = |by: f64| -> Result<Vec<f64>, DesignError> {
+                let mut moved = unknowns.to_vec();
+                moved[column] += by;
+                let terms = self.terms(&moved)?;
+                Ok(self.of_criteria(&terms))
+            };
+            // At a bound that is one of physics, such as no tension, there is but one side.
+            let (from, to, width) = match (side(-step), side(step)) {
+                (Ok(from), Ok(to)) => (from, to, 2.0 * step),
+                (Err(_), Ok(to)) => (side(0.0)?, to, step),
+                (Ok(from), Err(_)) => (from, side(0.0)?, step),
+                (Err(error), Err(_)) => return Err(error),
+            };
+            for (row, (from, to)) in from.iter().zip(&to).enumerate() {
+                into[row * columns + column] = (to - from) / width;
+            }
+        }
+        Ok(())
+    }
+}
+
 impl Residuals for Problem<'_> {
     type Refusal = DesignError;
 
     fn count(&self) -> usize {
         let beyond: usize = self.courses.iter().map(|(_, nodes)| Self::stations(*nodes)).sum();
-        3 * self.points() + beyond
+        3 * self.points() + beyond + self.terms.iter().sum::<usize>()
     }
 
     fn residuals(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
@@ -335,6 +441,11 @@ impl Residuals for Problem<'_> {
                 into[row] = BEYOND * (x.hypot(y) / self.rim - 1.0).max(0.0);
                 row += 1;
             }
+        }
+        if let Some(criteria) = self.criteria {
+            let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, unknowns)?;
+            let terms = criteria.terms(&robot, &cases, &solutions)?;
+            into[row..].copy_from_slice(&self.of_criteria(&terms));
         }
         self.answers = solutions.into_iter().map(Some).collect();
         Ok(())
@@ -398,6 +509,9 @@ impl Residuals for Problem<'_> {
                 }
             }
             first += count;
+        }
+        if self.criteria.is_some() {
+            self.criteria_by_differences(unknowns, &mut into[first * columns..])?;
         }
         Ok(())
     }

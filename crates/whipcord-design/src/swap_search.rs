@@ -4,6 +4,7 @@ use whipcord::{Model, Robot, SolveError};
 
 use crate::candidates::costs;
 use crate::choices::Choices;
+use crate::criteria::Criteria;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::shape_search::Found;
@@ -14,6 +15,8 @@ pub(crate) struct SwapSearch<'a> {
     pub robot: &'a Robot,
     pub choices: &'a Choices,
     pub goals: &'a [ShapeGoal],
+    /// What counts beside the goals.
+    pub criteria: Option<&'a Criteria>,
     /// Solves that may be spent on each goal.
     pub most_solves: usize,
 }
@@ -48,7 +51,7 @@ impl SwapSearch<'_> {
         spent: &mut usize,
     ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
         *spent += lists.len();
-        costs(self.model, self.robot, self.choices, self.goals, lists)
+        costs(self.model, self.robot, self.choices, (self.goals, self.criteria), lists)
     }
 
     /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.

@@ -14,9 +14,10 @@ use whipcord::Cancel;
 
 use crate::background::of_latest;
 use crate::bench::Bench;
+use crate::design::design;
 use crate::opened::{Opened, Usable};
 use crate::play::play;
-use crate::protocol::{self, FromPage, Malformed, PlayRequest, Request, ToPage};
+use crate::protocol::{self, DesignRequest, FromPage, Malformed, PlayRequest, Request, ToPage};
 use crate::survey::survey;
 
 /// Messages that wait to be sent to a page that is slow to take them.
@@ -50,6 +51,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     let (ask, latest) = watch::channel::<Option<Arrived>>(None);
     let (ask_survey, latest_survey) = watch::channel::<Option<Arc<Request>>>(None);
     let (ask_play, latest_play) = watch::channel::<Option<Arc<PlayRequest>>>(None);
+    let (ask_design, latest_design) = watch::channel::<Option<Arc<DesignRequest>>>(None);
     let writer = async move {
         while let Some(message) = messages.recv().await {
             // What is sent has been checked to hold numbers only, which is all that could fail.
@@ -61,6 +63,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     };
     let surveyor = of_latest(shared.opened.clone(), latest_survey, send.clone(), survey);
     let player = of_latest(shared.opened.clone(), latest_play, send.clone(), play);
+    let designer = of_latest(shared.opened.clone(), latest_design, send.clone(), design);
     let solver = solve(shared, latest, send.clone());
     let reader = async move {
         while let Some(Ok(message)) = incoming.next().await {
@@ -86,6 +89,12 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
                 Ok(FromPage::EndPlay) => {
                     ask_play.send_replace(None);
                 }
+                Ok(FromPage::Design(request)) => {
+                    ask_design.send_replace(Some(Arc::new(request)));
+                }
+                Ok(FromPage::EndDesign) => {
+                    ask_design.send_replace(None);
+                }
                 Err(error) => {
                     if send.send(ToPage::Error { message: error.to_string() }).await.is_err() {
                         break;
@@ -99,6 +108,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
         () = solver => {}
         () = surveyor => {}
         () = player => {}
+        () = designer => {}
         () = reader => {}
     }
 }
