@@ -12,7 +12,8 @@ use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::problem::DesignOptions;
-use crate::refine::{RefineOptions, refine, rest_curvature_at};
+use crate::refine::{refine, rest_curvature_at};
+use crate::residuals::RefineOptions;
 
 /// A robot with as many cables as its goals take.
 pub(crate) struct FoundCables {

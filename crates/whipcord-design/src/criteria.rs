@@ -18,6 +18,8 @@ use crate::soft_volume::soft_volume;
 const STATIONS: usize = 41;
 /// Commands of a workspace.
 const COMMANDS: usize = 1_000;
+/// How many solves of whole shapes these take as long as, in lanes and for the tip alone.
+const WORKSPACE_EFFORT: usize = 20;
 /// A volume before the design that is smaller than this part of the cube of the length counts as this.
 const LEAST_VOLUME: f64 = 1e-6;
 /// Constraints are aimed at with this much to spare, as a part of what counts as a violation of one.
@@ -110,6 +112,17 @@ impl Criteria {
     /// Whether only tensions count: with given tensions nothing else changes them.
     pub fn are_of_tensions(&self) -> bool {
         self.list.iter().all(|of| matches!(of.quantity, Quantity::Tension))
+    }
+
+    /// How many solves the values of a robot are worth, beside those of its shapes.
+    pub fn effort(&self) -> usize {
+        let of = |criterion: &Criterion| match criterion.quantity {
+            Quantity::Tension => 0,
+            Quantity::Clearance => 1,
+            Quantity::Stiffness { .. } => 3,
+            Quantity::Workspace => WORKSPACE_EFFORT,
+        };
+        self.list.iter().map(of).sum()
     }
 
     /// The greatest tension that is allowed in N, where one is.

@@ -80,7 +80,8 @@ pub enum DesignError {
     NoHoles,
     /// A fixed hole or a largest jump that cannot be.
     #[error(
-        "hole {hole} of disk {disk} cannot be fixed: the disks have holes 1 to {holes}, and the cable passes {disks} disks"
+        "hole {hole} of disk {}, counted from 1 at the base, cannot be fixed: the disks have holes 1 to {holes}, and the cable passes {disks} disks",
+        disk + 1
     )]
     NoSuchHole {
         /// Number of the hole, from 1.
@@ -93,7 +94,10 @@ pub enum DesignError {
         disks: usize,
     },
     /// The rules leave no list of holes.
-    #[error("the rules leave no hole for disk {disk}: allow larger jumps or fix fewer holes")]
+    #[error(
+        "the rules leave no hole for disk {}, counted from 1 at the base: allow larger jumps or fix fewer holes",
+        disk + 1
+    )]
     NoChoice {
         /// Number of the disk, from 0.
         disk: usize,

@@ -37,7 +37,7 @@ const CONSISTENT: f64 = 1e-5;
 pub enum Proof {
     /// No list of holes that the rules allow comes nearer, by the model.
     Optimal,
-    /// The best of what was found: the spans that may be looked at did not suffice.
+    /// The best of what was found: the spans or solves that may be spent did not suffice for a proof.
     Budget,
     /// The best of what was found: no change of one hole or of two neighbouring ones comes nearer. Under loads, with given lengths, with friction, among
     /// obstacles and in models of continuous cables the shape of a span depends on all holes.
@@ -150,7 +150,9 @@ pub(crate) fn search(
                 most_solves: options.solves,
             };
             let starts = starts(robot, &choices, goals, options);
-            (search.run(&starts)?, Proof::Local)
+            let found = search.run(&starts)?;
+            let proof = if found.is_proven { Proof::Local } else { Proof::Budget };
+            (found, proof)
         }
     };
     let robot = with_holes(robot, &choices, &found.list)?;
@@ -164,12 +166,12 @@ pub(crate) fn search(
     };
     let error = root_mean_square(goals, cost);
     // The proof holds for the robot only if its shape is the product of the spans.
-    let off = match proof {
-        Proof::Local => 0.0,
-        _ => (error - root_mean_square(goals, found.cost)).abs(),
-    };
+    let off = (error - root_mean_square(goals, found.cost)).abs();
     let is_consistent = off <= CONSISTENT * robot.backbone().length;
-    let proof = if is_consistent { proof } else { Proof::Local };
+    let proof = match proof {
+        Proof::Optimal if !is_consistent => Proof::Budget,
+        proof => proof,
+    };
     let of_cable = |place| {
         found.list.iter().map(|&choice| choices.hole(choice, place) + 1).collect::<Vec<usize>>()
     };

@@ -21,6 +21,7 @@ mod named_curve;
 mod pre_bend;
 mod problem;
 mod refine;
+mod residuals;
 mod route;
 mod shape_search;
 mod soft_volume;

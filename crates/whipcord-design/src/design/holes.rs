@@ -2,8 +2,8 @@
 
 use whipcord::Case;
 
-use super::Work;
 use super::unknowns::converged;
+use super::work::Work;
 use crate::choices::{FixedHole, HoleRules};
 use crate::error::DesignError;
 use crate::hole_design::{self, HoleDesign};

@@ -3,6 +3,7 @@
 mod holes;
 mod on_curve;
 mod unknowns;
+mod work;
 
 use whipcord::{Case, Model, ModelKind, Robot, Solution, Statics as _, Stations};
 
@@ -10,11 +11,10 @@ use crate::cable_count;
 use crate::criteria::Criteria;
 use crate::error::DesignError;
 use crate::goal::{self, ShapeGoal, root_mean_square};
-use crate::problem::{
-    Design, DesignGoal, DesignOptions, Finding, GoalResult, Known, TargetShape, spread,
-};
+use crate::problem::{Design, DesignGoal, DesignOptions, GoalResult, Known, spread};
 use crate::vary::Vary;
 use unknowns::{command_ranges, rim};
+use work::{Work, with_case};
 
 /// Changes what is to be varied of a robot, so that it comes nearest to its goals in the weighted mean square of the distances of its disks, with the objectives and
 /// within the constraints of [`DesignOptions::criteria`].
@@ -102,10 +102,6 @@ pub fn design(
     })
 }
 
-fn with_case(goal: &DesignGoal, case: &Case) -> DesignGoal {
-    DesignGoal { case: case.clone(), ..goal.clone() }
-}
-
 fn measured(model: &Model, robot: &Robot, goals: &[ShapeGoal]) -> Option<Vec<Solution>> {
     goals.iter().map(|goal| model.solve(robot, &goal.case).ok()).collect()
 }
@@ -134,18 +130,6 @@ fn result(model: &Model, robot: &Robot, goal: &ShapeGoal) -> Result<GoalResult, 
 
 /// Estimated error of the fine solve, as a part of the length.
 const FINE: f64 = 1e-9;
-
-struct Work<'a> {
-    model: Model,
-    goals: &'a [DesignGoal],
-    vary: Vec<Vary>,
-    options: &'a DesignOptions,
-    robot: Robot,
-    cases: Vec<Case>,
-    criteria: Criteria,
-    findings: Vec<Finding>,
-    assumed: Option<[f64; 2]>,
-}
 
 impl Work<'_> {
     fn run(&mut self) -> Result<(), DesignError> {
@@ -187,69 +171,6 @@ impl Work<'_> {
             self.least_squares(&rest)?;
         }
         Ok(())
-    }
-
-    fn cables(&self, pick: impl Fn(Vary) -> Option<usize>) -> Vec<usize> {
-        let mut cables: Vec<usize> = Vec::new();
-        for cable in self.vary.iter().filter_map(|of| pick(*of)) {
-            if !cables.contains(&cable) {
-                cables.push(cable);
-            }
-        }
-        cables
-    }
-
-    /// Cables whose tensions are varied.
-    fn tensions(&self) -> Vec<usize> {
-        self.cables(|of| match of {
-            Vary::Tension { cable } => Some(cable),
-            _ => None,
-        })
-    }
-
-    /// Tensions can be varied where they are commanded.
-    fn check_tensions(&mut self, cables: &[usize]) -> Result<(), DesignError> {
-        for case in &mut self.cases {
-            for &cable in cables {
-                let command = &mut case.commands[cable];
-                if command.shortening.is_some() && command.tension.is_none() {
-                    let name = self.robot.cables()[cable].name.clone();
-                    return Err(DesignError::DrivenByLength { name });
-                }
-                command.tension.get_or_insert(0.0);
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether all constraints are met and there are no objectives, so that what is nearest to the targets is the best.
-    fn keeps_criteria(&self) -> Result<bool, DesignError> {
-        if self.criteria.is_empty() {
-            return Ok(true);
-        }
-        let solutions = self.cases.iter().map(|case| self.model.solve(&self.robot, case));
-        let Ok(solutions) = solutions.collect::<Result<Vec<_>, _>>() else { return Ok(false) };
-        let terms = self.criteria.terms(&self.robot, &self.cases, &solutions)?;
-        Ok(!self.criteria.has_objectives() && terms.worst_violation() <= 0.0)
-    }
-
-    fn shape_goals(&self) -> Result<Vec<ShapeGoal>, DesignError> {
-        let goals = self.goals.iter().zip(&self.cases);
-        goals.map(|(of, case)| with_case(of, case).shape_goal(&self.robot)).collect()
-    }
-
-    fn find(&mut self, what: Vary, known: Known) {
-        self.findings.push(Finding { what: what.to_string(), known });
-    }
-
-    /// The one goal's curve, where there is one goal and it is a curve.
-    fn curve(&self) -> Result<Option<crate::curve::Curve>, DesignError> {
-        match self.goals {
-            [DesignGoal { target: TargetShape::Curve(named), .. }] => {
-                named.curve(self.robot.backbone().length).map(Some)
-            }
-            _ => Ok(None),
-        }
     }
 
     /// Cables as few as the bending moments of the goals allow, with routings and tensions to start from.

@@ -2,7 +2,7 @@
 
 use whipcord::ModelKind;
 
-use super::Work;
+use super::work::Work;
 use crate::error::DesignError;
 use crate::pre_bend::rest_curvature_for_curve;
 use crate::route::route_for_curve;

@@ -5,12 +5,13 @@ use core::f64::consts::TAU;
 use whipcord::section::section_stiffness;
 use whipcord::{Along, Backbone, Case, Parameter, Robot, Section};
 
-use super::Work;
+use super::work::Work;
 use crate::chebyshev;
 use crate::criteria::by_tension;
 use crate::error::DesignError;
 use crate::problem::{DesignOptions, Known};
-use crate::refine::{Bounded, RefineOptions, Refined, refine, rest_curvature_at};
+use crate::refine::{Refined, refine, rest_curvature_at};
+use crate::residuals::{Bounded, RefineOptions};
 use crate::route::largest_radius;
 use crate::unknown::{Unknown, least_distance};
 use crate::vary::Vary;

@@ -34,7 +34,7 @@ export class Designing {
       change: (edit: Parameters<Store["change"]>[0]) => store.change(edit),
       commit: () => store.commit(),
     };
-    this.#holes = new Holes({ ...changes, redraw: () => this.dress() });
+    this.#holes = new Holes({ ...changes, state: () => store.state, redraw: () => this.dress() });
     this.#sketch = new Sketcher({ ...changes, name: () => host.name(), design: (places, tension) => this.#design(places, tension) });
     stage.space.add(this.#marks.group);
     this.#holes.listen(stage.canvas, () => stage.cameras.camera, () => host.first());
@@ -47,10 +47,8 @@ export class Designing {
 
   /** Shows the controls of a file below the others. */
   open(scene: Scene, into: HTMLElement): void {
-    const { state } = this.#store;
     this.#asked++;
-    if (!state) return;
-    this.#holes.open(scene, state);
+    this.#holes.open(scene);
     this.#sketch.open(scene, this.#holes.isPossible);
     into.append(this.#holes.element, this.#sketch.element);
     this.show();

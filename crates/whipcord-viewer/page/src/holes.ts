@@ -8,6 +8,7 @@ import type { Frame, Scene, Solved, Vector } from "./protocol";
 import type { State } from "./state";
 
 export interface HoleChanges {
+  state(): State | undefined;
   change(edit: (state: State) => void): void;
   commit(): void;
   /** Other holes can be clicked on, or none any more. */
@@ -55,13 +56,13 @@ export class Holes {
     return this.#scene !== undefined && routed(this.#scene).length > 0;
   }
 
-  open(scene: Scene, state: State): void {
+  open(scene: Scene): void {
     [this.#scene, this.#own] = [scene, scene.cables];
     const cables = routed(scene);
     this.element.hidden = cables.length === 0;
     if (!cables.includes(this.#cable)) this.#cable = cables[0] ?? 0;
     if (cables.length === 0) this.#isChoosing = false;
-    else this.#build(state);
+    else this.#build();
   }
 
   /** Takes where the cables run in a frame. */
@@ -148,7 +149,7 @@ export class Holes {
     return best;
   }
 
-  #build(state: State): void {
+  #build(): void {
     const scene = this.#scene!;
     const toggle = element("input", { type: "checkbox", id: "choose-holes", checked: this.#isChoosing });
     toggle.addEventListener("change", () => {
@@ -163,7 +164,7 @@ export class Holes {
     );
     select.addEventListener("change", () => {
       this.#cable = Number(select.value);
-      this.#build(state);
+      this.#build();
       this.#changes.redraw();
     });
     this.#boxes = (scene.cables[this.#cable]!.holes ?? []).map((_, disk) => {
@@ -185,7 +186,8 @@ export class Holes {
       element("div", { class: "grid-of-boxes" }, ...each),
       element("p", { class: "hint" }, "For the robot file: ", this.#list),
     );
-    this.show(state);
+    const state = this.#changes.state();
+    if (state) this.show(state);
   }
 }
 
