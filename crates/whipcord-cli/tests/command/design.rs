@@ -131,8 +131,9 @@ fn criteria_are_kept_and_told_and_refused_where_they_are_not() {
 fn a_path_of_the_tip_is_followed_by_the_steps_of_the_new_file() {
     let scratch = Scratch::new();
     let (new, path) = (scratch.file("new.toml"), scratch.file("path.csv"));
-    let rows = (1..4).map(|k| format!("{k},{},0,{}\n", 8 * k, 178 - 2 * k));
-    std::fs::write(&path, format!("t,x [mm],y [mm],z [mm]\n{}", rows.collect::<String>())).unwrap();
+    // Arcs of 180 mm.
+    let rows = "1,8,0,179.76\n2,16,0,179.05\n3,24,0,177.86\n";
+    std::fs::write(&path, format!("t,x [mm],y [mm],z [mm]\n{rows}")).unwrap();
     let routing = "cables[0].routing";
     let args = ["design", THREE, "--target", &path, "--set", "design.starts=1", "--vary", routing];
     let with =
