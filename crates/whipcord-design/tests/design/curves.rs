@@ -2,7 +2,9 @@
 
 use core::f64::consts::{PI, TAU};
 
-use whipcord::{Actuation, Case, Loads, Model, ModelKind, Section, Stations, Vec3};
+use whipcord::{
+    Actuation, Backbone, Case, Loads, Model, ModelKind, Robot, Section, Stations, Vec3,
+};
 use whipcord_design::{
     Curve, DesignError, rest_curvature_for_curve, route_for_curve, taper_for_curve,
 };

@@ -1785,7 +1785,7 @@ export const toPage: ToPage[] = [
         "iterations": 3,
         "stability": 0.9,
         "unstable": false,
-        "solve_time": 2e-05,
+        "solve_time": 0.00002,
         "driven_by": null,
         "compliance": {
           "status": "known",
@@ -1876,7 +1876,7 @@ export const toPage: ToPage[] = [
         "iterations": 3,
         "stability": null,
         "unstable": false,
-        "solve_time": 2e-05,
+        "solve_time": 0.00002,
         "driven_by": "cosserat",
         "compliance": {
           "status": "unknown",
@@ -2042,7 +2042,7 @@ export const toPage: ToPage[] = [
         "iterations": 3,
         "stability": 0.9,
         "unstable": false,
-        "solve_time": 2e-05,
+        "solve_time": 0.00002,
         "driven_by": null,
         "compliance": {
           "status": "known",
@@ -2133,7 +2133,7 @@ export const toPage: ToPage[] = [
         "iterations": 3,
         "stability": null,
         "unstable": false,
-        "solve_time": 2e-05,
+        "solve_time": 0.00002,
         "driven_by": "cosserat",
         "compliance": {
           "status": "unknown",
@@ -2303,7 +2303,7 @@ export const toPage: ToPage[] = [
             "iterations": 3,
             "stability": 0.9,
             "unstable": false,
-            "solve_time": 2e-05,
+            "solve_time": 0.00002,
             "driven_by": null,
             "compliance": {
               "status": "known",
@@ -2394,7 +2394,7 @@ export const toPage: ToPage[] = [
             "iterations": 3,
             "stability": null,
             "unstable": false,
-            "solve_time": 2e-05,
+            "solve_time": 0.00002,
             "driven_by": "cosserat",
             "compliance": {
               "status": "unknown",
@@ -2545,7 +2545,7 @@ export const toPage: ToPage[] = [
             "iterations": 3,
             "stability": 0.9,
             "unstable": false,
-            "solve_time": 2e-05,
+            "solve_time": 0.00002,
             "driven_by": null,
             "compliance": {
               "status": "known",
@@ -2636,7 +2636,7 @@ export const toPage: ToPage[] = [
             "iterations": 3,
             "stability": null,
             "unstable": false,
-            "solve_time": 2e-05,
+            "solve_time": 0.00002,
             "driven_by": "cosserat",
             "compliance": {
               "status": "unknown",
@@ -2815,7 +2815,7 @@ export const toPage: ToPage[] = [
         "iterations": 3,
         "stability": 0.9,
         "unstable": false,
-        "solve_time": 2e-05,
+        "solve_time": 0.00002,
         "driven_by": null,
         "compliance": {
           "status": "known",
@@ -2906,7 +2906,7 @@ export const toPage: ToPage[] = [
         "iterations": 3,
         "stability": null,
         "unstable": false,
-        "solve_time": 2e-05,
+        "solve_time": 0.00002,
         "driven_by": "cosserat",
         "compliance": {
           "status": "unknown",
