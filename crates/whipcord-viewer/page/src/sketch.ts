@@ -103,7 +103,7 @@ export class Sketcher {
   designed({ error, largest, proven }: Designed): void {
     const mm = (metres: number): string => `${significant(1e3 * metres, 3)} mm`;
     const known = proven ? "no other list of holes comes nearer" : "there may be a better list";
-    this.tell(`${mm(error)} off in the root mean square, ${mm(largest)} at most; with these tensions ${known}.`);
+    this.tell(`${mm(error)} off in the root mean square, ${mm(largest)} at most, by cosserat-disks; with these tensions ${known}.`);
   }
 
   /** Where the disks behind the base are wanted, in the world; none without a sketch. */
