@@ -42,6 +42,33 @@ def test_several_shapes_under_tensions_of_their_own(finger: whipcord.Case) -> No
     assert len(found.targets) == 2 and found.largest_error < 1e-8
 
 
+def test_criteria_are_kept_and_told(finger: whipcord.Case) -> None:
+    straight = finger.replace(tension=[0.0])
+    wanted = "stiffness, disk = 8, direction = y, at_least = 60 N/m"
+    found = straight.design(vary="backbone.diameter", criteria=wanted)
+    (criterion,) = found.criteria
+    assert criterion["met"] and criterion["limit"] == 60.0 and criterion["disk"] == 8
+    assert criterion["before"] < 60.0 <= criterion["value"] < 64.0
+    # The same by the robot of the design.
+    compliance = found.case.stiffness().compliance
+    assert 1.0 / compliance[1, 1] == pytest.approx(criterion["value"], rel=1e-3)
+    assert len(found.targets[0].distance) == 0 and "without places" in repr(found.targets[0])
+    with pytest.raises(InputError, match="instead of at least"):
+        straight.design(vary="backbone.diameters", diameter=[1e-3, 2e-3], criteria="stiffness, disk = 8, at_least = 9e5 N/m")
+    with pytest.raises(InputError, match="no criterion"):
+        straight.design(vary="backbone.diameter", criteria="strength, weight = 1")
+
+
+def test_a_path_has_tensions_of_its_own(finger: whipcord.Case) -> None:
+    path = np.array([finger.replace(tension=[pull]).solve().tip.position for pull in (1.0, 2.0, 3.0)])
+    found = finger.design(path=path, vary="cables[0].tension")
+    assert len(found.targets) == 3 and found.largest_error < 1e-6
+    with pytest.raises(InputError, match="tensions of their own"):
+        finger.design(path=path, vary="holes")
+    with pytest.raises(InputError, match="path must be"):
+        finger.design(path=np.zeros((2, 2)), vary="tension")
+
+
 def test_what_is_no_design_says_why(finger: whipcord.Case) -> None:
     with pytest.raises(InputError, match="did you mean `helix`"):
         finger.design("helx, radius = 20 mm", vary="holes")

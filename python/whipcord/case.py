@@ -724,6 +724,8 @@ class Case(Description):
         *,
         vary: str | Sequence[str],
         targets: Sequence[tuple[Target, Sequence[float]]] = (),
+        path: npt.ArrayLike | None = None,
+        criteria: str | Sequence[str] = (),
         max_jump: int | None = None,
         distinct: bool = False,
         crossing: bool = True,
@@ -747,6 +749,13 @@ class Case(Description):
             the robot such as ``"backbone.young_modulus"``.
         targets
             Several targets, each with the tensions of the cables in N under which the robot is to take it.
+        path
+            (N, 3) places of the tip in m, each of them a target with tensions of its own, which must therefore vary.
+        criteria
+            What counts beside the targets, as text: ``"tension, weight = 0.01"``, ``"tension, at_most = 6 N"``, ``"clearance, at_least = 5 mm"``
+            from obstacles, ``"stiffness, disk = 10, direction = x, at_least = 200 N/m"`` or ``"workspace, weight = 0.1"``. A limit is a hard
+            constraint; a weight makes an objective, which counts beside the squares of the distances as parts of the length. With criteria
+            there need not be a target.
         max_jump
             Holes by which a cable may move from a disk to the next.
         distinct
@@ -781,8 +790,11 @@ class Case(Description):
         disks = len(self._setup.disks())
         asked = [] if target is None else [designing.wanted(target, disks, None, None)]
         asked += [designing.wanted(each, disks, tension, None) for each, tension in targets]
+        if path is not None:
+            asked.append(designing.along(path))
         table: dict[str, Any] = {"vary": [vary] if isinstance(vary, str) else list(vary)}
         given: dict[str, Any] = {
+            "criteria": ([criteria] if isinstance(criteria, str) else list(criteria)) or None,
             "max_jump": max_jump,
             "distinct": distinct or None,
             "crossing": None if crossing else False,

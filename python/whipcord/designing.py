@@ -40,6 +40,8 @@ class DesignTarget:
     """Greatest distance by ``cosserat-disks`` at a fine resolution in m; None where it has no answer."""
 
     def __repr__(self) -> str:
+        if len(self.disk) == 0:
+            return "<DesignTarget without places>"
         return f"<DesignTarget of {len(self.disk)} disks, {1e3 * self.distance.max():.3g} mm off at most>"
 
 
@@ -95,6 +97,12 @@ class Designed:
         return found
 
     @property
+    def criteria(self) -> list[dict[str, Any]]:
+        """Of each criterion ``quantity``, ``weight``, ``limit``, ``value``, ``before`` and whether it is ``met``, in SI units."""
+        found: list[dict[str, Any]] = self.values["criteria"]
+        return found
+
+    @property
     def tolerances(self) -> dict[str, Any] | None:
         """What deviations of manufacture do, in SI units; None where they were not asked for."""
         found: dict[str, Any] | None = self.values["tolerances"]
@@ -127,7 +135,15 @@ def wanted(target: Target, disks: int, tension: Any, weight: float | None) -> di
             )
             raise InputError(message, path="target")
     given = None if tension is None else [float(value) for value in np.atleast_1d(tension)]
-    return {"curve": curve, "points": points, "tension": given, "weight": weight}
+    return {"curve": curve, "points": points, "path": None, "tension": given, "weight": weight}
+
+
+def along(path: npt.ArrayLike) -> dict[str, Any]:
+    """Places of the tip for the extension module."""
+    places = np.asarray(path, dtype=np.float64)
+    if places.ndim != 2 or places.shape[1] != 3 or len(places) == 0:
+        raise InputError(f"path must be (N, 3) places of the tip, but has the shape {places.shape}", path="path")
+    return {"curve": None, "points": None, "path": [row(place) for place in places], "tension": None, "weight": None}
 
 
 def row(place: Any) -> tuple[float, ...]:

@@ -12,7 +12,8 @@ use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::problem::DesignOptions;
-use crate::refine::{RefineOptions, refine, rest_curvature_at};
+use crate::refine::{refine, rest_curvature_at};
+use crate::residuals::RefineOptions;
 
 /// A robot with as many cables as its goals take.
 pub(crate) struct FoundCables {
@@ -98,8 +99,13 @@ fn needed(
     };
     let model = Model::new(ModelKind::Cosserat, Stations::Disks, whipcord::Actuation::Tension)
         .cancelled_by(cancel.cancel());
-    let control =
-        RefineOptions { starts: 1, iterations: options.iterations, seed: options.seed, rim };
+    let control = RefineOptions {
+        starts: 1,
+        iterations: options.iterations,
+        seed: options.seed,
+        rim,
+        criteria: None,
+    };
     let refined = refine(&model, &bare, core::slice::from_ref(&goal), &unknowns, &control)?;
     sections(length)
         .map(|s| {

@@ -4,6 +4,7 @@ use whipcord::batch::{BatchOptions, solve_robots};
 use whipcord::{Case, Model, Robot, Routing, Solution, SolveError};
 
 use crate::choices::Choices;
+use crate::criteria::Criteria;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 
@@ -53,24 +54,46 @@ pub(crate) fn solve_lists(
     Ok(())
 }
 
-/// The cost of each list; infinite where the model has no answer. The first reason why there is none, if none has one.
+/// The cost of each list, with what criteria add to it; infinite where the model has no answer. The first reason why there is none, if none has one.
 pub(crate) fn costs(
     model: &Model,
     robot: &Robot,
     choices: &Choices,
-    goals: &[ShapeGoal],
+    (goals, criteria): (&[ShapeGoal], Option<&Criteria>),
     lists: &[Vec<usize>],
 ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
     let mut costs = vec![0.0; lists.len()];
     let mut refusal = None;
+    let mut kept: Vec<Vec<Solution>> = vec![Vec::new(); lists.len()];
     for goal in goals {
         solve_lists(model, robot, choices, &goal.case, lists, |number, answer| match answer {
-            Ok(solution) => costs[number] += goal.cost(&solution.disks.poses),
+            Ok(solution) => {
+                costs[number] += goal.cost(&solution.disks.poses);
+                if criteria.is_some() {
+                    kept[number].push(solution.clone());
+                }
+            }
             Err(error) => {
                 costs[number] = f64::INFINITY;
                 refusal.get_or_insert_with(|| error.clone());
             }
         })?;
+    }
+    if let Some(criteria) = criteria {
+        let cases: Vec<Case> = goals.iter().map(|goal| goal.case.clone()).collect();
+        for ((list, cost), solutions) in lists.iter().zip(&mut costs).zip(&kept) {
+            if cost.is_finite() {
+                let changed = with_holes(robot, choices, list)?;
+                match criteria.cost(&changed, &cases, solutions) {
+                    Ok(more) => *cost += more,
+                    Err(DesignError::Solve(error)) => {
+                        *cost = f64::INFINITY;
+                        refusal.get_or_insert(error);
+                    }
+                    Err(error) => return Err(error),
+                }
+            }
+        }
     }
     Ok((costs, refusal))
 }

@@ -4,6 +4,8 @@ use thiserror::Error;
 use whipcord::batch::BatchError;
 use whipcord::{RobotError, SolveError};
 
+use crate::criterion::CriterionResult;
+
 /// Why there is no design.
 #[derive(Clone, Debug, Error)]
 pub enum DesignError {
@@ -78,7 +80,8 @@ pub enum DesignError {
     NoHoles,
     /// A fixed hole or a largest jump that cannot be.
     #[error(
-        "hole {hole} of disk {disk} cannot be fixed: the disks have holes 1 to {holes}, and the cable passes {disks} disks"
+        "hole {hole} of disk {}, counted from 1 at the base, cannot be fixed: the disks have holes 1 to {holes}, and the cable passes {disks} disks",
+        disk + 1
     )]
     NoSuchHole {
         /// Number of the hole, from 1.
@@ -91,7 +94,10 @@ pub enum DesignError {
         disks: usize,
     },
     /// The rules leave no list of holes.
-    #[error("the rules leave no hole for disk {disk}: allow larger jumps or fix fewer holes")]
+    #[error(
+        "the rules leave no hole for disk {}, counted from 1 at the base: allow larger jumps or fix fewer holes",
+        disk + 1
+    )]
     NoChoice {
         /// Number of the disk, from 0.
         disk: usize,
@@ -144,6 +150,18 @@ pub enum DesignError {
         /// The tension in N that would do.
         tension: f64,
     },
+    /// A criterion that robot, cases or model do not have.
+    #[error("{what}")]
+    Criterion {
+        /// What is wrong and what to give instead.
+        what: String,
+    },
+    /// No robot was found that keeps all constraints.
+    #[error(
+        "no robot was found within all constraints; of the nearest one {}: allow more to vary, or less strict limits. Whether one exists is not known",
+        words(.0)
+    )]
+    NotMet(Vec<CriterionResult>),
     /// The iteration did not converge.
     #[error(
         "the {what} did not converge: after {iterations} steps a change of {change:.1e} is left; {advice}"
@@ -158,6 +176,18 @@ pub enum DesignError {
         /// What to try.
         advice: &'static str,
     },
+}
+
+/// What constraints that are not met have for values.
+fn words(results: &[CriterionResult]) -> String {
+    let unmet = results.iter().filter(|result| !result.is_met());
+    let texts = unmet.map(|of| {
+        let unit = of.criterion.quantity.unit();
+        let (limit, value) = (of.criterion.limit.unwrap_or(0.0), of.value);
+        let bound = if of.criterion.quantity.is_limited_above() { "at most" } else { "at least" };
+        format!("the {} is {value:.4e} {unit} instead of {bound} {limit:.4e} {unit}", of.criterion)
+    });
+    texts.collect::<Vec<_>>().join(", ")
 }
 
 impl From<BatchError> for DesignError {

@@ -39,12 +39,17 @@ impl ShapeGoal {
     }
 }
 
+/// Refuses goals without any points.
+pub(crate) fn check_points(goals: &[ShapeGoal]) -> Result<(), DesignError> {
+    match goals.iter().all(|goal| goal.points.is_empty()) {
+        true => Err(DesignError::NoPoints),
+        false => Ok(()),
+    }
+}
+
 /// Checks goals of a robot.
 pub(crate) fn check(robot: &Robot, goals: &[ShapeGoal]) -> Result<(), DesignError> {
     let last = robot.disks().count() - 1;
-    if goals.iter().all(|goal| goal.points.is_empty()) {
-        return Err(DesignError::NoPoints);
-    }
     for (target, goal) in goals.iter().enumerate() {
         for &(disk, point) in &goal.points {
             if disk > last {

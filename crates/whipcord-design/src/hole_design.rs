@@ -1,9 +1,10 @@
 //! The holes with which a robot comes nearest to target shapes.
 
-use whipcord::{Actuation, Loads, Model, ModelKind, Robot, Solution, Statics as _, Stations};
+use whipcord::{Actuation, Case, Loads, Model, ModelKind, Robot, Solution, Statics as _, Stations};
 
 use crate::candidates::with_holes;
 use crate::choices::{Choices, HoleRules};
+use crate::criteria::Criteria;
 use crate::error::DesignError;
 use crate::goal::{self, ShapeGoal, root_mean_square};
 use crate::shape_search::{Found, ShapeSearch};
@@ -36,7 +37,7 @@ const CONSISTENT: f64 = 1e-5;
 pub enum Proof {
     /// No list of holes that the rules allow comes nearer, by the model.
     Optimal,
-    /// The best of what was found: the spans that may be looked at did not suffice.
+    /// The best of what was found: the spans or solves that may be spent did not suffice for a proof.
     Budget,
     /// The best of what was found: no change of one hole or of two neighbouring ones comes nearer. Under loads, with given lengths, with friction, among
     /// obstacles and in models of continuous cables the shape of a span depends on all holes.
@@ -72,6 +73,8 @@ pub struct HoleDesign {
     pub misses: Vec<Vec<(usize, f64)>>,
     /// Weighted root of the mean of the squares of these distances in m.
     pub error: f64,
+    /// What lists are compared by in m²: the weighted sum of the squares, and what criteria add to it.
+    pub(crate) merit: f64,
     /// What is known of it.
     pub proof: Proof,
     /// Spans or solves that the search took.
@@ -94,37 +97,81 @@ pub fn design_holes(
     rules: &HoleRules,
     options: &HoleSearchOptions,
 ) -> Result<HoleDesign, DesignError> {
+    goal::check_points(goals)?;
+    search(model, robot, cables, goals, (rules, None), options)
+}
+
+/// As [`design_holes`], with criteria beside the goals. A list that is proven to be the nearest stays proven if it keeps all constraints and no objective hangs on
+/// the holes; else changes are tried from it.
+pub(crate) fn search(
+    model: &Model,
+    robot: &Robot,
+    cables: &[usize],
+    goals: &[ShapeGoal],
+    (rules, criteria): (&HoleRules, Option<&Criteria>),
+    options: &HoleSearchOptions,
+) -> Result<HoleDesign, DesignError> {
     goal::check(robot, goals)?;
     let choices = Choices::new(robot, cables, rules)?;
     if let Some(disk) = choices.dead_end() {
         return Err(DesignError::NoChoice { disk });
     }
     let model = model.at(Stations::Disks);
-    let (found, proof) = if is_sequential(&model, robot, goals) {
-        let found = sequential(&model, robot, &choices, goals, options)?;
-        let proof = if found.is_proven { Proof::Optimal } else { Proof::Budget };
-        (found, proof)
-    } else {
-        let search = SwapSearch {
-            model: &model,
-            robot,
-            choices: &choices,
-            goals,
-            most_solves: options.solves,
+    let criteria = criteria.filter(|criteria| !criteria.is_empty());
+    let cases: Vec<Case> = goals.iter().map(|goal| goal.case.clone()).collect();
+    let has_points = goals.iter().any(|goal| !goal.points.is_empty());
+    let mut found = None;
+    if has_points && is_sequential(&model, robot, goals) {
+        let nearest = sequential(&model, robot, &choices, goals, options)?;
+        let proof = if nearest.is_proven { Proof::Optimal } else { Proof::Budget };
+        let is_all = match criteria {
+            None => true,
+            Some(criteria) if criteria.has_objectives() && !criteria.are_of_tensions() => false,
+            Some(criteria) => {
+                let robot = with_holes(robot, &choices, &nearest.list)?;
+                let solutions = cases.iter().map(|case| model.solve(&robot, case));
+                let solutions = solutions.collect::<Result<Vec<_>, _>>()?;
+                criteria.terms(&robot, &cases, &solutions)?.worst_violation() <= 0.0
+            }
         };
-        let starts = starts(robot, &choices, goals, options);
-        (search.run(&starts)?, Proof::Local)
+        if is_all {
+            found = Some((nearest, proof));
+        }
+    }
+    let (found, proof) = match found {
+        Some(found) => found,
+        None => {
+            let search = SwapSearch {
+                model: &model,
+                robot,
+                choices: &choices,
+                goals,
+                criteria,
+                most_solves: options.solves,
+            };
+            let starts = starts(robot, &choices, goals, options);
+            let found = search.run(&starts)?;
+            let proof = if found.is_proven { Proof::Local } else { Proof::Budget };
+            (found, proof)
+        }
     };
     let robot = with_holes(robot, &choices, &found.list)?;
     let solutions =
         goals.iter().map(|goal| model.solve(&robot, &goal.case)).collect::<Result<Vec<_>, _>>()?;
     let costs = goals.iter().zip(&solutions);
-    let cost = costs.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum();
+    let cost = costs.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
+    let merit = match criteria {
+        None => cost,
+        Some(criteria) => cost + criteria.cost(&robot, &cases, &solutions)?,
+    };
     let error = root_mean_square(goals, cost);
     // The proof holds for the robot only if its shape is the product of the spans.
     let off = (error - root_mean_square(goals, found.cost)).abs();
     let is_consistent = off <= CONSISTENT * robot.backbone().length;
-    let proof = if is_consistent { proof } else { Proof::Local };
+    let proof = match proof {
+        Proof::Optimal if !is_consistent => Proof::Budget,
+        proof => proof,
+    };
     let of_cable = |place| {
         found.list.iter().map(|&choice| choices.hole(choice, place) + 1).collect::<Vec<usize>>()
     };
@@ -132,6 +179,7 @@ pub fn design_holes(
         holes: (0..cables.len()).map(of_cable).collect(),
         misses: goals.iter().zip(&solutions).map(|(goal, of)| goal.misses(of)).collect(),
         error,
+        merit,
         robot,
         solutions,
         proof,
@@ -201,7 +249,8 @@ fn starts(
         })
         .collect();
     let mut starts = Vec::new();
-    if is_sequential(&model, robot, &free) {
+    let has_points = goals.iter().any(|goal| !goal.points.is_empty());
+    if has_points && is_sequential(&model, robot, &free) {
         starts.extend(sequential(&model, robot, choices, &free, options).ok().map(|of| of.list));
     }
     let disks = robot.disks().count();

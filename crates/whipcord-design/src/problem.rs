@@ -5,6 +5,7 @@ use core::fmt;
 use whipcord::{Case, ModelKind, Robot, Solution, SolveError, Vec3};
 
 use crate::choices::HoleRules;
+use crate::criterion::{Criterion, CriterionResult};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::hole_design::{HoleSearchOptions, Proof};
@@ -56,6 +57,8 @@ impl DesignGoal {
 /// Rules, bounds and budgets of a design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignOptions {
+    /// What counts beside the targets: objectives and hard constraints.
+    pub criteria: Vec<Criterion>,
     /// What can be manufactured. Fixed holes are those of the cables of the robot by their numbers.
     pub rules: HoleRules,
     /// What the search for holes may spend.
@@ -64,6 +67,8 @@ pub struct DesignOptions {
     pub diameters: Option<[f64; 2]>,
     /// Least and greatest tension of each cable in N, where limited; of a cable that is not listed nothing is limited.
     pub tensions: Vec<Option<[f64; 2]>>,
+    /// Least and greatest shortening of each cable in m, where limited: those of a workspace of cables without tensions.
+    pub shortenings: Vec<Option<[f64; 2]>>,
     /// Degree of the polynomials of a continuous routing.
     pub degree: usize,
     /// Places along the backbone at which a rest curvature or a diameter is given.
@@ -81,10 +86,12 @@ pub struct DesignOptions {
 impl Default for DesignOptions {
     fn default() -> Self {
         Self {
+            criteria: Vec::new(),
             rules: HoleRules::default(),
             search: HoleSearchOptions::default(),
             diameters: None,
             tensions: Vec::new(),
+            shortenings: Vec::new(),
             degree: 5,
             places: 37,
             starts: 6,
@@ -214,6 +221,8 @@ pub struct Design {
     pub goals: Vec<GoalResult>,
     /// What is known of what was varied.
     pub findings: Vec<Finding>,
+    /// What became of the criteria; constraints are met.
+    pub criteria: Vec<CriterionResult>,
     /// Limits of tension in N that were assumed because none were given.
     pub assumed_tension: Option<[f64; 2]>,
     /// Root of the weighted mean of the squares of all distances in m.

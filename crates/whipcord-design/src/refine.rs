@@ -3,28 +3,15 @@
 
 use core::f64::consts::TAU;
 
-use whipcord::differences::differentiate;
-use whipcord::{
-    Along, Backbone, Case, Linearization, Model, Parameter, Robot, Solution, SolveError,
-    Statics as _, Vec3,
-};
-use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
+use whipcord::{Along, Backbone, Case, Model, Parameter, Robot, SolveError, Vec3};
+use whipcord_numerics::least_squares::{NoResiduals, Options};
 use whipcord_numerics::random::SplitMix64;
 
 use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
-use crate::unknown::{Unknown, applied, parameters};
-
-/// An unknown with its start and bounds.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounded {
-    pub unknown: Unknown,
-    pub start: f64,
-    pub range: [f64; 2],
-    /// Between which values other starts lie.
-    pub starts: [f64; 2],
-}
+use crate::residuals::{Bounded, Problem, RefineOptions};
+use crate::unknown::{Unknown, applied};
 
 /// What least squares found.
 #[derive(Clone, Debug)]
@@ -37,18 +24,6 @@ pub(crate) struct Refined {
     pub agree: usize,
 }
 
-/// How a refinement is controlled.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RefineOptions {
-    pub starts: usize,
-    pub iterations: usize,
-    pub seed: u64,
-    /// How far from the axis a cable may be in m.
-    pub rim: f64,
-}
-
-/// What a cable beyond the rim costs: so many lengths of the backbone for each radius beyond it.
-const BEYOND: f64 = 10.0;
 /// A mean distance by this part of the length is none.
 const EXACT: f64 = 1e-7;
 /// Costs that agree to this part are of one answer.
@@ -82,7 +57,7 @@ pub(crate) fn refine(
     robot: &Robot,
     goals: &[ShapeGoal],
     unknowns: &[Bounded],
-    options: &RefineOptions,
+    options: &RefineOptions<'_>,
 ) -> Result<Refined, DesignError> {
     let lower: Vec<f64> = unknowns.iter().map(|of| of.range[0]).collect();
     let upper: Vec<f64> = unknowns.iter().map(|of| of.range[1]).collect();
@@ -98,16 +73,15 @@ pub(crate) fn refine(
     let mut refusal = None;
     for start in 0..options.starts.max(1) {
         let mut values = start_values(unknowns, start, options);
-        let mut problem = Problem::new(model, robot, goals, unknowns, options.rim);
-        let outcome = minimise(&mut problem, &mut values, &minimiser, &mut Workspace::default());
-        match outcome {
-            Ok(outcome) => {
+        let mut problem = Problem::new(model, robot, goals, unknowns, options)?;
+        match problem.constrained(&mut values, &minimiser) {
+            Ok(is_converged) => {
                 values = problem.within_rim(&values);
                 let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
-                ends.push((cost, outcome.status.is_converged(), values));
+                ends.push((cost, is_converged, values));
                 // Nothing comes nearer than this.
                 let length = robot.backbone().length;
-                if cost.sqrt() <= EXACT * length * (problem.points() as f64).sqrt() {
+                if cost.sqrt() <= EXACT * length * (problem.points().max(1) as f64).sqrt() {
                     break;
                 }
             }
@@ -146,7 +120,7 @@ pub(crate) fn refine(
 }
 
 /// The given start, or another: cables on helices that start at any angle, all else anywhere in its range.
-fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions) -> Vec<f64> {
+fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions<'_>) -> Vec<f64> {
     if start == 0 {
         return unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect();
     }
@@ -174,231 +148,4 @@ fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions) -> 
             value.clamp(of.range[0], of.range[1])
         })
         .collect()
-}
-
-struct Problem<'a> {
-    model: &'a Model,
-    robot: &'a Robot,
-    goals: &'a [ShapeGoal],
-    cases: Vec<Case>,
-    unknowns: Vec<Unknown>,
-    steps: Vec<f64>,
-    parameters: Vec<Parameter>,
-    rim: f64,
-    length: f64,
-    /// The answers at the last unknowns, which the next ones start from.
-    answers: Vec<Option<Solution>>,
-    /// Cables with a course of so many nodes.
-    courses: Vec<(usize, usize)>,
-}
-
-impl<'a> Problem<'a> {
-    fn new(
-        model: &'a Model,
-        robot: &'a Robot,
-        goals: &'a [ShapeGoal],
-        unknowns: &[Bounded],
-        rim: f64,
-    ) -> Self {
-        let list: Vec<Unknown> = unknowns.iter().map(|of| of.unknown).collect();
-        let mut courses = Vec::new();
-        for unknown in &list {
-            if let Unknown::Course { cable, nodes, .. } = *unknown
-                && !courses.contains(&(cable, nodes))
-            {
-                courses.push((cable, nodes));
-            }
-        }
-        let step = |of: &Bounded| 1e-4 * (of.starts[1] - of.starts[0]).abs().max(1e-9);
-        Self {
-            model,
-            robot,
-            goals,
-            cases: goals.iter().map(|goal| goal.case.clone()).collect(),
-            parameters: parameters(&list),
-            unknowns: list,
-            steps: unknowns.iter().map(step).collect(),
-            rim,
-            length: robot.backbone().length,
-            answers: vec![None; goals.len()],
-            courses,
-        }
-    }
-
-    fn points(&self) -> usize {
-        self.goals.iter().map(|goal| goal.points.len()).sum()
-    }
-
-    /// Stations at which a course is held within the rim.
-    const fn stations(nodes: usize) -> usize {
-        4 * nodes
-    }
-
-    fn course(&self, values: &[f64], cable: usize, nodes: usize) -> [Vec<f64>; 2] {
-        let mut course = [vec![0.0; nodes], vec![0.0; nodes]];
-        for (unknown, value) in self.unknowns.iter().zip(values) {
-            if let Unknown::Course { cable: of, axis, node, .. } = *unknown
-                && of == cable
-            {
-                course[axis][node] = *value;
-            }
-        }
-        course.map(|values| chebyshev::powers(&values, self.length))
-    }
-
-    /// The place of a cable at the stations at which it is held within the rim.
-    fn offsets(&self, values: &[f64], cable: usize, nodes: usize) -> Vec<[f64; 2]> {
-        let course = self.course(values, cable, nodes);
-        let count = Self::stations(nodes);
-        whipcord::equally_spaced(0.0, self.length, count)
-            .map(|s| [chebyshev::value(&course[0], s), chebyshev::value(&course[1], s)])
-            .collect()
-    }
-
-    /// The values with courses that go beyond the rim drawn in as a whole.
-    fn within_rim(&self, values: &[f64]) -> Vec<f64> {
-        let mut values = values.to_vec();
-        for &(cable, nodes) in &self.courses {
-            let offsets = self.offsets(&values, cable, nodes);
-            let farthest = offsets.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
-            if farthest > self.rim {
-                for (unknown, value) in self.unknowns.iter().zip(&mut values) {
-                    if matches!(unknown, Unknown::Course { cable: of, .. } if *of == cable) {
-                        *value *= self.rim / farthest;
-                    }
-                }
-            }
-        }
-        values
-    }
-
-    fn solved(&mut self, values: &[f64]) -> Result<Vec<Solution>, DesignError> {
-        let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, values)?;
-        let mut solutions = Vec::with_capacity(cases.len());
-        for (case, answer) in cases.iter().zip(&self.answers) {
-            let mut prepared = self.model.prepare(&robot, &case.loads)?;
-            let solution = prepared.solve(case, answer.as_ref());
-            // A neighbouring answer may mislead where an unknown has changed much.
-            let solution = match solution {
-                Err(_) if answer.is_some() => prepared.solve(case, None),
-                solution => solution,
-            };
-            solutions.push(solution?);
-        }
-        Ok(solutions)
-    }
-
-    fn cost(&mut self, values: &[f64]) -> Option<f64> {
-        let solutions = self.solved(values).ok()?;
-        let goals = self.goals.iter().zip(&solutions);
-        Some(goals.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum())
-    }
-
-    fn by_difference(
-        &self,
-        values: &[f64],
-        unknown: usize,
-        goal: usize,
-    ) -> Result<Vec<Vec3>, DesignError> {
-        let moved = |by: f64| -> Result<Solution, SolveError> {
-            let mut values = values.to_vec();
-            values[unknown] += by;
-            let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, &values)?;
-            self.model.solve(&robot, &cases[goal])
-        };
-        let difference = differentiate(moved, self.steps[unknown])?;
-        Ok(self.goals[goal].points.iter().map(|(disk, _)| difference.disks[*disk].linear).collect())
-    }
-}
-
-impl Residuals for Problem<'_> {
-    type Refusal = DesignError;
-
-    fn count(&self) -> usize {
-        let beyond: usize = self.courses.iter().map(|(_, nodes)| Self::stations(*nodes)).sum();
-        3 * self.points() + beyond
-    }
-
-    fn residuals(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
-        let solutions = self.solved(unknowns)?;
-        let mut row = 0;
-        for (goal, solution) in self.goals.iter().zip(&solutions) {
-            let factor = goal.weight.sqrt() / self.length;
-            for (disk, point) in &goal.points {
-                let off = (solution.disks.poses[*disk].position - *point) * factor;
-                into[row..row + 3].copy_from_slice(&off.to_array());
-                row += 3;
-            }
-        }
-        for &(cable, nodes) in &self.courses {
-            for [x, y] in self.offsets(unknowns, cable, nodes) {
-                into[row] = BEYOND * (x.hypot(y) / self.rim - 1.0).max(0.0);
-                row += 1;
-            }
-        }
-        self.answers = solutions.into_iter().map(Some).collect();
-        Ok(())
-    }
-
-    fn jacobian(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
-        let columns = self.unknowns.len();
-        into.fill(0.0);
-        let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, unknowns)?;
-        let is_exact = self.model.has_derivatives(&robot);
-        let mut first = 0;
-        for (number, goal) in self.goals.iter().enumerate() {
-            let factor = goal.weight.sqrt() / self.length;
-            let disks: Vec<usize> = goal.points.iter().map(|(disk, _)| *disk).collect();
-            let derivatives: Option<Linearization> = match is_exact {
-                true => {
-                    let case = &cases[number];
-                    let mut prepared = self.model.prepare(&robot, &case.loads)?;
-                    let warm = self.answers[number].as_ref();
-                    Some(prepared.solve_with_derivatives(case, warm, &self.parameters)?.1)
-                }
-                false => None,
-            };
-            for (column, unknown) in self.unknowns.iter().enumerate() {
-                let velocities = match &derivatives {
-                    Some(derivatives) if unknown.has_derivative() => unknown.velocities(
-                        number,
-                        &cases[number],
-                        self.length,
-                        (derivatives, &self.parameters),
-                        &disks,
-                    ),
-                    _ => self.by_difference(unknowns, column, number)?,
-                };
-                for (point, velocity) in velocities.iter().enumerate() {
-                    for (axis, value) in velocity.to_array().into_iter().enumerate() {
-                        into[(first + 3 * point + axis) * columns + column] = value * factor;
-                    }
-                }
-            }
-            first += 3 * disks.len();
-        }
-        for &(cable, nodes) in &self.courses {
-            let offsets = self.offsets(unknowns, cable, nodes);
-            let count = Self::stations(nodes);
-            for (column, unknown) in self.unknowns.iter().enumerate() {
-                let Unknown::Course { cable: of, axis, node, .. } = *unknown else { continue };
-                if of != cable {
-                    continue;
-                }
-                let mut unit = vec![0.0; nodes];
-                unit[node] = 1.0;
-                let shape = chebyshev::powers(&unit, self.length);
-                let stations = whipcord::equally_spaced(0.0, self.length, count);
-                for (row, (offset, s)) in offsets.iter().zip(stations).enumerate() {
-                    let radius = offset[0].hypot(offset[1]);
-                    if radius > self.rim {
-                        into[(first + row) * columns + column] =
-                            BEYOND * offset[axis] / radius * chebyshev::value(&shape, s) / self.rim;
-                    }
-                }
-            }
-            first += count;
-        }
-        Ok(())
-    }
 }

@@ -4,6 +4,7 @@ use whipcord::{Model, Robot, SolveError};
 
 use crate::candidates::costs;
 use crate::choices::Choices;
+use crate::criteria::Criteria;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::shape_search::Found;
@@ -14,12 +15,14 @@ pub(crate) struct SwapSearch<'a> {
     pub robot: &'a Robot,
     pub choices: &'a Choices,
     pub goals: &'a [ShapeGoal],
+    /// What counts beside the goals.
+    pub criteria: Option<&'a Criteria>,
     /// Solves that may be spent on each goal.
     pub most_solves: usize,
 }
 
 impl SwapSearch<'_> {
-    /// The best of what is found from each start.
+    /// The best of what is found from each start, proven where no change of it helps.
     pub fn run(&self, starts: &[Vec<usize>]) -> Result<Found, DesignError> {
         let mut spent = 0;
         let mut best: Option<Found> = None;
@@ -47,8 +50,8 @@ impl SwapSearch<'_> {
         lists: &[Vec<usize>],
         spent: &mut usize,
     ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
-        *spent += lists.len();
-        costs(self.model, self.robot, self.choices, self.goals, lists)
+        *spent += lists.len() * self.effort();
+        costs(self.model, self.robot, self.choices, (self.goals, self.criteria), lists)
     }
 
     /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.
@@ -58,11 +61,17 @@ impl SwapSearch<'_> {
         mut cost: f64,
         spent: &mut usize,
     ) -> Result<Found, DesignError> {
-        while *spent < self.most_solves {
+        // Whether every change was tried of the list that is left.
+        let mut is_local = false;
+        while !is_local && *spent < self.most_solves {
             let mut is_better = false;
+            let mut is_complete = true;
             for width in [1, 2] {
-                let room = self.most_solves.saturating_sub(*spent);
-                let changed: Vec<Vec<usize>> = self.changed(&list, width).take(room).collect();
+                let room = self.most_solves.saturating_sub(*spent) / self.effort();
+                let mut changed: Vec<Vec<usize>> =
+                    self.changed(&list, width).take(room + 1).collect();
+                is_complete &= changed.len() <= room;
+                changed.truncate(room);
                 let (costs, _) = self.costs(&changed, spent)?;
                 let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
                 if let Some((number, &lower)) = best
@@ -73,11 +82,17 @@ impl SwapSearch<'_> {
                     break;
                 }
             }
+            is_local = !is_better && is_complete;
             if !is_better {
                 break;
             }
         }
-        Ok(Found { list, cost, is_proven: false, nodes: 0 })
+        Ok(Found { list, cost, is_proven: is_local, nodes: 0 })
+    }
+
+    /// Solves that each list takes under each goal.
+    fn effort(&self) -> usize {
+        1 + self.criteria.map_or(0, Criteria::effort)
     }
 
     /// The lists with other combinations at so many neighbouring disks that the rules allow.

@@ -5,9 +5,9 @@ use whipcord::{CableCommand, Case, Robot, Vec3};
 use whipcord_design::{
     DesignGoal, DesignOptions, FixedHole, HoleRules, TargetShape, Tolerances, UnknownVary, Vary,
 };
-use whipcord_inverse::Target;
+use whipcord_inverse::{PathPoint, Target};
 
-use crate::read::{DesignShape, DesignTable, Goal, Measured};
+use crate::read::{DesignShape, DesignTable, DesignTarget, Goal, Measured};
 
 /// A design that is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +52,11 @@ pub enum NoDesignProblem {
     /// A fixed hole is that of a cable that the robot does not have.
     #[error("there is no cable `{0}` whose hole could be fixed")]
     NoCable(String),
+    /// A path without tensions that vary.
+    #[error(
+        "the points of a path need tensions of their own: vary them as well, as with cables[*].tension"
+    )]
+    PathTensions,
     /// Tensions of a target are not as many as cables.
     #[error("a target has {given} tensions, but the robot has {cables} cables")]
     Tensions {
@@ -74,7 +79,14 @@ impl DesignTable {
         goal: &Goal,
         measured: Option<&Measured>,
     ) -> Result<DesignProblem, NoDesignProblem> {
-        let goals = self.goals(robot, case, goal, measured)?;
+        let goals = match self.goals(robot, case, goal, measured) {
+            // Criteria need no target.
+            Err(NoDesignProblem::NoTarget) if !self.criteria.is_empty() => {
+                let target = TargetShape::Points(Vec::new());
+                vec![DesignGoal { case: step(case, 0, 1), target, weight: 1.0 }]
+            }
+            goals => goals?,
+        };
         let mut vary = Vec::new();
         for path in &self.vary {
             for of in Vary::parse(path, robot)? {
@@ -86,6 +98,15 @@ impl DesignTable {
         if vary.is_empty() {
             return Err(NoDesignProblem::NothingVaried);
         }
+        let is_path = |of: &DesignTarget| matches!(of.shape, DesignShape::Path(..));
+        let has_path = match self.targets.is_empty() {
+            true => goal.target.is_none() && !goal.path.is_empty(),
+            false => self.targets.iter().any(is_path),
+        };
+        let is_tension = |of: &Vary| matches!(of, Vary::Tension { .. } | Vary::Cables);
+        if has_path && !vary.iter().any(is_tension) {
+            return Err(NoDesignProblem::PathTensions);
+        }
         let named = |name: &str| robot.cables().iter().position(|cable| cable.name == name);
         let fixed = self.fixed.iter().map(|entry| {
             let cable = named(&entry.cable);
@@ -96,7 +117,13 @@ impl DesignTable {
         let usual = DesignOptions::default();
         let limits =
             |cable: usize| goal.own.get(cable).and_then(|own| own.tension).or(goal.all.tension);
+        let shortenings = |cable: usize| {
+            let given = goal.own.get(cable).and_then(|own| own.shortening).or(goal.all.shortening);
+            given.map(|pair| pair.map(|of| of.in_metres(robot.cable_length(cable))))
+        };
         let options = DesignOptions {
+            criteria: self.criteria.clone(),
+            shortenings: (0..robot.cables().len()).map(shortenings).collect(),
             rules: HoleRules {
                 largest_jump: self.max_jump,
                 fixed: fixed.collect::<Result<_, NoDesignProblem>>()?,
@@ -146,7 +173,13 @@ impl DesignTable {
                     return Err(NoDesignProblem::NoShape { what: "a direction" });
                 }
                 None if !goal.path.is_empty() => {
-                    return Err(NoDesignProblem::NoShape { what: "a path" });
+                    let place = |point: &PathPoint| match point.target {
+                        Target::Tip(place) => Ok(place),
+                        _ => Err(NoDesignProblem::NoShape { what: "a path with orientations" }),
+                    };
+                    let places =
+                        goal.path.iter().map(place).collect::<Result<Vec<_>, NoDesignProblem>>()?;
+                    return Ok(tips(&step(case, 0, 1), last, &places, 1.0));
                 }
                 None => return Err(NoDesignProblem::NoTarget),
             };
@@ -154,7 +187,7 @@ impl DesignTable {
             return Ok(vec![DesignGoal { case, target: TargetShape::Points(points), weight: 1.0 }]);
         }
         let count = self.targets.len();
-        let of = |(number, target): (usize, &crate::read::DesignTarget)| {
+        let of = |(number, target): (usize, &DesignTarget)| {
             let mut case = step(case, number, count);
             if let Some(tensions) = &target.tension {
                 let cables = robot.cables().len();
@@ -166,7 +199,9 @@ impl DesignTable {
                     .map(|&tension| CableCommand { tension: Some(tension), shortening: None })
                     .collect();
             }
+            let weight = target.weight.unwrap_or(1.0);
             let shape = match &target.shape {
+                DesignShape::Path(places, _) => return Ok(tips(&case, last, places, weight)),
                 DesignShape::Curve(curve) => TargetShape::Curve(*curve),
                 DesignShape::Points(points, _) => TargetShape::Points(points.clone()),
                 DesignShape::Tip(point) => TargetShape::Points(vec![(last, *point)]),
@@ -184,10 +219,21 @@ impl DesignTable {
                     TargetShape::Points(points)
                 }
             };
-            Ok(DesignGoal { case, target: shape, weight: target.weight.unwrap_or(1.0) })
+            Ok(vec![DesignGoal { case, target: shape, weight }])
         };
-        self.targets.iter().enumerate().map(of).collect()
+        let goals = self.targets.iter().enumerate().map(of);
+        Ok(goals.collect::<Result<Vec<_>, NoDesignProblem>>()?.concat())
     }
+}
+
+/// A goal for each place of the tip.
+fn tips(case: &Case, last: usize, places: &[Vec3], weight: f64) -> Vec<DesignGoal> {
+    let goal = |place: &Vec3| DesignGoal {
+        case: case.clone(),
+        target: TargetShape::Points(vec![(last, *place)]),
+        weight,
+    };
+    places.iter().map(goal).collect()
 }
 
 /// The case of a target: the step with its number where there are as many steps as targets, else the last.

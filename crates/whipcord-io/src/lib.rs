@@ -51,8 +51,8 @@ pub use read::{
     CableBounds, CableCourse, Clearance, CommandColumn, CommandRow, CommandTable, Commanded,
     DesignShape, DesignTable, DesignTarget, Fit, FixedHoleEntry, Goal, LENGTH_UNITS, Measured,
     MeasuredDisk, MeasuredRotation, MeasuringCamera, Motion, NumberTable, RateMismatch, Reference,
-    ToleranceTable, curve_text, is_curve, load_markers, load_numbers, load_path, load_shape,
-    parameter_path, parse_curve,
+    ToleranceTable, criterion_text, curve_text, is_curve, load_markers, load_numbers, load_path,
+    load_shape, load_tip_path, parameter_path, parse_criterion, parse_curve,
 };
 pub use render::{render, render_warnings};
 pub use schema::schema;

@@ -24,6 +24,9 @@ pub struct Wanted {
     /// Numbers of disks, from 0, and their places in m.
     #[pyo3(item)]
     points: Option<Vec<(usize, [f64; 3])>>,
+    /// Places of the tip in m.
+    #[pyo3(item)]
+    path: Option<Vec<[f64; 3]>>,
     /// Of each cable in N.
     #[pyo3(item)]
     tension: Option<Vec<f64>>,
@@ -33,6 +36,11 @@ pub struct Wanted {
 
 impl Wanted {
     fn target(self) -> Result<DesignTarget, String> {
+        if let Some(places) = self.path {
+            let places = places.into_iter().map(Vec3::from).collect();
+            let shape = DesignShape::Path(places, PathBuf::new());
+            return Ok(DesignTarget { shape, tension: self.tension, weight: self.weight });
+        }
         let shape = match (self.curve, self.points) {
             (Some(text), _) => DesignShape::Curve(parse_curve(&text)?),
             (None, Some(points)) => {
@@ -94,6 +102,7 @@ pub fn design<'py>(
             errors::solve(py, &SolveError::Cancelled { last_load: None })
         }
         DesignError::Solve(error) => errors::solve(py, &error),
+        error @ DesignError::Criterion { .. } => errors::input(py, "criteria", error.to_string()),
         error => errors::input(py, "vary", error.to_string()),
     })?;
     let json = design_json(&title, &found, sampled.as_ref());
@@ -118,6 +127,7 @@ pub fn design<'py>(
         of.set_item("position", array(py, flat(goal.points.iter().map(at)), [count, 3])?)?;
         of.set_item("distance", array(py, goal.distances.clone(), [count])?)?;
         let check = goal.check.as_ref().and_then(|check| check.as_ref().ok());
+        let check = check.filter(|distances| !distances.is_empty());
         of.set_item("check", check.map(|distances| spread(distances)[1]))?;
         targets.push(of);
     }

@@ -12,9 +12,10 @@ use whipcord_io::CaseFile;
 
 use crate::answer::{Found, Refusal, answer};
 use crate::convert::array;
+use crate::holes::{Holes, with_holes};
 use crate::inverse::TipSolver;
 use crate::protocol::{Answer, Command, Compliance, Frame, Malformed, Reach, Request, Slider};
-use crate::scene::{model, sliders};
+use crate::scene::{cables, initial_lengths, model, sliders};
 use crate::stations::Places;
 use crate::stock::{Ready, Stock};
 
@@ -25,10 +26,15 @@ const SAME_SHAPE: f64 = 1e-4;
 /// What one page solves: the models of one robot, each with its last answer, from which the next solve starts.
 #[derive(Debug)]
 pub struct Bench {
+    /// The file, and with the holes of the latest request.
+    given: Arc<CaseFile>,
     file: Arc<CaseFile>,
+    holes: Holes,
     /// What each command of a request is for.
     sliders: Vec<Slider>,
     places: Places,
+    /// The models of the file as given, which all its pages share, and those of the present holes.
+    shared: Arc<Stock>,
     stock: Arc<Stock>,
     last: Vec<(ModelPreset, Solution)>,
     tip_solver: TipSolver,
@@ -49,7 +55,23 @@ impl Bench {
         let sliders = sliders(&file.robot, &file.case);
         let (last, cancel, limit) = (Vec::new(), Cancel::default(), Duration::MAX);
         let tip_solver = TipSolver::default();
-        Self { file, sliders, places, stock, last, tip_solver, cancel, limit }
+        let (given, holes, shared) = (Arc::clone(&file), Holes::new(), Arc::clone(&stock));
+        Self { given, file, holes, sliders, places, shared, stock, last, tip_solver, cancel, limit }
+    }
+
+    /// Takes other holes than those of the latest request.
+    fn take_holes(&mut self, holes: &Holes) -> Result<(), Refusal> {
+        if self.holes == *holes {
+            return Ok(());
+        }
+        self.file = with_holes(&self.given, holes)?;
+        self.holes.clone_from(holes);
+        self.places = Places::of(&self.file.robot);
+        // The models of a robot with other holes are this page's own.
+        self.stock = if holes.is_empty() { Arc::clone(&self.shared) } else { Arc::default() };
+        self.last.clear();
+        self.tip_solver = TipSolver::default();
+        Ok(())
     }
 
     /// Lets this flag, which is set after so long, end the next solves.
@@ -74,6 +96,15 @@ impl Bench {
     /// [`Malformed`] for a model that is not known.
     pub fn solve(&mut self, request: &Request, arrival: Instant) -> Result<Frame, Malformed> {
         let presets = request.presets()?;
+        if let Err(message) = self.take_holes(&request.holes) {
+            let failed = |preset: &ModelPreset| Answer::Failed {
+                model: preset.name().to_owned(),
+                message: message.clone(),
+            };
+            let answers = presets.iter().map(failed).collect();
+            let time = arrival.elapsed().as_secs_f64();
+            return Ok(Frame { id: request.id, time, answers, reach: None, cables: None });
+        }
         let reach = request.target.map(|place| self.reach(&presets, request, place.into()));
         let commands = match &reach {
             Some(Reach::Found { commands, .. }) => Some(commands.clone()),
@@ -93,7 +124,12 @@ impl Bench {
             answer(&self.file, preset, found, compliance)
         });
         let answers = answers.collect();
-        Ok(Frame { id: request.id, time: arrival.elapsed().as_secs_f64(), answers, reach })
+        let robot = &self.file.robot;
+        let is_changed = !Arc::ptr_eq(&self.file, &self.given);
+        let routed =
+            is_changed.then(|| cables(robot, &self.places, &initial_lengths(robot, &self.places)));
+        let time = arrival.elapsed().as_secs_f64();
+        Ok(Frame { id: request.id, time, answers, reach, cables: routed })
     }
 
     /// Commands for a place of the tip, by the first model.

@@ -15,9 +15,12 @@ use whipcord::Cancel;
 use crate::background::of_latest;
 use crate::bench::Bench;
 use crate::beside::Beside;
+use crate::design::design;
 use crate::opened::{Opened, Usable};
 use crate::play::play;
-use crate::protocol::{self, Answer, FromPage, Malformed, PlayRequest, Request, Shown, ToPage};
+use crate::protocol::{
+    self, Answer, DesignRequest, FromPage, Malformed, PlayRequest, Request, Shown, ToPage,
+};
 use crate::survey::survey;
 
 /// Messages that wait to be sent to a page that is slow to take them.
@@ -58,6 +61,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     let (ask, latest) = watch::channel::<Option<Arrived>>(None);
     let (ask_survey, latest_survey) = watch::channel::<Option<Arc<Request>>>(None);
     let (ask_play, latest_play) = watch::channel::<Option<Arc<PlayRequest>>>(None);
+    let (ask_design, latest_design) = watch::channel::<Option<Arc<DesignRequest>>>(None);
     let writer = async move {
         while let Some(message) = messages.recv().await {
             // What is sent has been checked to hold numbers only, which is all that could fail.
@@ -69,6 +73,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
     };
     let surveyor = of_latest(shared.opened.clone(), latest_survey, send.clone(), survey);
     let player = of_latest(shared.opened.clone(), latest_play, send.clone(), play);
+    let designer = of_latest(shared.opened.clone(), latest_design, send.clone(), design);
     let (tell_begun, begun) = oneshot::channel();
     let shower = show(shared.shown.clone(), shared.opened.clone(), begun, send.clone());
     let solver = solve(shared, latest, tell_begun, send.clone());
@@ -96,6 +101,12 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
                 Ok(FromPage::EndPlay) => {
                     ask_play.send_replace(None);
                 }
+                Ok(FromPage::Design(request)) => {
+                    ask_design.send_replace(Some(Arc::new(request)));
+                }
+                Ok(FromPage::EndDesign) => {
+                    ask_design.send_replace(None);
+                }
                 Err(error) => {
                     if send.send(ToPage::Error { message: error.to_string() }).await.is_err() {
                         break;
@@ -110,6 +121,7 @@ pub async fn serve(socket: WebSocket, shared: Shared) {
         () = surveyor => {}
         () = player => {}
         () = shower => {}
+        () = designer => {}
         () = reader => {}
     }
 }

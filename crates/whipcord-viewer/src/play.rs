@@ -11,6 +11,7 @@ use crate::answer::{Refusal, of_shape};
 use crate::background::Tell;
 use crate::bench::Bench;
 use crate::courses::intervals;
+use crate::holes::with_holes;
 use crate::protocol::{Answer, CableState, Course, Moment, PlayRequest, Request, ToPage, Track};
 use crate::scene::initial_lengths;
 use crate::stations::Places;
@@ -23,12 +24,14 @@ const LIMIT: Duration = Duration::from_secs(600);
 /// Solves a course and tells of it; nothing more where it is cancelled.
 pub fn play(file: &Arc<CaseFile>, asked: &PlayRequest, cancel: &Cancel, tell: &Tell) {
     let PlayRequest { course, request } = asked;
-    let mut bench = Bench::new(Arc::clone(file));
     let to_page = Part { id: request.id, course: *course, tell };
-    let outcome = match course {
-        Course::Steps => steps(&mut bench, request, cancel, &to_page),
-        Course::Motion => motion(file, &bench, request, cancel, &to_page),
-    };
+    let outcome = with_holes(file, &request.holes).and_then(|file| {
+        let mut bench = Bench::new(Arc::clone(&file));
+        match course {
+            Course::Steps => steps(&mut bench, request, cancel, &to_page),
+            Course::Motion => motion(&file, &bench, request, cancel, &to_page),
+        }
+    });
     if let Err(message) = outcome
         && !cancel.is_cancelled()
     {

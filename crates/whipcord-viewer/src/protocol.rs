@@ -8,6 +8,7 @@
 mod answer;
 mod common;
 mod course;
+mod design;
 mod inverse;
 mod loads;
 mod measured;
@@ -21,6 +22,7 @@ use whipcord::{ModelKind, ModelPreset};
 pub use answer::{Answer, CableState, Compliance, Contact, Grasp, PlacedObject, Solved};
 pub use common::{Pose, Warning};
 pub use course::{Course, CourseChoice, Moment, PlayRequest, Track};
+pub use design::{DesignRequest, Designed};
 pub use inverse::{Cloud, MetLimit, Reach};
 pub use loads::{Load, Pull};
 pub use measured::{Camera, Lens, Marker, Sight};
@@ -49,6 +51,10 @@ pub enum FromPage {
     Play(PlayRequest),
     /// To end a course that goes on.
     EndPlay,
+    /// To look for holes, beside all other requests. It replaces a search that goes on.
+    Design(DesignRequest),
+    /// To end a search for holes.
+    EndDesign,
 }
 
 /// What the server sends.
@@ -81,6 +87,15 @@ pub enum ToPage {
     Track(Track),
     /// A survey that has no answer.
     NoCloud {
+        /// Number of its request.
+        id: u64,
+        /// Why.
+        message: String,
+    },
+    /// Holes that were looked for.
+    Designed(Designed),
+    /// A search for holes that found none.
+    NoDesign {
         /// Number of its request.
         id: u64,
         /// Why.
@@ -188,6 +203,8 @@ pub struct Cable {
     pub name: String,
     /// Where it runs at each station, from the first to the one it is anchored at: (x, y) in m.
     pub course: Vec<[f64; 2]>,
+    /// The holes that it goes through from the base on, from 1, where it goes through holes.
+    pub holes: Option<Vec<usize>>,
     /// Its length in m before actuation.
     pub initial_length: f64,
 }
@@ -246,6 +263,8 @@ pub struct Frame {
     pub answers: Vec<Answer>,
     /// Commands for the place of the request, where it has one.
     pub reach: Option<Reach>,
+    /// The cables with the holes of the request, where these are others than those of the file.
+    pub cables: Option<Vec<Cable>>,
 }
 
 /// Reads a message from the page.
@@ -257,7 +276,8 @@ pub fn read(text: &str) -> Result<FromPage, Malformed> {
         serde_json::from_str(text).map_err(|error| Malformed::Json(error.to_string()))?;
     let (FromPage::Solve(request)
     | FromPage::Survey(request)
-    | FromPage::Play(PlayRequest { request, .. })) = &message
+    | FromPage::Play(PlayRequest { request, .. })
+    | FromPage::Design(DesignRequest { request, .. })) = &message
     else {
         return Ok(message);
     };

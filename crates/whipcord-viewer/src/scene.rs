@@ -11,6 +11,7 @@ use whipcord_plot::{CableCourse, plates_of};
 use crate::convert::{array, pose};
 use crate::courses;
 use crate::error::ViewError;
+use crate::holes::holes_of;
 use crate::loads::loads;
 use crate::measured;
 use crate::obstacles;
@@ -129,14 +130,17 @@ fn disks(robot: &Robot, places: &Places) -> Vec<Disk> {
         .collect()
 }
 
-fn cables(robot: &Robot, places: &Places, initial: &[f64]) -> Vec<protocol::Cable> {
+/// The cables as the page draws them.
+pub fn cables(robot: &Robot, places: &Places, initial: &[f64]) -> Vec<protocol::Cable> {
     let all = robot.cables().iter().zip(robot.routes()).zip(&places.anchors).zip(initial);
-    all.map(|(((cable, route), &anchor), &initial_length)| {
+    let all = all.zip(holes_of(robot));
+    all.map(|((((cable, route), &anchor), &initial_length), holes)| {
         let course = places.arc_lengths[..=anchor].iter().map(|&s| {
             let offset = route.at(s.min(route.end())).offset;
             [offset.x, offset.y]
         });
-        protocol::Cable { name: cable.name.clone(), course: course.collect(), initial_length }
+        let (name, course) = (cable.name.clone(), course.collect());
+        protocol::Cable { name, course, holes, initial_length }
     })
     .collect()
 }
@@ -205,6 +209,7 @@ fn initial(file: &CaseFile, sliders: &[Slider], initial_lengths: &[f64]) -> Requ
         compliance: false,
         target: None,
         pull: None,
+        holes: Vec::new(),
     }
 }
 

@@ -7,6 +7,7 @@ use whipcord_io::CaseFile;
 
 use crate::background::Tell;
 use crate::bench::Bench;
+use crate::holes::with_holes;
 use crate::inverse;
 use crate::protocol::{Request, ToPage};
 
@@ -16,8 +17,9 @@ pub fn survey(file: &Arc<CaseFile>, request: &Request, cancel: &Cancel, tell: &T
     let found = || {
         let preset = request.presets().ok().and_then(|all| all.first().copied());
         let preset = preset.ok_or_else(|| "no model is chosen".to_owned())?;
-        let case = Bench::new(Arc::clone(file)).case(request)?;
-        inverse::survey(file, (preset, &case), id, cancel)
+        let file = with_holes(file, &request.holes)?;
+        let case = Bench::new(Arc::clone(&file)).case(request)?;
+        inverse::survey(&file, (preset, &case), id, cancel)
     };
     let message = match found() {
         Ok(Some(cloud)) => ToPage::Cloud(cloud),

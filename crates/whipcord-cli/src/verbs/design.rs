@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use whipcord::{Actuation, Model, ModelKind, Stations, Vec3};
-use whipcord_design::{Design, DesignError, Vary, design, spread};
+use whipcord_design::{CriterionResult, Design, DesignError, Quantity, Vary, design, spread};
 use whipcord_io::{
     CaseFile, DesignShape, DesignTable, DesignTarget, FittedFile, design_json, designed_case,
-    is_curve, load_shape, parse_curve, warnings_json,
+    is_curve, load_shape, load_tip_path, parse_criterion, parse_curve, warnings_json,
 };
 
 use crate::deadline;
@@ -34,7 +34,7 @@ pub struct DesignArgs {
     settings: Settings,
     /// Shape to take: a curve, such as "arc, angle = 90 deg", "helix, radius = 20 mm, pitch = 60 mm", "s, angle = 45 deg" or
     /// "clothoid, start = 0 1/m, end = 10 1/m"; a point for the tip, such as "40, 0, 120 mm"; `measured`; or a CSV or
-    /// Parquet file with points for disks. Several are taken by the same robot, each under the tensions of its step
+    /// Parquet file with points for disks (disk, x, y, z) or for the tip (t, x, y, z), each of the latter with tensions of its own. Several are taken by the same robot, each under the tensions of its step
     #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
     target: Vec<String>,
     /// What may change: cables[0].holes, cables[pull].routing, cables[*].tension, backbone.rest_curvature,
@@ -42,6 +42,11 @@ pub struct DesignArgs {
     /// says, or the holes of all cables
     #[arg(long, value_name = "WHAT")]
     vary: Vec<String>,
+    /// What counts beside the targets: "tension, weight = 0.01", "tension, at_most = 6 N", "clearance, at_least = 5 mm",
+    /// "stiffness, disk = 10, direction = x, at_least = 200 N/m" or "workspace, weight = 0.1". A limit is a hard constraint, a weight makes
+    /// an objective. In place of those of the file
+    #[arg(long, value_name = "CRITERION")]
+    criterion: Vec<String>,
     /// Holes by which a cable may move from a disk to the next
     #[arg(long, value_name = "N")]
     max_jump: Option<usize>,
@@ -166,6 +171,13 @@ fn asked(args: &DesignArgs, file: &CaseFile) -> Result<DesignTable, Failure> {
         let targets = args.target.iter().map(|text| target(text, file));
         table.targets = targets.collect::<Result<_, _>>()?;
     }
+    if !args.criterion.is_empty() {
+        let criteria = args.criterion.iter().map(|text| {
+            parse_criterion(text)
+                .map_err(|error| Failure::Input(format!("error: --criterion: {error}")))
+        });
+        table.criteria = criteria.collect::<Result<_, _>>()?;
+    }
     table.max_jump = args.max_jump.or(table.max_jump);
     table.distinct |= args.distinct;
     if args.no_crossing {
@@ -184,8 +196,15 @@ fn target(text: &str, file: &CaseFile) -> Result<DesignTarget, Failure> {
         DesignShape::Tip(point)
     } else if Path::new(text).is_file() {
         let path = PathBuf::from(text);
-        let points = load_shape(&path, file.robot.disks().count());
-        DesignShape::Points(points.map_err(|error| Failure::Input(message(&error)))?, path)
+        let refused = |error| Failure::Input(message(&error));
+        match load_shape(&path, file.robot.disks().count()) {
+            Ok(points) => DesignShape::Points(points, path),
+            Err(of_shape) => match load_tip_path(&path) {
+                Ok(points) => DesignShape::Path(points, path),
+                Err(of_path) if is_path(&path) => return Err(refused(of_path)),
+                Err(_) => return Err(refused(of_shape)),
+            },
+        }
     } else {
         let curve = parse_curve(text).err().unwrap_or_default();
         return Err(Failure::Input(format!(
@@ -195,6 +214,14 @@ fn target(text: &str, file: &CaseFile) -> Result<DesignTarget, Failure> {
     Ok(DesignTarget { shape, tension: None, weight: None })
 }
 
+/// Whether the header of a table has a column of times, so that what is wrong with it is wrong with a path.
+fn is_path(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let header = text.lines().next().unwrap_or_default();
+    let mut names = header.split(',').map(|name| name.trim().split(' ').next().unwrap_or_default());
+    names.any(|name| name == "t")
+}
+
 fn failure(file: &CaseFile, error: &DesignError) -> Failure {
     let message = format!("error: {}: {error}", file.path.display());
     match error {
@@ -202,6 +229,7 @@ fn failure(file: &CaseFile, error: &DesignError) -> Failure {
             Failure::from_solve(file, error)
         }
         DesignError::NotAttainable { .. }
+        | DesignError::NotMet(_)
         | DesignError::NotConverged { .. }
         | DesignError::Stopped(_) => Failure::Solve(message),
         _ => Failure::Input(message),
@@ -214,6 +242,30 @@ fn new_file(path: &Path, old: &CaseFile, new: &CaseFile) -> Result<FittedFile, F
     file.map_err(|error| Failure::Input(format!("error: the design cannot be written: {error}")))
 }
 
+/// A criterion with its value, what it was before, and its limit.
+fn criterion_words(of: &CriterionResult) -> String {
+    let quantity = of.criterion.quantity;
+    let (factor, unit) = match quantity {
+        Quantity::Tension => (1.0, "N"),
+        Quantity::Clearance => (1e3, "mm"),
+        Quantity::Stiffness { .. } => (1.0, "N/m"),
+        Quantity::Workspace => (1e6, "cm³"),
+    };
+    let value = |value: f64| format!("{} {unit}", number(factor * value, 4));
+    let mut text = value(of.value);
+    if let Quantity::Stiffness { .. } = quantity {
+        text = format!("{text}, {}", of.criterion);
+    }
+    if let Some(before) = of.before {
+        text += &format!(", before {}", value(before));
+    }
+    if let Some(limit) = of.criterion.limit {
+        let words = if quantity.is_limited_above() { "at most" } else { "at least" };
+        text += &format!("; wanted {words} {}", value(limit));
+    }
+    text
+}
+
 fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     let mut text = format!("{}\n{}\n\n", style.heading(&file.title), found.model);
     let mut line = |name: &str, value: String| {
@@ -223,7 +275,10 @@ fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     let both = |error, largest| {
         format!("{} in the root mean square, {} at most", distance(error), distance(largest))
     };
-    line("error", both(found.error, found.largest));
+    let has_points = found.goals.iter().any(|goal| !goal.points.is_empty());
+    if has_points {
+        line("error", both(found.error, found.largest));
+    }
     if let Some([error, largest]) = found.before {
         line("before", both(error, largest));
     }
@@ -233,19 +288,27 @@ fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
             _ => format!("target {}", k + 1),
         };
         let [error, largest] = spread(&goal.distances);
+        let distances = match goal.points.is_empty() {
+            true => "no points".to_owned(),
+            false => both(error, largest),
+        };
         let pulled = found.robot.cables().iter().zip(&goal.case.commands);
         let pulled: Vec<String> = pulled
             .filter_map(|(cable, of)| Some(format!("{} {}", cable.name, newtons(of.tension?))))
             .collect();
-        line(&name, format!("{}; {}", both(error, largest), pulled.join(", ")));
+        line(&name, format!("{distances}; {}", pulled.join(", ")));
         match &goal.check {
             None => {}
             Some(Err(error)) => line("check", format!("cosserat-disks has no answer: {error}")),
+            Some(Ok(distances)) if distances.is_empty() => {}
             Some(Ok(distances)) => {
                 let [error, largest] = spread(distances);
                 line("check", format!("cosserat-disks, finely: {}", both(error, largest)));
             }
         }
+    }
+    for result in &found.criteria {
+        line(result.criterion.quantity.name(), criterion_words(result));
     }
     for cable in found.robot.cables() {
         if let whipcord::Routing::Holes { holes, .. } = &cable.routing {

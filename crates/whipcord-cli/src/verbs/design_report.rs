@@ -10,7 +10,7 @@ use whipcord_io::{
 };
 use whipcord_plot::{
     Acting, DiskDrawingOptions, DistanceSeries, Drafting, FigureOptions, RobotView, disk_drawing,
-    disk_sheet, distance_chart, label, robot_figure,
+    disk_sheet, distance_chart, histogram_chart, label, robot_figure,
 };
 
 use crate::smooth::smooth;
@@ -58,9 +58,18 @@ impl Report {
             let label = if count == 1 { "error".to_owned() } else { format!("target {}", k + 1) };
             DistanceSeries { label, disks, look: None, hollow: false }
         });
-        let series: Vec<DistanceSeries> = series.collect();
-        let chart = distance_chart(&format!("{}: distance from the target", file.title), &series);
-        figures.push(("errors".to_owned(), chart.map_err(drawn)?));
+        let series: Vec<DistanceSeries> =
+            series.filter(|series: &DistanceSeries| !series.disks.is_empty()).collect();
+        if !series.is_empty() {
+            let title = format!("{}: distance from the target", file.title);
+            let chart = distance_chart(&title, &series);
+            figures.push(("errors".to_owned(), chart.map_err(drawn)?));
+        }
+        if let Some(of) = histograms(tolerances) {
+            let title = format!("{}: what tolerances of manufacture do", file.title);
+            let chart = histogram_chart(&title, "distance", &of).map_err(drawn)?;
+            figures.push(("tolerances".to_owned(), chart));
+        }
         let mut drawings = Vec::new();
         if design.robot.has_disks() {
             let options = DiskDrawingOptions::default();
@@ -98,6 +107,29 @@ impl Report {
         }
         Ok(())
     }
+}
+
+/// The distributions of a report: of the shift of the tip, and of the worst disk where there is a target; none without samples.
+fn histograms(of: &TolerancesResult) -> Option<Vec<(String, Vec<f64>)>> {
+    let count = of.goals.len();
+    let mut all = Vec::new();
+    // More lines cannot be told apart.
+    for (k, samples) in of.goals.iter().enumerate().take(3) {
+        let target = if count == 1 { String::new() } else { format!(", target {}", k + 1) };
+        for (name, values) in distributions(samples) {
+            let words = match name {
+                "tip_shift" => "tip from where it is without deviations",
+                "worst_disk" if values.iter().any(|value| *value > 0.0) => {
+                    "worst disk from its target"
+                }
+                _ => continue,
+            };
+            if !values.is_empty() {
+                all.push((format!("{words}{target}"), values));
+            }
+        }
+    }
+    (!all.is_empty()).then_some(all)
 }
 
 /// What the tolerances do, in words.

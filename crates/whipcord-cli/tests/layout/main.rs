@@ -34,6 +34,7 @@ const ALLOWED: [(&str, &[&str]); 16] = [
         "whipcord-viewer",
         &[
             "whipcord",
+            "whipcord-design",
             "whipcord-estimation",
             "whipcord-inverse",
             "whipcord-io",

@@ -3,21 +3,13 @@
 use core::f64::consts::{PI, TAU};
 
 use whipcord::{
-    Actuation, Cable, Case, Disks, Loads, Model, ModelKind, Robot, Routing, Section, Stations, Vec3,
+    Actuation, Backbone, Case, Loads, Model, ModelKind, Robot, Section, Stations, Vec3,
 };
 use whipcord_design::{
     Curve, DesignError, rest_curvature_for_curve, route_for_curve, taper_for_curve,
 };
 
-use crate::robots::{LENGTH, backbone};
-
-fn straight(angles: &[f64]) -> Robot {
-    let cable = |(k, angle): (usize, &f64)| {
-        Cable::new(format!("c{k}"), Routing::Straight { angle: *angle, radius: 0.008 })
-    };
-    let cables = angles.iter().enumerate().map(cable).collect();
-    Robot::new(backbone(LENGTH), Disks::equally_spaced(LENGTH, 10, 0.008), cables).unwrap()
-}
+use crate::robots::{LENGTH, straight};
 
 fn rod() -> Model {
     Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Tension)
@@ -52,10 +44,53 @@ fn curves() -> Vec<(&'static str, Curve, f64)> {
 #[test]
 fn a_cable_bends_a_rod_to_ten_curves() {
     for (name, curve, tolerance) in curves() {
-        let route = route_for_curve(&straight(&[0.0]), 0, &curve, 4.0).unwrap();
+        let route = route_for_curve(&straight(&[0.0], 0.008), 0, &curve, 4.0).unwrap();
         println!("{name}: {:.2e} of the length, radii {:?}", route.error / LENGTH, route.radii);
         assert!(route.error <= tolerance * LENGTH, "{name}: {:.2e}", route.error / LENGTH);
         assert!(route.solution.diagnostics.is_unstable() || route.radii[1] <= 0.0081);
+    }
+}
+
+/// What 4 N within the disks do not make, with the word of the reason, and what tension does where the cable only runs too far out.
+#[test]
+fn curves_beyond_the_disks_are_refused_with_the_reason() {
+    let l = LENGTH;
+    let curves = [
+        ("circle of 100 mm", Curve::circle(l, 0.1), "far"),
+        ("S of 57°", Curve::s_curve(l, 1.0), "far"),
+        ("clothoid up to 20/m", Curve::clothoid(l, [0.0, 20.0]), "far"),
+        ("helix of 30 mm by 90 mm", Curve::helix(l, 0.03, 0.09), "far"),
+        ("torsion of 2000/m", Curve::new(l, 0.0, |_| 5.0, |_| 2_000.0), "winding"),
+        ("shorter than the backbone", Curve::circle(0.1, 0.5), "short"),
+    ];
+    let robot = straight(&[0.0], 0.008);
+    for (name, curve, reason) in curves {
+        let refused = route_for_curve(&robot, 0, &curve, 4.0);
+        let Err(error) = refused else { panic!("{name}: {refused:?}") };
+        println!("{name}: {error}");
+        match error {
+            DesignError::NotAttainable { tension, .. } => {
+                assert_eq!(reason, "far", "{name}");
+                assert!(tension > 4.0, "{name}: {tension}");
+            }
+            DesignError::NotConverged { .. } => assert_eq!(reason, "winding", "{name}"),
+            DesignError::Curve { .. } => assert_eq!(reason, "short", "{name}"),
+            other => panic!("{name}: {other}"),
+        }
+    }
+    // Backbones that the closed form is not for.
+    let bent = whipcord::Along::Uniform(Vec3::X * 3.0);
+    let square = Section::Rectangle {
+        width: whipcord::Along::Uniform(0.002),
+        height: whipcord::Along::Uniform(0.004),
+    };
+    for backbone in [
+        Backbone { rest_curvature: bent, ..robot.backbone().clone() },
+        Backbone { section: Some(square), ..robot.backbone().clone() },
+    ] {
+        let other = Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec()).unwrap();
+        let refused = route_for_curve(&other, 0, &Curve::circle(l, 1.0), 4.0);
+        assert!(matches!(refused, Err(DesignError::Backbone { .. })), "{refused:?}");
     }
 }
 
@@ -64,7 +99,7 @@ fn a_cable_bends_a_rod_to_ten_curves() {
 fn the_routing_of_a_circle_is_straight_at_the_radius_of_the_textbook() {
     let tension = 4.0;
     let route =
-        route_for_curve(&straight(&[0.0]), 0, &Curve::circle(LENGTH, 0.2), tension).unwrap();
+        route_for_curve(&straight(&[0.0], 0.008), 0, &Curve::circle(LENGTH, 0.2), tension).unwrap();
     let (d, e) = (0.003_f64, 1.1e9);
     let (bending, axial) = (e * PI * d.powi(4) / 64.0, e * PI * d * d / 4.0);
     let radius = bending / 0.2 * (1.0 - tension / axial) / tension;
@@ -73,7 +108,7 @@ fn the_routing_of_a_circle_is_straight_at_the_radius_of_the_textbook() {
 
 #[test]
 fn curves_that_cannot_be_are_refused_with_the_tension_that_would_do() {
-    let robot = straight(&[0.0]);
+    let robot = straight(&[0.0], 0.008);
     let refused = route_for_curve(&robot, 0, &Curve::circle(LENGTH, 0.1), 2.0);
     let Err(DesignError::NotAttainable { radius, largest, tension, .. }) = refused else {
         panic!("{refused:?}");
@@ -98,7 +133,7 @@ fn a_pre_bent_rod_takes_the_curve_under_cables_gravity_and_tip_load() {
         ..Loads::default()
     };
     let case = Case { loads, ..Case::with_tensions(&[2.0, 1.0]) };
-    let robot = straight(&[0.4, 2.1]);
+    let robot = straight(&[0.4, 2.1], 0.008);
     let error = |places| {
         rest_curvature_for_curve(&rod(), &robot, &case, &curve, places).unwrap().error / LENGTH
     };
@@ -110,7 +145,7 @@ fn a_pre_bent_rod_takes_the_curve_under_cables_gravity_and_tip_load() {
 #[test]
 fn a_tapered_rod_takes_the_curve_under_a_cable_and_a_tip_load() {
     let curve = Curve::new(LENGTH, 0.0, |s| 4.0 * (1.0 + 0.6 * (TAU * s / LENGTH).sin()), |_| 0.0);
-    let robot = straight(&[0.0]);
+    let robot = straight(&[0.0], 0.008);
     let bare =
         taper_for_curve(&rod(), &robot, &Case::with_tensions(&[3.0]), &curve, 37, [0.001, 0.008])
             .unwrap();

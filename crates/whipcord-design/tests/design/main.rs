@@ -6,6 +6,7 @@
     reason = "a test fails by panicking, and a study prints its results"
 )]
 
+mod criteria;
 mod curves;
 mod holes;
 mod robots;

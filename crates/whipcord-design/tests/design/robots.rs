@@ -14,6 +14,15 @@ pub fn backbone(length: f64) -> Backbone {
     Backbone { section: Some(Section::circle(0.003)), material, ..Backbone::new(length) }
 }
 
+/// Ten disks and straight cables in these directions, at this distance from the axis.
+pub fn straight(angles: &[f64], radius: f64) -> Robot {
+    let cable = |(k, angle): (usize, &f64)| {
+        Cable::new(format!("c{k}"), Routing::Straight { angle: *angle, radius })
+    };
+    let cables = angles.iter().enumerate().map(cable).collect();
+    Robot::new(backbone(LENGTH), Disks::equally_spaced(LENGTH, 10, 0.008), cables).unwrap()
+}
+
 pub fn holed(length: f64, disks: usize, holes: usize, cables: usize) -> Robot {
     let cable = |k: usize| Cable::new(format!("c{k}"), Routing::holes(vec![1 + k; disks]));
     let plates = Disks::equally_spaced(length, disks, 0.008).with_holes(holes);

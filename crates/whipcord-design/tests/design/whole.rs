@@ -4,15 +4,14 @@ use core::f64::consts::{PI, TAU};
 
 use whipcord::batch::BatchOptions;
 use whipcord::{
-    Actuation, Cable, Case, Disks, Loads, Model, ModelKind, Robot, Routing, Statics as _, Stations,
-    Vec3,
+    Actuation, Case, Loads, Model, ModelKind, Robot, Routing, Statics as _, Stations, Vec3,
 };
 use whipcord_design::{
     CurveKind, Design, DesignError, DesignGoal, DesignOptions, FixedHole, HoleRules, Known,
     NamedCurve, Proof, TargetShape, Tolerances, Vary, design, sample_tolerances,
 };
 
-use crate::robots::{LENGTH, backbone, holed, with_holes};
+use crate::robots::{LENGTH, holed, straight, with_holes};
 
 fn model(kind: ModelKind) -> Model {
     Model::new(kind, Stations::Disks, Actuation::Natural)
@@ -30,14 +29,6 @@ fn planted(robot: &Robot, kind: ModelKind, case: &Case) -> TargetShape {
     let solution = model(kind).solve(robot, case).unwrap();
     let poses = solution.disks.poses.iter().map(|pose| pose.position);
     TargetShape::Points(poses.enumerate().skip(1).collect())
-}
-
-fn straight(angles: &[f64]) -> Robot {
-    let cable = |(k, angle): (usize, &f64)| {
-        Cable::new(format!("c{k}"), Routing::Straight { angle: *angle, radius: 0.006 })
-    };
-    let cables = angles.iter().enumerate().map(cable).collect();
-    Robot::new(backbone(LENGTH), Disks::equally_spaced(LENGTH, 10, 0.008), cables).unwrap()
 }
 
 fn known(design: &Design, of: Vary) -> Known {
@@ -93,7 +84,7 @@ fn fixed_holes_and_jumps_hold_and_only_varied_cables_have_them() {
 
 #[test]
 fn a_cable_for_a_curve_is_in_closed_form_and_takes_the_tension_that_it_needs() {
-    let robot = straight(&[0.0]);
+    let robot = straight(&[0.0], 0.006);
     let arc = curve(CurveKind::Arc { angle: PI }, 0.4);
     let vary = [Vary::Routing { cable: 0 }, Vary::Tension { cable: 0 }];
     let goals = [goal(Case::with_tensions(&[1.0]), arc)];
@@ -119,7 +110,7 @@ fn a_cable_for_a_curve_is_in_closed_form_and_takes_the_tension_that_it_needs() {
 fn a_routing_under_load_is_found_by_least_squares() {
     let planted_routing =
         Routing::Polynomial { x: vec![0.005, 0.02, -0.2], y: vec![0.0, 0.03, -0.1] };
-    let robot = straight(&[0.0]);
+    let robot = straight(&[0.0], 0.006);
     let mut cables = robot.cables().to_vec();
     cables[0].routing = planted_routing;
     let known_robot = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
@@ -139,7 +130,7 @@ fn a_routing_under_load_is_found_by_least_squares() {
 
 #[test]
 fn pre_bend_and_taper_come_within_a_thousandth_of_the_length() {
-    let robot = straight(&[0.0, PI]);
+    let robot = straight(&[0.0, PI], 0.006);
     let loads = Loads {
         gravity: Some(Vec3::new(0.0, -9.81, 0.0)),
         tip_force: Vec3::new(0.02, 0.0, 0.0),
@@ -154,7 +145,9 @@ fn pre_bend_and_taper_come_within_a_thousandth_of_the_length() {
     // Points alone, by least squares.
     let points = TargetShape::Points(goals[0].points(&robot).unwrap());
     let goals = [goal(case, points)];
-    let bent = design(&cosserat, &robot, &goals, &[Vary::RestCurvature], &options).unwrap();
+    let one = DesignOptions { starts: 1, ..options.clone() };
+    let bent = design(&cosserat, &robot, &goals, &[Vary::RestCurvature], &one).unwrap();
+    println!("{:?} {:e}", bent.findings, bent.largest / LENGTH);
     assert!(bent.largest < 1e-3 * LENGTH, "{:e}", bent.largest / LENGTH);
     let goals = [goal(
         Case::with_tensions(&[3.0, 0.0]),
@@ -168,7 +161,7 @@ fn pre_bend_and_taper_come_within_a_thousandth_of_the_length() {
 /// One shape takes one cable, an arc to either side two, three arcs that are not in a plane and do not pull in one half three.
 #[test]
 fn the_number_of_cables_is_the_rank_or_what_the_signs_take() {
-    let robot = straight(&[0.0]);
+    let robot = straight(&[0.0], 0.006);
     let cosserat = model(ModelKind::Cosserat);
     let count = |directions: &[f64]| {
         let goals: Vec<DesignGoal> = directions
@@ -213,7 +206,7 @@ fn disk_positions_that_were_planted_are_found_again() {
 /// With the tension alone uncertain, the tip moves along its derivative.
 #[test]
 fn the_spread_of_the_tip_is_that_of_linear_propagation() {
-    let robot = straight(&[0.0]);
+    let robot = straight(&[0.0], 0.006);
     let case = Case::with_tensions(&[3.0]);
     let cosserat = model(ModelKind::Cosserat);
     let solution = cosserat.solve(&robot, &case).unwrap();

@@ -105,7 +105,7 @@ impl Forward<'_> {
     /// By how much the lengths of these rows are missed with these values; without the rows whose lengths do not contradict each other.
     pub(super) fn missed(&self, rows: &[Row], x: &[f64]) -> Vec<OverDetermined> {
         let mut found: Vec<Option<OverDetermined>> = vec![None; rows.len()];
-        let jobs = rows.iter().zip(&mut found).collect();
+        let jobs = rows.iter().zip(&mut found);
         let work = |(row, found): (&Row, &mut Option<OverDetermined>), (): &mut ()| {
             *found = self.missed_in(*row, x);
             true

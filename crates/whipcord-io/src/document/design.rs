@@ -1,7 +1,7 @@
 //! What a design may change and its targets, as tables of a file.
 
 use super::Table;
-use crate::read::{DesignShape, DesignTable, curve_text};
+use crate::read::{DesignShape, DesignTable, criterion_text, curve_text};
 
 /// Adds the table `[design]` to a file: read again, it says the same. Points are told by the name of their file.
 pub(super) fn describe_design(design: &DesignTable, file: &mut Table) {
@@ -11,6 +11,9 @@ pub(super) fn describe_design(design: &DesignTable, file: &mut Table) {
     table.insert_some("max_jump", design.max_jump);
     table.insert_some("distinct", design.distinct.then_some(true));
     table.insert_some("crossing", design.crossing);
+    let criteria: Vec<String> = design.criteria.iter().map(criterion_text).collect();
+    let criteria: Vec<&str> = criteria.iter().map(String::as_str).collect();
+    table.insert_some("criteria", (!criteria.is_empty()).then_some(criteria));
     table.insert_some("diameter", design.diameter);
     table.insert_some("degree", design.degree);
     table.insert_some("places", design.places);
@@ -36,6 +39,9 @@ pub(super) fn describe_design(design: &DesignTable, file: &mut Table) {
                 DesignShape::Curve(curve) => table.insert("curve", curve_text(curve).as_str()),
                 DesignShape::Points(_, path) => {
                     table.insert("shape", path.display().to_string().as_str());
+                }
+                DesignShape::Path(_, path) => {
+                    table.insert("path", path.display().to_string().as_str());
                 }
                 DesignShape::Tip(point) => table.insert("tip", *point),
                 DesignShape::Measured => table.insert("measured", true),

@@ -84,7 +84,7 @@ impl CaseFile {
             table.map(|path| relative(path, folder).map_or_else(|| path.clone(), PathBuf::from));
         let mut goal = Goal { table, ..self.goal.clone() };
         for target in &mut goal.design.targets {
-            if let DesignShape::Points(_, path) = &mut target.shape
+            if let DesignShape::Points(_, path) | DesignShape::Path(_, path) = &mut target.shape
                 && let Some(near) = relative(path, folder)
             {
                 *path = PathBuf::from(near);
@@ -141,7 +141,8 @@ impl CaseFile {
         let files = files.chain(state.then_some("motion.initial"));
         let files = files.map(str::to_owned);
         let shapes = 0..self.goal.design.targets.len();
-        let shapes = shapes.map(|k| format!("design.targets[{k}].shape"));
+        let shapes =
+            shapes.flat_map(|k| ["shape", "path"].map(|key| format!("design.targets[{k}].{key}")));
         for path in files.chain(shapes).chain(cameras).chain(meshes).chain(over_time) {
             if let Some(Node { span, value: Value::Text(named) }) = self.document().find(&path)
                 && span.file == 0

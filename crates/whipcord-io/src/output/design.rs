@@ -2,7 +2,9 @@
 
 use serde_json::{Map, Value, json};
 use whipcord::{Robot, Routing};
-use whipcord_design::{Design, GoalResult, Sampled, TolerancesResult, spread};
+use whipcord_design::{
+    CriterionResult, Design, GoalResult, Quantity, Sampled, TolerancesResult, spread,
+};
 
 use super::NonFinite;
 use super::csv::{Cell, CsvTable};
@@ -42,6 +44,8 @@ pub fn design_json(
         })
     });
     object.insert("findings".to_owned(), findings.collect());
+    let criteria = design.criteria.iter().map(criterion).collect::<Result<Vec<_>, _>>()?;
+    object.insert("criteria".to_owned(), criteria.into());
     let assumed = design.assumed_tension.map(|range| numbers("assumed_tension", &range));
     object.insert("assumed_tension".to_owned(), assumed.transpose()?.unwrap_or_default());
     let cables = design.robot.cables().iter().map(|cable| {
@@ -56,6 +60,29 @@ pub fn design_json(
     object.insert("targets".to_owned(), targets.collect::<Result<_, _>>()?);
     let tolerances = tolerances.map(tolerances_json).transpose()?;
     object.insert("tolerances".to_owned(), tolerances.unwrap_or_default());
+    Ok(Value::Object(object))
+}
+
+/// A criterion with its value, in SI units.
+fn criterion(of: &CriterionResult) -> Result<Value, NonFinite> {
+    let quantity = of.criterion.quantity;
+    let path = |key: &str| format!("criteria.{}.{key}", quantity.name());
+    let mut object = Map::new();
+    object.insert("quantity".to_owned(), json!(quantity.name()));
+    if let Quantity::Stiffness { disk, direction } = quantity {
+        object.insert("disk".to_owned(), json!(disk + 1));
+        let direction = direction.map(|of| vector(|| path("direction"), of)).transpose()?;
+        object.insert("direction".to_owned(), direction.unwrap_or_default());
+    }
+    for (key, value) in [
+        ("weight", of.criterion.weight),
+        ("limit", of.criterion.limit),
+        ("value", Some(of.value)),
+        ("before", of.before),
+    ] {
+        object.insert(key.to_owned(), optional(|| path(key), value)?);
+    }
+    object.insert("met".to_owned(), json!(of.is_met()));
     Ok(Value::Object(object))
 }
 

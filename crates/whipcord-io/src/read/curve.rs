@@ -4,8 +4,9 @@ use core::f64::consts::TAU;
 
 use whipcord_design::{CurveKind, NamedCurve};
 
+use super::named::{self, Grammar, quantity};
 use crate::suggest;
-use crate::units::{Dimension, parse_quantity};
+use crate::units::Dimension;
 
 /// What is given of a curve, by the name of the number.
 type Numbers = Vec<(String, f64)>;
@@ -22,11 +23,7 @@ const LARGEST_ANGLE: f64 = 100.0 * TAU;
 /// Whether a text begins with the name of a curve.
 #[must_use]
 pub fn is_curve(text: &str) -> bool {
-    NamedCurve::NAMES.contains(&name(text).as_str())
-}
-
-fn name(text: &str) -> String {
-    text.split(',').next().unwrap_or_default().trim().to_ascii_lowercase()
+    NamedCurve::NAMES.contains(&named::name(text).as_str())
 }
 
 /// A curve by its name and numbers, such as `arc, angle = 90 deg, direction = 0 deg`; numbers without a unit are in SI.
@@ -34,13 +31,13 @@ fn name(text: &str) -> String {
 /// # Errors
 /// What is wrong with the text, and what to give.
 pub fn parse_curve(text: &str) -> Result<NamedCurve, String> {
-    let name = name(text);
+    let name = named::name(text);
     let (example, keys): (&str, &[&str]) = match name.as_str() {
-        "circle" => (CIRCLE, &["radius"]),
-        "arc" => (ARC, &["angle"]),
-        "helix" => (HELIX, &["radius", "pitch"]),
-        "s" => (S, &["angle"]),
-        "clothoid" => (CLOTHOID, &["start", "end"]),
+        "circle" => (CIRCLE, &["radius", "direction"]),
+        "arc" => (ARC, &["angle", "direction"]),
+        "helix" => (HELIX, &["radius", "pitch", "direction"]),
+        "s" => (S, &["angle", "direction"]),
+        "clothoid" => (CLOTHOID, &["start", "end", "direction"]),
         _ => {
             let near = suggest::nearest(&name, NamedCurve::NAMES).filter(|_| name.len() > 1);
             let meant = near.map(|near| format!("did you mean `{near}`? ")).unwrap_or_default();
@@ -49,7 +46,7 @@ pub fn parse_curve(text: &str) -> Result<NamedCurve, String> {
             ));
         }
     };
-    let numbers = numbers(text, &name, keys, example)?;
+    let numbers = numbers(text, &Grammar { what: "curve", name: &name, keys, example })?;
     let of = |key: &str| {
         let found = numbers.iter().find(|(name, _)| name == key);
         found
@@ -70,43 +67,20 @@ pub fn parse_curve(text: &str) -> Result<NamedCurve, String> {
     Ok(NamedCurve { kind, direction: of("direction").unwrap_or(0.0) })
 }
 
-fn numbers(text: &str, name: &str, keys: &[&str], example: &str) -> Result<Numbers, String> {
-    let mut numbers: Numbers = Vec::new();
-    for part in text.split(',').skip(1) {
-        let Some((key, value)) = part.split_once('=') else {
-            let part = part.trim();
-            return Err(format!(
-                "`{part}` is no number with a name: give them as in \"{example}\""
-            ));
-        };
-        let (key, value) = (key.trim(), value.trim());
-        if !keys.contains(&key) && key != "direction" {
-            let known: Vec<&str> = keys.iter().copied().chain(["direction"]).collect();
-            let known = known.join(", ");
-            return Err(format!("a curve `{name}` has no `{key}`, but {known}"));
-        }
-        if numbers.iter().any(|(given, _)| given == key) {
-            return Err(format!("`{key}` is given twice"));
-        }
+fn numbers(text: &str, grammar: &Grammar<'_>) -> Result<Numbers, String> {
+    let number = |(key, value): (&str, &str)| {
         let dimension = match key {
             "radius" | "pitch" => Dimension::Length,
             "angle" | "direction" => Dimension::Angle,
             _ => Dimension::Curvature,
         };
-        let value = match value.parse::<f64>() {
-            Ok(value) if value.is_finite() => value,
-            Ok(_) => return Err(format!("`{key}` is not a finite number")),
-            Err(_) => {
-                let found = parse_quantity(value, &[dimension]);
-                found.map(|(value, _)| value).map_err(|error| format!("`{key}`: {error}"))?
-            }
-        };
+        let value = quantity(key, value, dimension)?;
         if dimension == Dimension::Angle && value.abs() > LARGEST_ANGLE {
             return Err(format!("`{key}` is more than 100 turns: give it in deg or rad"));
         }
-        numbers.push((key.to_owned(), value));
-    }
-    Ok(numbers)
+        Ok((key.to_owned(), value))
+    };
+    grammar.values(text)?.into_iter().map(number).collect()
 }
 
 /// The text of a curve.

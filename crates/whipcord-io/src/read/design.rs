@@ -1,20 +1,22 @@
 //! `[design]`: what may change of a robot, its target shapes, and tolerances.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits::{COORDINATE, LENGTH, TENSION};
 use whipcord::{Problem, Robot, Vec3};
-use whipcord_design::{NamedCurve, Vary};
+use whipcord_design::{Criterion, NamedCurve, Quantity, Vary};
+use whipcord_inverse::{PathPoint, Target};
 
+use super::criterion::parse_criterion;
 use super::curve::parse_curve;
-use super::goal::shape;
+use super::goal::{path, shape};
 use super::table::problem;
 use super::{vec3, vector_quantities};
 use crate::check::Fields;
-use crate::error::{FileProblem, Problems};
+use crate::error::{FileError, FileProblem, Problems};
 use crate::node::Node;
 use crate::schema::{DEVIATION, DEVIATION_OF_ANGLE, WEIGHT};
-use crate::source::Sources;
+use crate::source::{Sources, Span};
 
 /// What a file says of a design.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,6 +31,8 @@ pub struct DesignTable {
     pub crossing: Option<bool>,
     /// Holes that are given.
     pub fixed: Vec<FixedHoleEntry>,
+    /// Objectives and constraints.
+    pub criteria: Vec<Criterion>,
     /// Least and greatest diameter in m.
     pub diameter: Option<[f64; 2]>,
     /// Degree of polynomials.
@@ -72,6 +76,8 @@ pub enum DesignShape {
     Curve(NamedCurve),
     /// Points for disks, by their numbers from 0, and the file they were read from.
     Points(Vec<(usize, Vec3)>, PathBuf),
+    /// Points for the tip, each of them with tensions of its own, and the file they were read from.
+    Path(Vec<Vec3>, PathBuf),
     /// A point for the tip in m.
     Tip(Vec3),
     /// The disks that were measured.
@@ -142,6 +148,23 @@ pub(crate) fn design(
         }
         design.fixed.push(FixedHoleEntry { cable: cable.to_owned(), disk, hole });
     }
+    for (k, text) in texts("criteria").iter().enumerate() {
+        match parse_criterion(text) {
+            Ok(criterion) => {
+                if let Quantity::Stiffness { disk, .. } = criterion.quantity
+                    && disks.is_some_and(|disks| disk >= disks)
+                {
+                    let help = "disks count from 1, the base disk".to_owned();
+                    let message = format!("there is no disk {}", disk + 1);
+                    reader.wrong(&format!("design.criteria[{k}]"), message, help);
+                }
+                design.criteria.push(criterion);
+            }
+            Err(message) => {
+                reader.wrong_text(&format!("design.criteria[{k}]"), &message, CRITERION)
+            }
+        }
+    }
     if let Some([least, greatest]) = table.vector("diameter") {
         let is_within = [(0, least), (1, greatest)]
             .iter()
@@ -187,6 +210,53 @@ pub(crate) fn check_design(
     }
 }
 
+const CURVE: &str = "give a curve such as \"arc, angle = 90 deg\"";
+const CRITERION: &str = "give a criterion such as \"clearance, at_least = 5 mm\"";
+
+/// Points for the tip that a design takes.
+const MOST_POINTS: usize = 500;
+
+/// Reads the points of a path from a CSV or Parquet file.
+///
+/// # Errors
+/// [`FileError`] with what is wrong and where.
+pub fn load_tip_path(path: &Path) -> Result<Vec<Vec3>, FileError> {
+    let (mut sources, mut problems) = (Sources::default(), Problems::default());
+    match tip_path(path, None, &mut sources, &mut problems) {
+        Some(points) if problems.is_empty() => Ok(points),
+        _ => Err(problems.into_error(sources)),
+    }
+}
+
+/// The places of a path in a file that another one may name at `named`.
+fn tip_path(
+    file: &Path,
+    named: Option<Span>,
+    sources: &mut Sources,
+    problems: &mut Problems,
+) -> Option<Vec<Vec3>> {
+    let points = path(file, named, sources, problems)?;
+    let place = |point: &PathPoint| match point.target {
+        Target::Tip(place) => Some(place),
+        _ => None,
+    };
+    let places: Option<Vec<Vec3>> = points.iter().map(place).collect();
+    let refused = match &places {
+        None => (
+            "a design takes places of the tip, but this path has orientations",
+            "leave out their columns",
+        ),
+        Some(places) if places.is_empty() => ("a path without points", "give at least one"),
+        Some(places) if places.len() > MOST_POINTS => {
+            ("a path with more than 500 points", "give fewer: each has tensions of its own")
+        }
+        Some(_) => return places,
+    };
+    let span = named.unwrap_or_default();
+    problems.push(span, || problem(refused.0, refused.1));
+    None
+}
+
 struct Reader<'a> {
     document: &'a Node,
     problems: &'a mut Problems,
@@ -196,6 +266,12 @@ impl Reader<'_> {
     fn wrong(&mut self, path: &str, message: String, help: String) {
         let span = self.document.locate(path).span;
         self.problems.push(span, || problem(message, help));
+    }
+
+    /// A text that is wrong: what is, and what to give where the message says it or by an example.
+    fn wrong_text(&mut self, path: &str, message: &str, example: &str) {
+        let (message, help) = message.split_once(": ").unwrap_or((message, example));
+        self.wrong(path, message.to_owned(), help.to_owned());
     }
 
     fn refuse(&mut self, path: &str, problem: Problem) {
@@ -243,13 +319,7 @@ impl Reader<'_> {
             match parse_curve(text) {
                 Ok(curve) => DesignShape::Curve(curve),
                 Err(message) => {
-                    let (message, help) = match message.split_once(": ") {
-                        Some((message, help)) => (message.to_owned(), help.to_owned()),
-                        None => {
-                            (message, "give a curve such as \"arc, angle = 90 deg\"".to_owned())
-                        }
-                    };
-                    self.wrong(&format!("{path}.curve"), message, help);
+                    self.wrong_text(&format!("{path}.curve"), &message, CURVE);
                     return None;
                 }
             }
@@ -258,6 +328,11 @@ impl Reader<'_> {
             let file = sources.resolve(span.file, named);
             let points = shape(&file, Some(span), disks, sources, self.problems)?;
             DesignShape::Points(points, file.canonicalize().unwrap_or(file))
+        } else if let Some(named) = table.text("path") {
+            let span = self.document.locate(&format!("{path}.path")).span;
+            let file = sources.resolve(span.file, named);
+            let points = tip_path(&file, Some(span), sources, self.problems)?;
+            DesignShape::Path(points, file.canonicalize().unwrap_or(file))
         } else if let Some(point) = vec3(table, "tip") {
             for (k, value) in point.to_array().into_iter().enumerate() {
                 self.within(value, COORDINATE, &format!("{path}.tip[{k}]"));

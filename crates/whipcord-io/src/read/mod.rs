@@ -3,6 +3,7 @@
 mod backbone;
 mod cables;
 mod commands;
+mod criterion;
 mod curve;
 mod design;
 mod disks;
@@ -13,6 +14,7 @@ mod measured;
 mod mesh;
 mod motion;
 mod motors;
+mod named;
 mod numbers;
 mod obstacles;
 mod pose;
@@ -23,8 +25,11 @@ pub(crate) use backbone::{backbone, material};
 pub(crate) use cables::{cable, command, step};
 pub use commands::{CommandColumn, CommandRow, CommandTable, Commanded};
 pub(crate) use commands::{CommandedRobot, are_independent, read as commands};
+pub use criterion::{criterion_text, parse_criterion};
 pub use curve::{curve_text, is_curve, parse_curve};
-pub use design::{DesignShape, DesignTable, DesignTarget, FixedHoleEntry, ToleranceTable};
+pub use design::{
+    DesignShape, DesignTable, DesignTarget, FixedHoleEntry, ToleranceTable, load_tip_path,
+};
 pub(crate) use design::{check_design, design};
 pub(crate) use disks::disks;
 pub(crate) use fit::fit;

@@ -48,6 +48,12 @@ pub(super) static DESIGN: Table = Table {
         ),
         key("fixed", Kind::Tables(&FIXED), FIXED.title, FIXED.doc),
         key(
+            "criteria",
+            Kind::List(&Kind::Text, 1),
+            r#"["tension, weight = 0.01", "clearance, at_least = 5 mm"]"#,
+            "What counts beside the targets: `tension`, with `at_most` for a limit; `clearance` from obstacles, `stiffness, disk = 10, direction = x` of a disk against a force (without `direction` in the direction with the least stiffness), and `workspace`, the volume that the tip gets to, each with `at_least` for a limit. A limit is a hard constraint; `weight` makes an objective, which counts beside the squares of the distances as parts of the length. With criteria there need not be targets.",
+        ),
+        key(
             "diameter",
             Kind::Vector(&LENGTH, 2),
             r#"["1 mm", "5 mm"]"#,
@@ -74,7 +80,7 @@ pub(super) static DESIGN: Table = Table {
         key("targets", Kind::Tables(&TARGETS), TARGETS.title, TARGETS.doc),
         key("tolerances", Kind::Table(&TOLERANCES), TOLERANCES.title, TOLERANCES.doc),
     ],
-    rules: &[Rule::AtLeastOne(&["vary", "targets", "tolerances"])],
+    rules: &[],
 };
 
 static FIXED: Table = Table {
@@ -115,6 +121,12 @@ static TARGETS: Table = Table {
             "CSV or Parquet file, relative to this one, with points for disks. Its columns are disk, the number from 1, and x, y, z with a unit, as in `x [mm]`.",
         ),
         key(
+            "path",
+            Kind::Text,
+            r#""path.csv""#,
+            "CSV or Parquet file, relative to this one, with points for the tip, each of them a target with tensions of its own, so that tensions must vary. Its columns are t and x, y, z with units, as in `x [mm]`.",
+        ),
+        key(
             "tip",
             POSITION,
             r#"["40 mm", "0 mm", "120 mm"]"#,
@@ -139,7 +151,7 @@ static TARGETS: Table = Table {
             "How much the squares of its distances count beside those of other targets; 1 by default.",
         ),
     ],
-    rules: &[Rule::ExactlyOne(&["curve", "shape", "tip", "measured"])],
+    rules: &[Rule::ExactlyOne(&["curve", "shape", "path", "tip", "measured"])],
 };
 
 static TOLERANCES: Table = Table {

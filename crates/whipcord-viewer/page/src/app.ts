@@ -7,6 +7,7 @@ import { describe as describeCloud, points } from "./cloud";
 import { Connection } from "./connection";
 import { Controls } from "./controls";
 import { byId, element } from "./dom";
+import { Designing } from "./designing";
 import { Dragging } from "./dragging";
 import { poseAt } from "./geometry";
 import { Help } from "./help";
@@ -39,6 +40,7 @@ export class App {
   readonly #store: Store;
   readonly #connection: Connection;
   readonly #dragging: Dragging;
+  readonly #designing: Designing;
   readonly #robots = new Robots();
   readonly #beside = new Beside();
   readonly #panel: Panel;
@@ -90,7 +92,7 @@ export class App {
     this.#theme = new Theme(() => this.#redress());
     this.#stage = new Stage(byId("canvas") as HTMLCanvasElement, {
       // What the frames of an exported page are loaded with does not change.
-      places: () => (this.#recording || this.#timeline.isActive ? [] : (this.#first?.positions ?? [])),
+      places: () => (this.#recording || this.#timeline.isActive || this.#designing.isChoosing ? [] : (this.#first?.positions ?? [])),
       onlyTip: () => this.#store.state?.dragging === "reach",
       grab: (station) => this.#dragging.grab(station),
       move: (to) => this.#dragging.move(to),
@@ -107,6 +109,11 @@ export class App {
       first: () => this.#first,
       isCaughtUp: () => this.#connection.isCaughtUp,
       tell: (words) => this.#controls?.tell(words),
+    });
+    this.#designing = new Designing(this.#store, this.#stage, {
+      first: () => this.#first,
+      design: (request) => this.#connection.design(request),
+      name: () => this.#name,
     });
     this.#panel = new Panel((s) => this.#mark(s));
     this.#toolbar = new Toolbar({
@@ -186,6 +193,8 @@ export class App {
         this.#failure = message ?? undefined;
         this.#tell();
       },
+      designed: (found) => this.#designing.designed(found),
+      noDesign: (id, message) => this.#designing.failed(id, message),
       told: () => this.#tell(),
       waiting: (yes) => (byId("waiting").hidden = !yes),
     });
@@ -226,6 +235,7 @@ export class App {
         this.#catchUp();
       },
     }, modelColour, this.#recording?.axes, !this.#recording || this.#recording.cloud !== undefined);
+    if (!this.#recording) this.#designing.open(scene, byId("controls"));
     this.#timeline.open(this.#recording ? [] : scene.courses);
     if (this.#recording) {
       byId("note").textContent = describe(this.#recording);
@@ -254,6 +264,7 @@ export class App {
 
   #ask(state: State, anew: boolean): void {
     this.#controls?.show(state, anew);
+    this.#designing.show();
     this.#buttons();
     this.#connection.ask(() => this.#store.state, () => this.#dragging.target ?? null);
   }
@@ -262,6 +273,7 @@ export class App {
     const { state } = this.#store;
     if (!state) return;
     this.#live = frame.answers;
+    if (!this.#recording && this.#store.scene) this.#designing.receive(this.#store.scene, frame);
     if (frame.reach && this.#dragging.target) {
       this.#controls?.limits(frame.reach);
       if (frame.reach.status === "found") {
@@ -348,6 +360,7 @@ export class App {
     show(byId("legend"), this.#legend);
     this.#beside.dress(state);
     this.#stage.robots([...this.#robots.groups, ...this.#beside.groups]);
+    if (!this.#recording) this.#designing.dress();
     this.#stage.objects(solved[0]?.objects ?? []);
     this.#stage.marks(ellipsoids(scene, solved));
     const first = this.#first;

@@ -1,6 +1,6 @@
 // Requests and their answers: numbers, what is outdated, and what is waited for. It knows neither the page nor what it shows.
 
-import type { Answer, Cloud, Course, Frame, Moment, Request, Scene, Shown, Track } from "./protocol";
+import type { Answer, Cloud, Course, Designed, DesignRequest, Frame, Moment, Request, Scene, Shown, Track } from "./protocol";
 import type { Listener, Source } from "./source";
 import { toRequest, type State } from "./state";
 
@@ -18,6 +18,9 @@ export interface Hearer {
   cloud(cloud: Cloud | undefined, words: string): void;
   /** The shapes of a course so far. */
   course(course: Course, moments: readonly Moment[], complete: boolean, message: string | null): void;
+  /** Holes that were looked for; or there are none, and why. */
+  designed(found: Designed): void;
+  noDesign(id: number, message: string): void;
   /** Lines that tell what is wrong. */
   told(): void;
   waiting(yes: boolean): void;
@@ -74,6 +77,8 @@ export class Connection {
         if (id === this.#survey) hearer.cloud(undefined, message);
       },
       track: (track) => this.#follow(track),
+      designed: (found) => hearer.designed(found),
+      noDesign: (id, message) => hearer.noDesign(id, message),
       broken: (message) => {
         this.#broken = message;
         hearer.told();
@@ -124,8 +129,8 @@ export class Connection {
   /** Asks where the tip can go, if that is to be shown and is not known for these loads. */
   survey(state: State): void {
     const kinds = state.commands.map((command) => Object.keys(command)[0]);
-    const { tipForce, tipMoment, gravity, pull, models } = state;
-    const wanted = state.workspace ? JSON.stringify([tipForce, tipMoment, gravity, pull, models[0], kinds]) : "";
+    const { tipForce, tipMoment, gravity, pull, models, holes } = state;
+    const wanted = state.workspace ? JSON.stringify([tipForce, tipMoment, gravity, pull, models[0], kinds, holes]) : "";
     if (wanted === this.#surveyed) return;
     const ended = this.#surveyed !== "";
     this.#surveyed = wanted;
@@ -142,6 +147,11 @@ export class Connection {
   play(course: Course, state: State): void {
     this.#moments = [];
     this.#source.play({ course, request: toRequest(state, ++this.#play) });
+  }
+
+  /** Looks for holes. */
+  design(request: DesignRequest): void {
+    this.#source.design(request);
   }
 
   endPlay(): void {

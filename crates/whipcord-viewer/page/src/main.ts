@@ -4,6 +4,7 @@ import "./base.css";
 import "./view.css";
 import "./controls.css";
 import "./readout.css";
+import "./design.css";
 import "./narrow.css";
 
 import { App } from "./app";

@@ -4,14 +4,16 @@ import { describe, expect, it } from "vitest";
 import { acting } from "./acting";
 import { linear, modelColour, parse } from "./colours";
 import { rootMeanSquare } from "./compare";
+import { put } from "./holes";
 import { course, place, rotate, strainsOf, tensions, tipFrame } from "./geometry";
 import interpolation from "./interpolation.json";
 import { pixels, withResolution } from "./picture";
 import { around, contacts, move, objects, momentsOf } from "./recorded";
-import { decode, encode, encodePlay, encodeSurvey, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
+import { decode, encode, encodeDesign, encodePlay, encodeSurvey, type Command, type Pose, type Request, type Scene, type Solved, type Vector } from "./protocol";
 import { fromPage, toPage } from "./samples";
 import { scaleBar } from "./scale";
 import { Sharpness } from "./sharpness";
+import { along, csv, smooth } from "./sketch";
 import { Spring } from "./spring";
 import { fromHash, History, initialState, rebase, toHash, toRequest, viewFromHash, viewToHash } from "./state";
 import { fixed, fromUnit, MILLIMETRE, significant, toUnit } from "./units";
@@ -27,13 +29,14 @@ describe("the protocol", () => {
   });
 
   it("is written as the server reads it", () => {
-    const [solve, survey, end, play, endPlay] = fromPage;
+    const [solve, survey, end, play, endPlay, design] = fromPage;
     const { type: _, ...request } = solve as { type: string } & Request;
     expect(JSON.parse(encode(request))).toEqual(solve);
     expect(JSON.parse(encodeSurvey(request))).toEqual(survey);
     expect(JSON.parse(encodeSurvey(undefined))).toEqual(end);
     expect(JSON.parse(encodePlay({ course: "motion", request }))).toEqual(play);
     expect(JSON.parse(encodePlay(undefined))).toEqual(endPlay);
+    expect(JSON.parse(encodeDesign({ request, cable: 0, tension: true, places: [[0, 0, 0.2]] }))).toEqual(design);
   });
 });
 
@@ -79,9 +82,37 @@ describe("colours", () => {
   });
 });
 
+describe("holes", () => {
+  it("are kept beside those of the file where they are others", () => {
+    const own = [[1, 1], null, [2, 2]];
+    const changed = put(own, [], 2, [2, 3]);
+    expect(changed).toEqual([null, null, [2, 3]]);
+    expect(put(own, changed, 2, [2, 2])).toEqual([]);
+  });
+});
+
+describe("a sketch", () => {
+  it("has the places of the disks along its stroke, and goes straight on beyond", () => {
+    const corner: [number, number][] = [[0, 0], [0, 0.1], [0, 0.1], [0.05, 0.1]];
+    expect(along(corner, [0.05, 0.1, 0.12])).toEqual([[0, 0.05], [0, 0.1], [expect.closeTo(0.02, 12), 0.1]]);
+    expect(along(corner, [0.2])).toEqual([[expect.closeTo(0.1, 12), 0.1]]);
+  });
+
+  it("loses the tremor of the hand, and keeps its ends", () => {
+    const trembling = Array.from({ length: 41 }, (_, i): [number, number] => [i % 2 === 0 ? 0.001 : -0.001, 0.005 * i]);
+    const calm = smooth(trembling);
+    expect([calm[0], calm.at(-1)]).toEqual([trembling[0], trembling.at(-1)]);
+    expect(Math.max(...calm.slice(10, 30).map(([u]) => Math.abs(u)))).toBeLessThan(1e-5);
+  });
+
+  it("is a table of the disks behind the base", () => {
+    expect(csv([[0.01, 0, 0.1], [0.0123, -0.5, 0.2]])).toBe("disk,x [mm],y [mm],z [mm]\n2,10,0,100\n3,12.3,-500,200\n");
+  });
+});
+
 describe("the state", () => {
   it("asks for what the file asks for", () => {
-    expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false, target: null, pull: null });
+    expect(toRequest(initialState(scene), 7)).toEqual({ ...scene.initial, compliance: false, target: null, pull: null, holes: [] });
     expect(toRequest(initialState(scene), 7, [0, 0, 1]).target).toEqual([0, 0, 1]);
   });
 
@@ -100,6 +131,18 @@ describe("the state", () => {
     expect(fromHash(`#${hash}`, scene)).toEqual(state);
     state.models = [];
     expect(fromHash(toHash(state, initial), scene)).toEqual(state);
+    const disks = structuredClone(scene);
+    disks.cables[0]!.holes = [1, 1];
+    disks.disks = [0, 2].map((station) => ({ ...scene.disks[0]!, station, holes: [[0.008, 0], [0, 0.008]] }));
+    state.holes = [[1, 2]];
+    state.sketch = { across: "y", points: [[0.0125, 0.19]] };
+    const designed = toHash(state, initialState(disks));
+    expect(designed).toContain("holes=1-2&sketch=y,0.0125,0.19");
+    expect(fromHash(designed, disks)).toEqual({ ...state, holes: [[1, 2]] });
+    // A hole or a disk that the robot does not have.
+    for (const other of ["holes=1-3", "holes=1", "holes=1-x", "sketch=z,0,0", "sketch=x,1", "sketch=x,1,2,3,4"]) {
+      expect(fromHash(other, disks)).toEqual(initialState(disks));
+    }
   });
 
   it("keeps what was moved, and nothing else, when the file changes", () => {

@@ -24,6 +24,27 @@ export interface Request {
   target: Vector | null;
   /** A force at a place of the backbone, in the world. */
   pull: Pull | null;
+  /** The holes of each cable from the base on, from 1, in place of those of the file; empty for all of the file. */
+  holes: (number[] | null)[];
+}
+
+export interface DesignRequest {
+  request: Request;
+  cable: number;
+  /** Whether its tension may change as well. */
+  tension: boolean;
+  /** Of the disks behind the base, in the world. */
+  places: Vector[];
+}
+
+/** Holes that were found, with what the sliders are to say. */
+export interface Designed {
+  id: number;
+  holes: number[];
+  commands: Command[];
+  error: number;
+  largest: number;
+  proven: boolean;
 }
 
 export interface Pull {
@@ -44,7 +65,9 @@ export type FromPage =
   | ({ type: "survey" } & Request)
   | { type: "end_survey" }
   | ({ type: "play" } & PlayRequest)
-  | { type: "end_play" };
+  | { type: "end_play" }
+  | ({ type: "design" } & DesignRequest)
+  | { type: "end_design" };
 
 export interface Pose {
   position: Vector;
@@ -67,6 +90,8 @@ export interface Disk {
 export interface Cable {
   name: string;
   course: [number, number][];
+  /** From the base on, from 1, where it goes through holes. */
+  holes: number[] | null;
   initial_length: number;
 }
 
@@ -259,6 +284,8 @@ export interface Frame {
   time: number;
   answers: Answer[];
   reach: Reach | null;
+  /** The cables with the holes of the request, where these are others than those of the file. */
+  cables: Cable[] | null;
 }
 
 /** Where the tip can go. */
@@ -306,6 +333,8 @@ export type ToPage =
   | ({ type: "cloud" } & Cloud)
   | ({ type: "track" } & Track)
   | { type: "no_cloud"; id: number; message: string }
+  | ({ type: "designed" } & Designed)
+  | { type: "no_design"; id: number; message: string }
   | { type: "error"; message: string };
 
 export function encode(request: Request): string {
@@ -325,6 +354,12 @@ export function encodePlay(request: PlayRequest | undefined): string {
   return JSON.stringify(message);
 }
 
+/** To look for holes. */
+export function encodeDesign(request: DesignRequest): string {
+  const message: FromPage = { type: "design", ...request };
+  return JSON.stringify(message);
+}
+
 /** Reads a message of the server, which is of the same version as the page. */
 export function decode(text: string): ToPage {
   const message = JSON.parse(text) as ToPage;
@@ -337,6 +372,8 @@ export function decode(text: string): ToPage {
     case "cloud":
     case "track":
     case "no_cloud":
+    case "designed":
+    case "no_design":
     case "error":
       return message;
     default:

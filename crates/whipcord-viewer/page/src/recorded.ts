@@ -226,10 +226,13 @@ export class Recorded implements Source {
   /** An exported page has no courses. */
   play(): void {}
 
+  /** Nor are other holes in it. */
+  design(): void {}
+
   ask(request: Request): void {
     const begun = performance.now();
     const answers = request.models.map((model) => this.#answer(model, request));
-    const frame: Frame = { id: request.id, time: (performance.now() - begun) / 1e3, answers, reach: null };
+    const frame: Frame = { id: request.id, time: (performance.now() - begun) / 1e3, answers, reach: null, cables: null };
     queueMicrotask(() => this.#listener.frame(frame));
   }
 

@@ -49,7 +49,15 @@ export const fromPage: FromPage[] = [
         0.2,
         0.0
       ]
-    }
+    },
+    "holes": [
+      [
+        1,
+        2,
+        3
+      ],
+      null
+    ]
   },
   {
     "type": "survey",
@@ -97,7 +105,15 @@ export const fromPage: FromPage[] = [
         0.2,
         0.0
       ]
-    }
+    },
+    "holes": [
+      [
+        1,
+        2,
+        3
+      ],
+      null
+    ]
   },
   {
     "type": "end_survey"
@@ -150,11 +166,89 @@ export const fromPage: FromPage[] = [
           0.2,
           0.0
         ]
-      }
+      },
+      "holes": [
+        [
+          1,
+          2,
+          3
+        ],
+        null
+      ]
     }
   },
   {
     "type": "end_play"
+  },
+  {
+    "type": "design",
+    "request": {
+      "id": 7,
+      "commands": [
+        {
+          "tension": 1.5
+        },
+        {
+          "shortening": -0.002
+        },
+        {
+          "motor": 0.7
+        }
+      ],
+      "tip_force": [
+        0.1,
+        0.0,
+        -0.2
+      ],
+      "tip_moment": [
+        0.0,
+        0.01,
+        0.0
+      ],
+      "gravity": [
+        0.0,
+        0.0,
+        -9.81
+      ],
+      "models": [
+        "cosserat",
+        "four-bar"
+      ],
+      "compliance": true,
+      "target": [
+        0.05,
+        0.0,
+        0.1
+      ],
+      "pull": {
+        "arc_length": 0.1,
+        "force": [
+          0.0,
+          0.2,
+          0.0
+        ]
+      },
+      "holes": [
+        [
+          1,
+          2,
+          3
+        ],
+        null
+      ]
+    },
+    "cable": 0,
+    "tension": true,
+    "places": [
+      [
+        0.0,
+        0.0,
+        0.2
+      ]
+    ]
+  },
+  {
+    "type": "end_design"
   }
 ];
 
@@ -213,6 +307,9 @@ export const toPage: ToPage[] = [
             0.008,
             0.0
           ]
+        ],
+        "holes": [
+          1
         ],
         "initial_length": 0.2
       }
@@ -314,7 +411,15 @@ export const toPage: ToPage[] = [
           0.2,
           0.0
         ]
-      }
+      },
+      "holes": [
+        [
+          1,
+          2,
+          3
+        ],
+        null
+      ]
     },
     "ranges": {
       "tension": 10.0,
@@ -771,6 +876,9 @@ export const toPage: ToPage[] = [
             0.0
           ]
         ],
+        "holes": [
+          1
+        ],
         "initial_length": 0.2
       }
     ],
@@ -871,7 +979,15 @@ export const toPage: ToPage[] = [
           0.2,
           0.0
         ]
-      }
+      },
+      "holes": [
+        [
+          1,
+          2,
+          3
+        ],
+        null
+      ]
     },
     "ranges": {
       "tension": 10.0,
@@ -1338,6 +1454,9 @@ export const toPage: ToPage[] = [
             0.0
           ]
         ],
+        "holes": [
+          1
+        ],
         "initial_length": 0.2
       }
     ],
@@ -1438,7 +1557,15 @@ export const toPage: ToPage[] = [
           0.2,
           0.0
         ]
-      }
+      },
+      "holes": [
+        [
+          1,
+          2,
+          3
+        ],
+        null
+      ]
     },
     "ranges": {
       "tension": 10.0,
@@ -2108,7 +2235,8 @@ export const toPage: ToPage[] = [
           "words": "which"
         }
       ]
-    }
+    },
+    "cables": null
   },
   {
     "type": "frame",
@@ -2346,7 +2474,8 @@ export const toPage: ToPage[] = [
     "reach": {
       "status": "failed",
       "message": "why"
-    }
+    },
+    "cables": null
   },
   {
     "type": "cloud",
@@ -2907,6 +3036,9 @@ export const toPage: ToPage[] = [
               0.0
             ]
           ],
+          "holes": [
+            1
+          ],
           "initial_length": 0.2
         }
       ],
@@ -3007,7 +3139,15 @@ export const toPage: ToPage[] = [
             0.2,
             0.0
           ]
-        }
+        },
+        "holes": [
+          [
+            1,
+            2,
+            3
+          ],
+          null
+        ]
       },
       "ranges": {
         "tension": 10.0,
@@ -3752,6 +3892,312 @@ export const toPage: ToPage[] = [
     "type": "no_cloud",
     "id": 8,
     "message": "why"
+  },
+  {
+    "type": "designed",
+    "id": 10,
+    "holes": [
+      1,
+      2
+    ],
+    "commands": [
+      {
+        "tension": 1.5
+      },
+      {
+        "shortening": -0.002
+      },
+      {
+        "motor": 0.7
+      }
+    ],
+    "error": 0.001,
+    "largest": 0.002,
+    "proven": true
+  },
+  {
+    "type": "no_design",
+    "id": 10,
+    "message": "why"
+  },
+  {
+    "type": "frame",
+    "id": 7,
+    "time": 0.001,
+    "answers": [
+      {
+        "status": "solved",
+        "model": "cosserat",
+        "positions": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.1
+          ]
+        ],
+        "orientations": [
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "strains": [
+          [
+            1.5,
+            0.0,
+            0.2,
+            0.001,
+            0.0,
+            -0.001
+          ]
+        ],
+        "moments": [
+          [
+            0.01,
+            0.0,
+            0.002
+          ]
+        ],
+        "cables": [
+          {
+            "tension": 1.5,
+            "length": 0.19,
+            "initial_length": 0.2,
+            "shortening": 0.001,
+            "slack": false,
+            "span_tensions": [
+              1.5,
+              1.4
+            ]
+          }
+        ],
+        "contacts": [
+          {
+            "obstacle": 0,
+            "arc_length": 0.1,
+            "point": [
+              0.0,
+              0.0,
+              0.1
+            ],
+            "normal": [
+              1.0,
+              0.0,
+              0.0
+            ],
+            "force": 0.3,
+            "friction": [
+              0.0,
+              0.05,
+              0.0
+            ],
+            "sticks": true
+          }
+        ],
+        "grasps": [
+          {
+            "obstacle": 0,
+            "contacts": 1,
+            "sliding": 0,
+            "normal_force": 0.3,
+            "force": [
+              -0.3,
+              -0.05,
+              0.0
+            ],
+            "moment": [
+              0.0,
+              0.0,
+              0.001
+            ],
+            "slip_margin": 0.4
+          }
+        ],
+        "objects": [
+          {
+            "obstacle": 0,
+            "pose": {
+              "position": [
+                0.0,
+                0.0,
+                0.2
+              ],
+              "orientation": [
+                1.0,
+                0.0,
+                0.0,
+                0.0
+              ]
+            }
+          }
+        ],
+        "residual": 1e-12,
+        "iterations": 3,
+        "stability": 0.9,
+        "unstable": false,
+        "solve_time": 0.00002,
+        "driven_by": null,
+        "compliance": {
+          "status": "known",
+          "values": [
+            0.1,
+            0.01,
+            0.001
+          ],
+          "directions": [
+            [
+              1.0,
+              0.0,
+              0.0
+            ],
+            [
+              0.0,
+              1.0,
+              0.0
+            ],
+            [
+              0.0,
+              0.0,
+              1.0
+            ]
+          ]
+        },
+        "warnings": [
+          {
+            "message": "what",
+            "help": "do"
+          }
+        ]
+      },
+      {
+        "status": "solved",
+        "model": "four-bar",
+        "positions": [
+          [
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            0.0,
+            0.0,
+            0.1
+          ]
+        ],
+        "orientations": [
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ],
+          [
+            1.0,
+            0.0,
+            0.0,
+            0.0
+          ]
+        ],
+        "strains": [
+          [
+            1.5,
+            0.0,
+            0.2,
+            0.001,
+            0.0,
+            -0.001
+          ]
+        ],
+        "moments": null,
+        "cables": [
+          {
+            "tension": null,
+            "length": 0.19,
+            "initial_length": 0.2,
+            "shortening": 0.001,
+            "slack": true,
+            "span_tensions": []
+          }
+        ],
+        "contacts": [],
+        "grasps": [],
+        "objects": [],
+        "residual": 1e-12,
+        "iterations": 3,
+        "stability": null,
+        "unstable": false,
+        "solve_time": 0.00002,
+        "driven_by": "cosserat",
+        "compliance": {
+          "status": "unknown",
+          "message": "why"
+        },
+        "warnings": []
+      },
+      {
+        "status": "failed",
+        "model": "cosserat-disks",
+        "message": "why"
+      }
+    ],
+    "reach": {
+      "status": "found",
+      "reached": false,
+      "commands": [
+        {
+          "tension": 1.5
+        },
+        {
+          "shortening": -0.002
+        },
+        {
+          "motor": 0.7
+        }
+      ],
+      "distance": 0.002,
+      "limits": [
+        {
+          "slider": 1,
+          "words": "which"
+        }
+      ]
+    },
+    "cables": [
+      {
+        "name": "pull",
+        "course": [
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ],
+          [
+            0.008,
+            0.0
+          ]
+        ],
+        "holes": [
+          1
+        ],
+        "initial_length": 0.2
+      }
+    ]
   },
   {
     "type": "error",

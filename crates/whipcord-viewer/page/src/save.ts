@@ -21,7 +21,8 @@ export interface Saved {
   failed(message: string | undefined): void;
 }
 
-function download(name: string, content: Blob): void {
+/** Gives a file to the user. */
+export function download(name: string, content: Blob): void {
   const url = URL.createObjectURL(content);
   const link = element("a", { href: url, download: name });
   document.body.append(link);

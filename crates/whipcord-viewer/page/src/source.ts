@@ -1,6 +1,8 @@
 // Where answers come from: the server, over a WebSocket.
 
-import { decode, encode, encodePlay, encodeSurvey, type Answer, type Cloud, type Frame, type PlayRequest, type Request, type Scene, type Shown, type Track } from "./protocol";
+import {
+  decode, encode, encodeDesign, encodePlay, encodeSurvey, type Answer, type Cloud, type Designed, type DesignRequest, type Frame, type PlayRequest, type Request, type Scene, type Shown, type Track,
+} from "./protocol";
 
 export interface Listener {
   scene(scene: Scene): void;
@@ -13,6 +15,9 @@ export interface Listener {
   cloud(cloud: Cloud): void;
   /** That is not known, and why. */
   noCloud(id: number, message: string): void;
+  /** Holes that were looked for; or there are none, and why. */
+  designed(found: Designed): void;
+  noDesign(id: number, message: string): void;
   /** A part of a course that was asked for. */
   track(track: Track): void;
   /** The file on disk cannot be used as it now is. */
@@ -30,6 +35,8 @@ export interface Source {
   survey(request: Request | undefined): void;
   /** Asks for a course of shapes; without a request nobody waits for one any more. */
   play(request: PlayRequest | undefined): void;
+  /** Looks for holes. */
+  design(request: DesignRequest): void;
 }
 
 /** How long to wait before connecting again, in ms. */
@@ -61,6 +68,11 @@ export class Live implements Source {
   play(request: PlayRequest | undefined): void {
     // Without a connection there is nothing to play: who presses again asks anew.
     if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(encodePlay(request));
+  }
+
+  design(request: DesignRequest): void {
+    if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(encodeDesign(request));
+    else this.#listener.noDesign(request.request.id, "No connection to whipcord: try again when there is one.");
   }
 
   #connect(): void {
@@ -97,6 +109,10 @@ export class Live implements Source {
         return this.#listener.track(message);
       case "no_cloud":
         return this.#listener.noCloud(message.id, message.message);
+      case "designed":
+        return this.#listener.designed(message);
+      case "no_design":
+        return this.#listener.noDesign(message.id, message.message);
       case "broken":
         return this.#listener.broken(message.message);
       case "error":

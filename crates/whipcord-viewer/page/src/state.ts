@@ -22,6 +22,16 @@ export interface State {
   workspace: boolean;
   /** A force at a place of the backbone. */
   pull: Pull | null;
+  /** The holes of each cable in place of those of the file, from 1; empty for those of the file. */
+  holes: (number[] | null)[];
+  /** A wanted shape. */
+  sketch: Sketch | null;
+}
+
+/** Places of the disks behind the base in the plane of the base's z and x or y, in m. */
+export interface Sketch {
+  across: "x" | "y";
+  points: [number, number][];
 }
 
 export function initialState(scene: Scene): State {
@@ -37,6 +47,8 @@ export function initialState(scene: Scene): State {
     dragging: "force",
     workspace: false,
     pull: null,
+    holes: [],
+    sketch: null,
   };
 }
 
@@ -51,6 +63,7 @@ export function toRequest(state: State, id: number, target: Vector | null = null
     compliance: state.compliance,
     target,
     pull: state.pull,
+    holes: state.holes,
   };
 }
 
@@ -79,6 +92,10 @@ const text = (value: number): string => String(Number(value.toPrecision(9)));
 
 const pulled = ({ pull }: State): string => (pull ? [pull.arc_length, ...pull.force].map(text).join(",") : "");
 
+const lists = ({ holes }: State): string => holes.map((list) => list?.join("-") ?? "").join(",");
+
+const sketched = ({ sketch }: State): string => (sketch ? [sketch.across, ...sketch.points.flat().map((c) => String(Number(c.toPrecision(5))))].join(",") : "");
+
 /** The state as the part of an address behind `#`, without what is as in the file: between commas nothing stands for that. */
 export function toHash(state: State, initial: State): string {
   const parts: string[] = [];
@@ -103,6 +120,8 @@ export function toHash(state: State, initial: State): string {
   put("compliance", String(state.compliance), String(initial.compliance));
   put("drag", state.dragging, initial.dragging);
   put("pull", pulled(state), pulled(initial));
+  put("holes", lists(state), lists(initial));
+  put("sketch", sketched(state), sketched(initial));
   put("workspace", String(state.workspace), String(initial.workspace));
   return parts.join("&");
 }
@@ -154,6 +173,12 @@ export function fromHash(hash: string, scene: Scene): State {
         if (fits) state.pull = { arc_length: s, force: [x, y, z] };
         break;
       }
+      case "holes":
+        state.holes = holesOf(value, scene) ?? state.holes;
+        break;
+      case "sketch":
+        state.sketch = sketchOf(value, scene) ?? state.sketch;
+        break;
       case "workspace":
         state.workspace = value === "true";
         break;
@@ -197,6 +222,28 @@ function command(word: string): Command | undefined {
   if (word.startsWith("s")) return { shortening: value };
   if (word.startsWith("m")) return { motor: value };
   return undefined;
+}
+
+/** Lists of holes that the disks of a robot have. */
+function holesOf(words: string, scene: Scene): State["holes"] | undefined {
+  const all = words.split(",").map((list) => (list === "" ? null : list.split("-").map(Number)));
+  const fits = (list: number[] | null, cable: number): boolean => {
+    if (list === null) return true;
+    const own = scene.cables[cable]?.holes;
+    const has = (hole: number, disk: number): boolean => Number.isInteger(hole) && hole >= 1 && hole <= (scene.disks[disk]?.holes.length ?? 0);
+    return own?.length === list.length && list.every(has);
+  };
+  return all.length === scene.cables.length && all.every(fits) ? all : undefined;
+}
+
+/** A sketch for as many disks as a robot has. */
+function sketchOf(words: string, scene: Scene): Sketch | undefined {
+  const [across, ...rest] = words.split(",");
+  const numbers = rest.map(number);
+  if ((across !== "x" && across !== "y") || numbers.length !== 2 * (scene.disks.length - 1)) return undefined;
+  if (!numbers.every((c) => c !== undefined)) return undefined;
+  const points = Array.from({ length: numbers.length / 2 }, (_, i): [number, number] => [numbers[2 * i]!, numbers[2 * i + 1]!]);
+  return { across, points };
 }
 
 function vector(words: string, own: Vector): Vector | undefined {

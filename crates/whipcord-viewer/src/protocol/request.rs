@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use whipcord::ModelPreset;
 
+use crate::holes::Holes;
 use crate::protocol::loads::Pull;
 
 /// What the sliders say.
@@ -30,6 +31,9 @@ pub struct Request {
     /// A force at a place of the backbone, beside the loads of the file.
     #[serde(default)]
     pub pull: Option<Pull>,
+    /// The holes of each cable from the base on, from 1, in place of those of the file; empty for all of the file.
+    #[serde(default)]
+    pub holes: Holes,
 }
 
 /// What one cable or motor is told.

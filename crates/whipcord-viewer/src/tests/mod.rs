@@ -7,6 +7,7 @@
 
 mod answers;
 mod courses;
+mod design;
 mod guarded;
 mod interpolation;
 mod inverse;

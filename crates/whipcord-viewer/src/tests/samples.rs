@@ -6,9 +6,9 @@ use std::{env, fs};
 
 use crate::protocol::{
     Answer, Cable, CableState, Camera, Cloud, Command, Compliance, Contact, Course, CourseChoice,
-    Disk, Form, Frame, FromPage, Grasp, Lens, Load, Marker, MetLimit, ModelChoice, Moment, Motor,
-    Obstacle, PlacedObject, PlayRequest, Pose, Pull, Ranges, Reach, Request, Scene, Section, Shown,
-    Sight, Slider, Solved, ToPage, Track, Warning, read,
+    DesignRequest, Designed, Disk, Form, Frame, FromPage, Grasp, Lens, Load, Marker, MetLimit,
+    ModelChoice, Moment, Motor, Obstacle, PlacedObject, PlayRequest, Pose, Pull, Ranges, Reach,
+    Request, Scene, Section, Shown, Sight, Slider, Solved, ToPage, Track, Warning, read,
 };
 
 fn request() -> Request {
@@ -22,6 +22,7 @@ fn request() -> Request {
         compliance: true,
         target: Some([0.05, 0.0, 0.1]),
         pull: Some(Pull { arc_length: 0.1, force: [0.0, 0.2, 0.0] }),
+        holes: vec![Some(vec![1, 2, 3]), None],
     }
 }
 
@@ -58,6 +59,7 @@ fn scenes() -> Vec<Scene> {
         cables: vec![Cable {
             name: "pull".to_owned(),
             course: vec![[0.008, 0.0]; 3],
+            holes: Some(vec![1]),
             initial_length: 0.2,
         }],
         motors: vec![Motor {
@@ -240,6 +242,7 @@ fn frame() -> Frame {
             distance: 0.002,
             limits: vec![MetLimit { slider: Some(1), words: "which".to_owned() }],
         }),
+        cables: None,
     }
 }
 
@@ -263,6 +266,13 @@ fn the_page_has_the_types_of_the_server() {
         FromPage::EndSurvey,
         FromPage::Play(PlayRequest { course: Course::Motion, request: request() }),
         FromPage::EndPlay,
+        FromPage::Design(DesignRequest {
+            request: request(),
+            cable: 0,
+            tension: true,
+            places: vec![[0.0, 0.0, 0.2]],
+        }),
+        FromPage::EndDesign,
     ];
     let mut to_page: Vec<ToPage> =
         scenes().into_iter().map(|scene| ToPage::Scene(Box::new(scene))).collect();
@@ -283,6 +293,17 @@ fn the_page_has_the_types_of_the_server() {
     let shapes = vec![Some(first.clone()), None];
     to_page.push(ToPage::Shown(Shown { time: 0.5, shapes, measured: vec![[0.0, 0.0, 0.1]] }));
     to_page.push(ToPage::NoCloud { id: 8, message: "why".to_owned() });
+    to_page.push(ToPage::Designed(Designed {
+        id: 10,
+        holes: vec![1, 2],
+        commands: request().commands,
+        error: 0.001,
+        largest: 0.002,
+        proven: true,
+    }));
+    to_page.push(ToPage::NoDesign { id: 10, message: "why".to_owned() });
+    let cables = scenes()[0].cables.clone();
+    to_page.push(ToPage::Frame(Frame { cables: Some(cables), ..frame() }));
     to_page.push(ToPage::Error { message: "why".to_owned() });
     let [from, to] = [
         serde_json::to_string_pretty(&from_page).unwrap(),

@@ -1,0 +1,125 @@
+//! Lists of holes, in turn with tensions where these are varied too.
+
+use whipcord::Case;
+
+use super::unknowns::converged;
+use super::work::Work;
+use crate::choices::{FixedHole, HoleRules};
+use crate::error::DesignError;
+use crate::hole_design::{self, HoleDesign};
+use crate::problem::Known;
+use crate::vary::Vary;
+
+/// Rounds in which holes and tensions are chosen in turn.
+const ROUNDS: usize = 8;
+/// Tensions that are tried for one cable before the rounds.
+const TENSIONS: u32 = 24;
+/// The best of these from which holes and tensions are chosen in turn.
+const KEPT: usize = 4;
+/// How much nearer a round must come to go on, as a part of what lists are compared by.
+const NEARER: f64 = 2e-4;
+
+impl Work<'_> {
+    pub(super) fn holes(
+        &mut self,
+        cables: &[usize],
+        tensions: &[usize],
+    ) -> Result<(), DesignError> {
+        let rules = self.rules(cables)?;
+        let search = |work: &Self| -> Result<HoleDesign, DesignError> {
+            let goals = work.shape_goals()?;
+            let search = &work.options.search;
+            let within = (&rules, Some(&work.criteria));
+            hole_design::search(&work.model, &work.robot, cables, &goals, within, search)
+        };
+        // Of each trial the tensions and what the holes make of them.
+        let mut trials = vec![(self.cases.clone(), search(self))];
+        if let ([cable], [_]) = (tensions, &self.cases[..]) {
+            let [least, greatest] = self.tension_range(*cable)?;
+            for k in 1..=TENSIONS {
+                let part = f64::from(k) / f64::from(TENSIONS);
+                let tension = (part * part * greatest).max(least);
+                self.cases[0].commands[*cable].tension = Some(tension);
+                trials.push((self.cases.clone(), search(self)));
+            }
+        }
+        let mut refusal = None;
+        let mut found = Vec::new();
+        for (cases, trial) in trials {
+            match trial {
+                Ok(design) => found.push((cases, design)),
+                Err(error) => {
+                    refusal.get_or_insert(error);
+                }
+            }
+        }
+        found.sort_by(|a, b| a.1.merit.total_cmp(&b.1.merit));
+        found.truncate(if tensions.is_empty() { 1 } else { KEPT });
+        let mut best: Option<(Vec<Case>, HoleDesign, Option<Known>)> = None;
+        for (cases, design) in found {
+            self.cases = cases;
+            self.robot = design.robot.clone();
+            let ended = self.in_turn(design, tensions, &search)?;
+            if best.as_ref().is_none_or(|(_, best, _)| ended.0.merit < best.merit) {
+                best = Some((self.cases.clone(), ended.0, ended.1));
+            }
+        }
+        let Some((cases, best, known)) = best else {
+            return Err(refusal.unwrap_or(DesignError::NoPoints));
+        };
+        (self.cases, self.robot) = (cases, best.robot.clone());
+        for cable in cables {
+            self.find(Vary::Holes { cable: *cable }, Known::Holes(best.proof));
+        }
+        for cable in tensions {
+            self.find(
+                Vary::Tension { cable: *cable },
+                known.unwrap_or(Known::LeastSquares { starts: 1, agree: 1 }),
+            );
+        }
+        Ok(())
+    }
+
+    /// Tensions and holes in turn, until neither comes nearer.
+    fn in_turn(
+        &mut self,
+        mut best: HoleDesign,
+        tensions: &[usize],
+        search: &impl Fn(&Self) -> Result<HoleDesign, DesignError>,
+    ) -> Result<(HoleDesign, Option<Known>), DesignError> {
+        let mut known = None;
+        let unknowns: Vec<Vary> = tensions.iter().map(|&cable| Vary::Tension { cable }).collect();
+        for _ in 0..ROUNDS {
+            if unknowns.is_empty() {
+                break;
+            }
+            let before = best.merit;
+            let refined = self.refined(&unknowns, 1)?;
+            let cases = core::mem::replace(&mut self.cases, refined.cases);
+            let next = search(self)?;
+            if next.merit >= best.merit {
+                self.cases = cases;
+                known.get_or_insert(converged(refined.is_converged, 1, 1));
+                break;
+            }
+            known = Some(converged(refined.is_converged, 1, 1));
+            best = next;
+            self.robot = best.robot.clone();
+            if best.merit > before * (1.0 - NEARER) {
+                break;
+            }
+        }
+        Ok((best, known))
+    }
+
+    /// The rules with the fixed holes of the varied cables, by their places among them.
+    fn rules(&self, cables: &[usize]) -> Result<HoleRules, DesignError> {
+        let rules = &self.options.rules;
+        let fixed = rules.fixed.iter().map(|fixed| {
+            let place = cables.iter().position(|cable| *cable == fixed.cable);
+            let cable = place.ok_or(DesignError::FixedButNotVaried { cable: fixed.cable })?;
+            Ok(FixedHole { cable, ..*fixed })
+        });
+        Ok(HoleRules { fixed: fixed.collect::<Result<_, DesignError>>()?, ..rules.clone() })
+    }
+}

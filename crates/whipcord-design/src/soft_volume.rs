@@ -1,0 +1,85 @@
+//! The volume of balls round points, as a function of the points that has derivatives.
+
+use std::collections::HashMap;
+
+use whipcord::Vec3;
+
+/// Voxels along the radius of a ball.
+const VOXELS: f64 = 2.5;
+/// How deep the kernel is: the density of one ball is 1 − exp(−DEPTH) in its middle.
+const DEPTH: f64 = 4.0;
+
+/// The volume in m³ of all places within about `radius` of some point, eq. (12): `∫ 1 − exp(−Σ kernel)` by voxels. The kernels end at the radius, so
+/// that it is less than the volume of the balls.
+pub(crate) fn soft_volume(points: impl Iterator<Item = Vec3>, radius: f64) -> f64 {
+    let edge = radius / VOXELS;
+    let mut depths: HashMap<[i64; 3], f64> = HashMap::new();
+    for point in points {
+        let cells = [point.x, point.y, point.z].map(|at| {
+            #[allow(clippy::cast_possible_truncation, reason = "far below 2⁶³ voxels")]
+            let [first, last] =
+                [at - radius, at + radius].map(|end| (end / edge - 0.5).floor() as i64);
+            first..=last + 1
+        });
+        for i in cells[0].clone() {
+            for j in cells[1].clone() {
+                for k in cells[2].clone() {
+                    #[allow(clippy::cast_precision_loss, reason = "far below 2⁵³ voxels")]
+                    let centre = Vec3::new(i as f64 + 0.5, j as f64 + 0.5, k as f64 + 0.5) * edge;
+                    let off = centre - point;
+                    let rest = 1.0 - off.dot(off) / (radius * radius);
+                    if rest > 0.0 {
+                        *depths.entry([i, j, k]).or_default() += DEPTH * rest * rest * rest;
+                    }
+                }
+            }
+        }
+    }
+    // In order, so that the sum is the same each time.
+    let mut cells: Vec<([i64; 3], f64)> = depths.into_iter().collect();
+    cells.sort_unstable_by_key(|(cell, _)| *cell);
+    let filled: f64 = cells.iter().map(|(_, depth)| -(-depth).exp_m1()).sum();
+    filled * edge.powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn balls_add_up_where_they_are_apart_and_a_dense_body_has_its_volume() {
+        let radius = 0.01;
+        let of = |points: &[Vec3]| soft_volume(points.iter().copied(), radius);
+        let ball = 4.0 / 3.0 * core::f64::consts::PI * radius.powi(3);
+        let one = of(&[Vec3::ZERO]);
+        // ∫ 3 u² (1 − exp(−4 (1 − u²)³)) du = 0.3148.
+        assert!((one / ball - 0.3148).abs() < 0.01, "{}", one / ball);
+        let two = |apart: f64| of(&[Vec3::ZERO, Vec3::new(apart, 0.0, 0.0)]);
+        assert!((two(0.03) / one - 2.0).abs() < 0.02);
+        let distances = [0.0, 0.004, 0.008, 0.012, 0.016, 0.02];
+        assert!(distances.windows(2).all(|pair| two(pair[0]) < two(pair[1])));
+        let at = |i: i32| f64::from(i) * 0.004;
+        let cube: Vec<Vec3> = (0..=25)
+            .flat_map(|i| (0..=25).flat_map(move |j| (0..=25).map(move |k| (i, j, k))))
+            .map(|(i, j, k)| Vec3::new(at(i), at(j), at(k)))
+            .collect();
+        // A cube of 0.1 m and what is within the radius of it.
+        let (inside, outside) = (0.1_f64.powi(3), 0.12_f64.powi(3));
+        let volume = of(&cube);
+        assert!(inside < volume && volume < outside, "{volume:e}");
+        assert_eq!(of(&[]), 0.0);
+    }
+
+    #[test]
+    fn the_volume_changes_smoothly_with_the_points() {
+        let points: Vec<Vec3> = (0..60)
+            .map(|k| {
+                let t = 0.1 * f64::from(k);
+                Vec3::new(0.02 * t.cos(), 0.02 * t.sin(), 0.004 * t)
+            })
+            .collect();
+        let of = |by: f64| soft_volume(points.iter().map(|point| *point * (1.0 + by)), 0.008);
+        let slope = |step: f64| (of(step) - of(-step)) / (2.0 * step);
+        assert!((slope(1e-3) / slope(1e-5) - 1.0).abs() < 0.02, "{} {}", slope(1e-3), slope(1e-5));
+    }
+}
