@@ -41,6 +41,7 @@ mod png;
 mod projection;
 mod robot_figure;
 mod scene;
+mod small_multiples;
 mod space;
 mod svg;
 mod ticks;
@@ -75,6 +76,7 @@ pub use png::png;
 pub use robot_figure::{
     CableCourse, FINE_STATIONS, FigureOptions, RobotView, ViewStyle, label, robot_figure,
 };
+pub use small_multiples::{SmallMultiple, small_multiples};
 pub use time::{OverTime, TimeSeries, time_chart};
 pub use timing::{TimingSeries, timing_chart};
 pub use workspace_figure::{WorkspaceFigure, workspace_figure};

@@ -97,14 +97,18 @@ impl Table {
             let class = if self.columns[i].1 == Align::Right { " class=\"n\"" } else { "" };
             format!("<{tag}{class}>{}</{tag}>", escape(text))
         };
-        let mut html = String::from("<div class=\"scroll\"><table>\n<thead><tr>");
+        let mut html = String::from(
+            "<div class=\"scroll\" role=\"group\" tabindex=\"0\" aria-label=\"Table\"><table>\n<thead><tr>",
+        );
         for (i, (name, _)) in self.columns.iter().enumerate() {
             let unit = match self.units.get(i) {
                 Some(unit) if !unit.is_empty() => format!("<small>{}</small>", escape(unit)),
                 _ => String::new(),
             };
-            let heading = cell("th", i, name);
-            html += &heading.replace("</th>", &format!("{unit}</th>"));
+            // A column without a name has no heading.
+            let tag = if name.is_empty() && unit.is_empty() { "td" } else { "th" };
+            let heading = cell(tag, i, name);
+            html += &heading.replace(&format!("</{tag}>"), &format!("{unit}</{tag}>"));
         }
         html += "</tr></thead>\n";
         for group in &self.groups {

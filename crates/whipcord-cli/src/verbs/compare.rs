@@ -17,7 +17,7 @@ use crate::model_arguments::model_parser;
 use crate::progress;
 use crate::verbs::score;
 use crate::warnings::Warnings;
-use whipcord_study::comparison::figures::figures;
+use whipcord_study::comparison::figures::{figures, multiples};
 use whipcord_study::comparison::study::Study;
 use whipcord_study::comparison::{csv, report, tables};
 use whipcord_study::failure::Failure;
@@ -125,7 +125,7 @@ fn run_suite(args: &CompareArgs, suite: Suite, style: Style) -> Result<String, F
     let (accuracy, text) = accuracy(args, &folder, &results, style)?;
     let recommendation = model_benchmark::report::recommendation(&results);
     let body = format!(
-        "<h1>Benchmark of the models</h1>\n{recommendation}{accuracy}{}",
+        "<h1>Benchmark of the models</h1>\n<section id=\"verdict\"><h2>Verdict</h2>\n{recommendation}</section>\n{accuracy}{}",
         whipcord_study::html::footer()
     );
     folder.write("report.html", &page("Whipcord: benchmark of the models", &body))?;
@@ -194,13 +194,19 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     };
     let mut accuracy = accuracy;
     if let Some(score) = &score {
-        accuracy += "<h2>Against the measurements</h2>\n";
+        accuracy += "<section id=\"measurements\"><h2>Against the measurements</h2>\n";
         accuracy += &whipcord_study::score::report::section(score, &[]);
+        accuracy += "</section>\n";
         folder.write_table("score.csv", &output::summary_csv(score))?;
         folder.write_table("rows.csv", &output::rows_csv(score))?;
     }
     let recommendation = model_benchmark::report::recommendation(&results);
-    let report = report::html(&studies, &figures, &recommendation, &accuracy, &passed_over);
+    let multiples = match args.no_figures {
+        true => vec![None; studies.len()],
+        false => multiples(&studies)?,
+    };
+    let report =
+        report::html(&studies, &figures, &multiples, &recommendation, &accuracy, &passed_over);
     folder.write("report.html", &report)?;
 
     if !unsolved.is_empty() {

@@ -108,9 +108,16 @@ fn the_report_needs_no_other_file_and_no_network() {
         rest = rest.replace(namespace, "");
     }
     assert!(!rest.contains("http://") && !rest.contains("https://"));
-    assert_eq!(html.matches("<svg").count(), 3);
+    assert_eq!(html.matches("<svg").count(), 4);
     let place = |words: &str| html.find(words).unwrap();
-    assert!(place("Which model for what") < place("<h2>Answers"));
+    let order =
+        ["<h2>Verdict", "Which model for what", "<h2>Answers", "id=\"case-1\"", "id=\"accuracy\""];
+    assert!(order.windows(2).all(|two| place(two[0]) < place(two[1])));
+    // What the list of contents names is there, once.
+    for link in html.split("href=\"#").skip(1) {
+        let id = link.split('"').next().unwrap();
+        assert_eq!(html.matches(&format!(" id=\"{id}\"")).count(), 1, "{id}");
+    }
     assert!(html.contains("RMS<small>mm</small>") && html.contains("tip x<small>mm</small>"));
     for words in ["not public", "Mahapatra", "from hole to hole", "10.07 s", "prefers-color-scheme"]
     {
@@ -630,4 +637,28 @@ fn a_suite_is_listed_written_and_tried() {
     assert!(message.contains("no case of the suite has spiral in its name"), "{message}");
     fail(2, &["compare", "examples/table1", "--suite", "routing"]);
     fail(2, &["compare", "examples/table1", "--list"]);
+}
+
+#[test]
+fn a_report_has_a_small_picture_of_each_case_and_says_how_near_the_models_are() {
+    let scratch = Scratch::new();
+    let out = scratch.path().join("report");
+    let cases = ["examples/table1/case-1.toml", "examples/table1/case-3.toml"];
+    succeed(&["compare", cases[0], cases[1], "--out", out.to_str().unwrap()]);
+    let html = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let multiples = html.split("class=\"multiples\"").nth(1).unwrap();
+    let multiples = multiples.split("</ul>").next().unwrap();
+    assert_eq!(multiples.matches("<svg").count(), 2);
+    assert_eq!(multiples.matches("mm RMS").count(), 2);
+    assert!(html.contains("of 2 cases with answers of several models"), "{html}");
+    assert!(html.contains("Farthest from the reference is "));
+    assert_eq!(html.matches("<section class=\"case\"").count(), 2);
+    // Names inside pictures are of one picture each.
+    let mut names: Vec<&str> =
+        html.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    let all = names.len();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), all);
+    assert!(html.len() < 1_000_000, "{}", html.len());
 }

@@ -2,7 +2,7 @@
 
 use whipcord_plot::{
     Acting, CableCourse, Colour, DistanceSeries, FigureOptions, Marker, PlotError, RobotView,
-    ViewStyle, distance_chart, label, robot_figure,
+    SmallMultiple, ViewStyle, distance_chart, label, robot_figure, small_multiples,
 };
 
 use super::study::{Commands, Study};
@@ -19,14 +19,7 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
     let mut figures = Vec::new();
     let Some((_, reference)) = study.reference() else { return Ok(figures) };
     let fail = |error: PlotError| plot_failure(&study.file.path, &error);
-    let mut views = vec![RobotView::at_rest(&study.file.robot, study.file.case.base)];
-    views.extend(study.solved().map(|(run, solved)| RobotView {
-        label: label(run.label(), &solved.solution),
-        shape: solved.fine.clone(),
-        disks: solved.solution.disks.clone(),
-        cables: CableCourse::of(solved.solution.model),
-        style: ViewStyle::Model(solved.solution.model),
-    }));
+    let views = views(study);
     // Moved, where that was asked for, onto the first model.
     let last = study.file.case.before.len();
     let measured = reference.compared().into_iter().flat_map(|distances| &distances.markers);
@@ -57,6 +50,44 @@ pub fn figures(study: &Study) -> Result<Vec<Figure>, Failure> {
         });
     }
     Ok(figures)
+}
+
+/// The robot before actuation, and as each model has it.
+fn views(study: &Study) -> Vec<RobotView> {
+    let mut views = vec![RobotView::at_rest(&study.file.robot, study.file.case.base)];
+    views.extend(study.solved().map(|(run, solved)| RobotView {
+        label: label(run.label(), &solved.solution),
+        shape: solved.fine.clone(),
+        disks: solved.solution.disks.clone(),
+        cables: CableCourse::of(solved.solution.model),
+        style: ViewStyle::Model(solved.solution.model),
+    }));
+    views
+}
+
+/// A small picture of each case, of one scale; none of a case without an answer.
+///
+/// # Errors
+/// [`Failure::Input`] when one cannot be drawn.
+pub fn multiples(studies: &[Study]) -> Result<Vec<Option<String>>, Failure> {
+    let drawn: Vec<_> = studies
+        .iter()
+        .filter(|study| study.reference().is_some())
+        .map(|study| (study, views(study), distances(study)))
+        .collect();
+    let cases: Vec<_> = drawn
+        .iter()
+        .map(|(study, views, distances)| SmallMultiple {
+            title: &study.file.title,
+            views,
+            distances,
+        })
+        .collect();
+    let Some((first, ..)) = drawn.first() else { return Ok(vec![None; studies.len()]) };
+    let pictures =
+        small_multiples(&cases).map_err(|error| plot_failure(&first.file.path, &error))?;
+    let mut pictures = pictures.into_iter();
+    Ok(studies.iter().map(|study| study.reference().and_then(|_| pictures.next())).collect())
 }
 
 fn distances(study: &Study) -> Vec<DistanceSeries> {

@@ -1,49 +1,173 @@
 //! The report: one HTML file that needs no other and no network.
 
-use whipcord::CableState;
+use whipcord::{CableState, ModelKind};
 use whipcord_estimation::observation::Distances;
+use whipcord_plot::Colour;
 
 use super::study::{Commands, FAR, Study};
 use super::tables::{self, OUTLIER, each_once, not_compared, with_mark};
 use crate::contacts;
 use crate::describe::{describe, instability};
-use crate::html::{Figure, escape, footer, list, page};
+use crate::html::{Figure, Place, contents, escape, footer, list, page};
 use crate::quantity::{fixed_millimetres, newtons, number, percent};
 use crate::table::{Align, Table};
 
-/// The report of these cases with the figures of each; `recommendation` says which model to use for what, `accuracy` is the
-/// section about all cases.
+/// The report of these cases with the figures of each and a small picture of each that has a shape; `recommendation` says which model
+/// to use for what, `accuracy` is the section about all cases. The verdict comes first, then one page for each case.
 pub fn html(
     studies: &[Study],
     figures: &[Vec<Figure>],
+    multiples: &[Option<String>],
     recommendation: &str,
     accuracy: &str,
     passed_over: &[String],
 ) -> String {
     let mut body = String::from("<h1>Models side by side</h1>\n");
-    body += recommendation;
-    body += "<h2>Answers</h2>\n";
+    body += &format!(
+        "<section id=\"verdict\"><h2>Verdict</h2>\n<p>{}</p>\n{recommendation}</section>\n",
+        escape(&verdict(studies))
+    );
+    body += &contents(&places(studies, accuracy));
+    body += "<section id=\"answers\"><h2>Answers</h2>\n";
+    body += &overview(studies, multiples);
     body += &tables::summary(studies, true).html();
     let outliers = studies.iter().any(Study::has_outliers).then(outlier_note);
     body += &list(outliers.iter().chain(&tables::notes(studies)).chain(passed_over));
-    if studies.len() > 1 {
-        body += "<nav><ul>\n";
-        for (i, study) in studies.iter().enumerate() {
-            body += &format!(
-                "<li><a href=\"#case-{}\">{}</a> <span class=\"path\">{}</span></li>\n",
-                i + 1,
-                escape(&study.file.title),
-                escape(&place(study))
-            );
-        }
-        body += "</ul></nav>\n";
-    }
-    body += accuracy;
+    body += "</section>\n";
     for (i, (study, figures)) in studies.iter().zip(figures).enumerate() {
         body += &section(i + 1, study, figures);
     }
+    body += accuracy;
     body += &footer();
     page("Whipcord: models side by side", &body)
+}
+
+/// What is in the report.
+fn places(studies: &[Study], accuracy: &str) -> Vec<Place> {
+    let named = |id: &str, title: &str, detail: String| Place {
+        id: id.to_owned(),
+        title: title.to_owned(),
+        detail,
+    };
+    let mut places = vec![
+        named("verdict", "Verdict", String::new()),
+        named("answers", "Answers", String::new()),
+    ];
+    let case = |(i, study): (usize, &Study)| {
+        named(&format!("case-{}", i + 1), &study.file.title, study.file.path.display().to_string())
+    };
+    places.extend(studies.iter().enumerate().map(case));
+    let more = [("accuracy", "Accuracy and time"), ("measurements", "Against the measurements")];
+    for (id, title) in more {
+        if accuracy.contains(&format!("id=\"{id}\"")) {
+            places.push(named(id, title, String::new()));
+        }
+    }
+    places
+}
+
+/// The greatest distance of a model from the reference model, and which model that is.
+fn farthest(study: &Study) -> Option<(String, f64)> {
+    let far = study
+        .solved()
+        .filter_map(|(run, solved)| Some((run.label(), study.distance_to_reference(run, solved)?)));
+    far.max_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
+/// In one sentence for each: how near the models are, and what has no answer.
+fn verdict(studies: &[Study]) -> String {
+    let runs = || studies.iter().flat_map(|study| study.runs.iter().map(move |run| (study, run)));
+    let compared = studies.iter().filter(|study| farthest(study).is_some()).count();
+    let agree = studies
+        .iter()
+        .filter(|study| farthest(study).is_some_and(|(_, distance)| !study.is_far(distance)))
+        .count();
+    let mut words = match (studies.len(), compared) {
+        (1, 0) => {
+            String::from("One model has an answer, so that there is nothing to compare it with.")
+        }
+        (_, 0) => String::from("No case has answers of two models to compare."),
+        (1, _) if agree == 1 => {
+            format!("The models agree: they differ by less than {} of the length.", percent(FAR))
+        }
+        (1, _) => format!("The models differ: one by more than {} of the length.", percent(FAR)),
+        _ => format!(
+            "In {agree} of {compared} cases with answers of several models, all of these agree within {} of the length.",
+            percent(FAR)
+        ),
+    };
+    let worst = studies
+        .iter()
+        .filter_map(|study| Some((study, farthest(study)?)))
+        .map(|(study, (label, far))| (study, label, far, far / study.file.robot.backbone().length))
+        .max_by(|a, b| a.3.total_cmp(&b.3));
+    if let Some((study, label, distance, share)) = worst {
+        let place =
+            if studies.len() > 1 { format!(" in {}", study.file.title) } else { String::new() };
+        words +=
+            &format!(" Farthest from the reference is {label}{place}: {}.", apart(distance, share));
+    }
+    let failed = runs().filter(|(_, run)| run.outcome.is_err()).count();
+    if failed > 0 {
+        words += &format!(" {failed} of {} solves have no answer.", runs().count());
+    }
+    let unstable = runs().filter(|(_, run)| run.is_unstable()).count();
+    if unstable > 0 {
+        words += &format!(" {unstable} answers are unstable.");
+    }
+    words
+}
+
+/// A small picture of each case, which leads to its page, with what there is to say in a line.
+fn overview(studies: &[Study], multiples: &[Option<String>]) -> String {
+    if multiples.iter().all(Option::is_none) {
+        return String::new();
+    }
+    let mut models: Vec<ModelKind> = Vec::new();
+    for (run, _) in studies.iter().flat_map(Study::solved) {
+        if !models.contains(&run.model) {
+            models.push(run.model);
+        }
+    }
+    let mut html = String::from("<ul class=\"key\">");
+    for model in models {
+        let colour = Colour::of_model(model);
+        html += &format!("<li><span style=\"background: {colour}\"></span>{model}</li>");
+    }
+    html += "</ul>\n<ul class=\"multiples\">\n";
+    for (i, (study, picture)) in studies.iter().zip(multiples).enumerate() {
+        html += &format!(
+            "<li><a href=\"#case-{}\">{}</a>{}<p>{}</p></li>\n",
+            i + 1,
+            escape(&study.file.title),
+            picture.as_deref().unwrap_or_default(),
+            escape(&line(study))
+        );
+    }
+    html += "</ul>\n<p class=\"notes\">All pictures have one scale. Left: the backbones, seen from the side to which they bend, \
+             grey before actuation. Right: the distances at the disks.</p>\n";
+    html
+}
+
+/// A case in a line.
+fn line(study: &Study) -> String {
+    let Some((label, distance)) = farthest(study) else {
+        return match study.reference() {
+            Some((run, _)) => format!("{} alone has an answer.", run.label()),
+            None => String::from("No model has an answer."),
+        };
+    };
+    let words = apart(distance, distance / study.file.robot.backbone().length);
+    if study.is_far(distance) {
+        format!("{OUTLIER} {label} is off by {words}.")
+    } else {
+        format!("All agree within {words}.")
+    }
+}
+
+/// A distance over all disks in m, which is this share of the length.
+fn apart(distance: f64, share: f64) -> String {
+    format!("{} mm RMS, {} % of the length", fixed_millimetres(distance, 2), number(share * 1e2, 2))
 }
 
 /// What the mark of outliers means.
@@ -54,9 +178,9 @@ fn outlier_note() -> String {
 fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
     let file = &study.file;
     let mut html = format!(
-        "<section id=\"case-{number}\"><h2>{}</h2>\n<p class=\"path\">{}</p>\n<dl>\n",
+        "<section class=\"case\" id=\"case-{number}\"><h2>{}</h2>\n<p class=\"path\">{}</p>\n<dl>\n",
         escape(&file.title),
-        escape(&place(study))
+        escape(&source(study))
     );
     for (name, value) in describe(&file.robot, &file.case) {
         html += &format!("<dt>{}</dt><dd>{}</dd>\n", escape(&name), escape(&value));
@@ -65,8 +189,12 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
     let warnings: Vec<String> =
         study.warnings.iter().map(|of| format!("Warning: {}", of.message())).collect();
     html += &list(warnings.iter());
-    for figure in figures {
-        html += &figure.html();
+    if !figures.is_empty() {
+        html += "<div class=\"figures\">\n";
+        for (k, figure) in figures.iter().enumerate() {
+            html += &figure.html_within(&format!("case-{number}-figure-{}", k + 1));
+        }
+        html += "</div>\n";
     }
     let disks = disk_table(study);
     if !disks.is_empty() {
@@ -104,7 +232,7 @@ fn section(number: usize, study: &Study, figures: &[Figure]) -> String {
 }
 
 /// Where the case comes from, and where its numbers are.
-fn place(study: &Study) -> String {
+fn source(study: &Study) -> String {
     let path = study.file.path.display();
     match study.reference() {
         Some(_) => format!("{path}; numbers in {}-*.csv", study.stem),

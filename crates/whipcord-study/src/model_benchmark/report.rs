@@ -10,7 +10,7 @@ pub fn recommendation(results: &Results) -> String {
     if recommendation.is_empty() {
         return String::new();
     }
-    let mut html = String::from("<h2>Which model for what</h2>\n<dl>\n");
+    let mut html = String::from("<h3>Which model for what</h3>\n<dl>\n");
     for finding in &recommendation {
         let (topic, text) = (finding.topic.words(), escape(&finding.text));
         html += &format!("<dt>{topic}</dt><dd>{text}</dd>\n");
