@@ -456,7 +456,7 @@ class Simulation:
 
     @property
     def method(self) -> str:
-        """The method of the last step: those with cables that are driven by their lengths are taken by ``"robust"``."""
+        """The method of the last step: those with cables that are driven by their lengths, and those in contact, are taken by ``"robust"``."""
         return self._inner.method
 
     @property

@@ -138,7 +138,7 @@ pub enum DesignError {
     },
     /// The curve takes a cable farther from the axis than it may be.
     #[error(
-        "at {arc_length:.4} m the cable would have to be {radius:.5} m from the axis, and may be {largest:.5} m: a tension of {tension:.2} N or more brings it in"
+        "at {arc_length:.4} m the cable would have to be {radius:.5} m from the axis, and may be {largest:.5} m: a tension of {:.2} N or more brings it in", (tension * 100.0).ceil() / 100.0
     )]
     NotAttainable {
         /// Where in m.

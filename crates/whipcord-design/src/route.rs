@@ -40,6 +40,9 @@ const LEAST_FOLLOWED: f64 = 1e-3;
 /// Coefficients that a robot may have.
 const LARGEST_COEFFICIENT: f64 = 1e14;
 
+/// A cable that must be farther out than this many times the distance that it may have is refused without the iteration.
+const FAR: f64 = 1.5;
+
 /// What a section resists with; infinite where it does not give way.
 #[derive(Clone, Copy, Debug)]
 struct Resistance {
@@ -78,22 +81,15 @@ pub fn route_for_curve(
         return Err(DesignError::Curve { what });
     }
     let sections = resistances(robot)?;
-    check_radius(robot, curve, tension, &sections)?;
-    let course = Course::of(curve, length, tension, &sections)?;
-    let outermost = course.radius.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let largest = largest_radius(robot);
-    if let Some((at, radius)) = outermost
-        && radius.abs() > largest
-    {
-        #[allow(clippy::cast_precision_loss, reason = "few intervals")]
-        let arc_length = length * at as f64 / INTERVALS as f64;
-        let tension = tension * radius.abs() / largest;
-        return Err(DesignError::NotAttainable {
-            arc_length,
-            radius: radius.abs(),
-            largest,
-            tension,
-        });
+    let least = least_radius(curve, length, tension, &sections);
+    if least.1 > FAR * largest {
+        return Err(not_attainable(curve, length, tension, &sections, least, largest));
+    }
+    let course = Course::of(curve, length, tension, &sections)?;
+    let outermost = course.outermost(length);
+    if outermost.1 > largest {
+        return Err(not_attainable(curve, length, tension, &sections, outermost, largest));
     }
     let offsets: Vec<[f64; 2]> = course
         .radius
@@ -119,25 +115,47 @@ pub fn route_for_curve(
     Ok(CurveRoute { robot: routed, case, radii, error, solution })
 }
 
-/// Refuses a curve that takes a cable far outside of the disks: by eq. (5) with t_z ≤ 1 the distance is at least EI κ/τ, but for the extension.
-fn check_radius(
-    robot: &Robot,
-    curve: &Curve,
-    tension: f64,
-    sections: &[Resistance],
-) -> Result<(), DesignError> {
-    const FAR: f64 = 1.5;
-    let (length, largest) = (robot.backbone().length, largest_radius(robot));
-    for (k, of) in sections.iter().enumerate() {
+/// Where a cable is farthest from the axis, and how far at least, in m: by eq. (5) with t_z ≤ 1 the distance is at least EI κ/τ, but for the extension.
+fn least_radius(curve: &Curve, length: f64, tension: f64, sections: &[Resistance]) -> (f64, f64) {
+    let at = |(k, of): (usize, &Resistance)| {
         #[allow(clippy::cast_precision_loss, reason = "few intervals")]
         let arc_length = length * k as f64 / INTERVALS as f64;
-        let radius = of.bending * curve.curvature(arc_length).abs() / tension;
-        if radius > FAR * largest {
-            let tension = tension * radius / largest;
-            return Err(DesignError::NotAttainable { arc_length, radius, largest, tension });
+        (arc_length, of.bending * curve.curvature(arc_length).abs() / tension)
+    };
+    sections.iter().enumerate().map(at).fold((0.0, 0.0), farther)
+}
+
+/// The one with the greater distance.
+fn farther(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    if b.1 > a.1 { b } else { a }
+}
+
+/// The refusal of a curve that takes a cable outside of the disks, with a tension that does not.
+fn not_attainable(
+    curve: &Curve,
+    length: f64,
+    tension: f64,
+    sections: &[Resistance],
+    (arc_length, radius): (f64, f64),
+    largest: f64,
+) -> DesignError {
+    const TRIES: usize = 30;
+    const MARGIN: f64 = 1.002;
+    let mut enough = tension * radius / largest * MARGIN;
+    for _ in 0..TRIES {
+        let needed = match Course::of(curve, length, enough, sections) {
+            Ok(course) => course.outermost(length).1 / largest,
+            Err(_) => 1.5,
+        };
+        if needed <= 1.0 {
+            return DesignError::NotAttainable { arc_length, radius, largest, tension: enough };
         }
+        enough *= needed * MARGIN;
     }
-    Ok(())
+    let what = format!(
+        "at {arc_length:.4} m the cable would have to be {radius:.5} m from the axis, and may be {largest:.5} m; no tension up to {enough:.3e} N brings it in: give a curve that winds less"
+    );
+    DesignError::Curve { what }
 }
 
 /// Greatest distance of poses from points in m.
@@ -195,6 +213,16 @@ struct Course {
 }
 
 impl Course {
+    /// Where the cable is farthest from the axis, and how far, in m.
+    fn outermost(&self, length: f64) -> (f64, f64) {
+        let at = |(k, radius): (usize, &f64)| {
+            #[allow(clippy::cast_precision_loss, reason = "few intervals")]
+            let arc_length = length * k as f64 / INTERVALS as f64;
+            (arc_length, radius.abs())
+        };
+        self.radius.iter().enumerate().map(at).fold((0.0, 0.0), farther)
+    }
+
     /// Fixed-point iteration on eqs. (4) to (7): the radius decides the direction of the cable, which decides the radius.
     fn of(
         curve: &Curve,

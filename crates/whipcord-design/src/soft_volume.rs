@@ -56,7 +56,8 @@ mod tests {
         assert!((one / ball - 0.3148).abs() < 0.01, "{}", one / ball);
         let two = |apart: f64| of(&[Vec3::ZERO, Vec3::new(apart, 0.0, 0.0)]);
         assert!((two(0.03) / one - 2.0).abs() < 0.02);
-        let distances = [0.0, 0.004, 0.008, 0.012, 0.016, 0.02];
+        // Farther apart the volume no longer changes but by the voxels.
+        let distances = [0.0, 0.004, 0.008, 0.012];
         assert!(distances.windows(2).all(|pair| two(pair[0]) < two(pair[1])));
         let at = |i: i32| f64::from(i) * 0.004;
         let cube: Vec<Vec3> = (0..=25)

@@ -72,6 +72,8 @@ fn curves_beyond_the_disks_are_refused_with_the_reason() {
             DesignError::NotAttainable { tension, .. } => {
                 assert_eq!(reason, "far", "{name}");
                 assert!(tension > 4.0, "{name}: {tension}");
+                let brought_in = route_for_curve(&robot, 0, &curve, tension);
+                assert!(brought_in.is_ok(), "{name}: {tension} {brought_in:?}");
             }
             DesignError::NotConverged { .. } => assert_eq!(reason, "winding", "{name}"),
             DesignError::Curve { .. } => assert_eq!(reason, "short", "{name}"),

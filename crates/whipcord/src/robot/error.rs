@@ -486,7 +486,7 @@ pub enum Problem {
     LoadPlaces,
     /// A parameter that the robot or the case does not have.
     #[error(
-        "robot and case do not give this number, so that it cannot change: give it in the file, as the value to start from; a cable with a list of `holes` has no angle and radius of its own: give it `routing = {{ kind = \"straight\", angle = \"90 deg\", radius = \"8 mm\" }}`"
+        "is no number of this robot and case that could change: give it in the file, as the value to start from (a cable with a list of `holes` has no angle and radius of its own)"
     )]
     NoSuchQuantity,
     /// A case whose list does not fit the robot.

@@ -123,7 +123,7 @@ fn from_common(cameras: [&Camera; 2], seen: [&[Sighting]; 2]) -> Option<Pose> {
     if points.len() < 3 || Cloud::of(&points).is_line() {
         return None;
     }
-    let to_world = align(pairs.into_iter(), Alignment::Rigid).ok().flatten()?;
+    let to_world = align(pairs, Alignment::Rigid).ok().flatten()?;
     Some(to_world * cameras[0].pose())
 }
 
