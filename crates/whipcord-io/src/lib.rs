@@ -38,9 +38,9 @@ pub use error::{Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{
-    Beside, Cell, Column, CsvTable, MOTION_ENERGIES, NonFinite, SpacePoint, Values, answer_json,
-    boundary_table, columns_to_parquet, contacts_csv, design_errors_table, design_json,
-    distributions, fit_json, follow_json, holes_table, json_number, json_optional,
+    Beside, Cell, Column, CsvTable, EnergyOf, MOTION_ENERGIES, NonFinite, SpacePoint, Values,
+    answer_json, boundary_table, columns_to_parquet, contacts_csv, design_errors_table,
+    design_json, distributions, fit_json, follow_json, holes_table, json_number, json_optional,
     length_misses_json, loss_name, marks_csv, mode_shapes_table, modes_json, modes_table,
     motion_contacts_table, motion_json, motion_table, path_table, points_csv, poses_table,
     problems_json, quantile, reach_json, remove_stale, remove_unfinished, samples_table, shape_csv,

@@ -126,7 +126,7 @@ fn rows_are_those_of_single_solves() {
 #[test]
 fn numbers_without_units_are_in_si_units_as_in_the_file() {
     let folder = tempdir().unwrap();
-    let file = file("");
+    let file = file("[loads]\ntip_force = [\"10 mN\", \"0 N\", \"0 N\"]\n");
     for (k, path) in
         ["cables.a.tension", "cables.a.shortening", "loads.tip_force[1]"].iter().enumerate()
     {
@@ -137,7 +137,8 @@ fn numbers_without_units_are_in_si_units_as_in_the_file() {
         run(&plan, &folder, &RunOptions::default()).unwrap();
         let set = vec![format!("{path}=0.001")];
         if path.ends_with("shortening") {
-            let text = ROBOT.replace("tension = \"2 N\"", "shortening = 0.001");
+            let loaded = format!("{ROBOT}[loads]\ntip_force = [0.01, 0, 0]\n");
+            let text = loaded.replace("tension = \"2 N\"", "shortening = 0.001");
             let single = parse(&text, "robot.toml").unwrap();
             let tip = solved(&single, ModelKind::Cosserat).disks.tip().position;
             assert!((number(&data(&folder, 1)[1], "tip_x [m]") - tip.x).abs() < 1e-9);

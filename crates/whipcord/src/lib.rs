@@ -28,6 +28,7 @@ mod grasp;
 pub mod jobs;
 pub mod kind;
 pub mod kinematics;
+mod length_miss;
 mod linearization;
 pub mod linkage;
 pub mod model;
@@ -54,9 +55,10 @@ pub use case::{
     Actuation, CableCommand, Case, DistributedLoad, LoadFrame, Loads, PointLoad, PointMass,
     Profile, Shortening,
 };
-pub use error::{LengthMiss, Obstruction, SolveError};
+pub use error::{Obstruction, SolveError};
 pub use grasp::Grasp;
 pub use kind::{CommandDerivatives, ModelKind};
+pub use length_miss::LengthMiss;
 pub use linearization::Linearization;
 pub use model::{Differentiable, Model, Prepared, at_rest};
 pub use motor_state::MotorState;

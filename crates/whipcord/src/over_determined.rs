@@ -15,8 +15,9 @@
 //! `eᵢ` have a limit; then the lengths `ℓᵢ* + eᵢ` are prescribed to cables that give by next to nothing.
 
 use crate::case::{Case, Shortening};
-use crate::error::{LengthMiss, SolveError};
+use crate::error::SolveError;
 use crate::kind::ModelKind;
+use crate::length_miss::LengthMiss;
 use crate::model::Model;
 use crate::robot::Robot;
 use crate::section::section_stiffness;

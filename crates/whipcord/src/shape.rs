@@ -2,8 +2,8 @@
 
 use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
-use crate::error::LengthMiss;
 use crate::kind::ModelKind;
+use crate::length_miss::LengthMiss;
 use crate::obstacle::Obstacle;
 use crate::robot::Route;
 

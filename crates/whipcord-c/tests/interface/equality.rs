@@ -163,8 +163,8 @@ fn each_cable_can_be_driven_in_its_own_way() {
 
 #[test]
 fn the_tolerance_is_that_of_the_model() {
-    let file = whipcord_io::load(example("two-segment-arm.toml")).unwrap();
-    let mut solver = solver(&load("two-segment-arm.toml"), "cosserat");
+    let file = whipcord_io::load(example("wall-mounted-arm.toml")).unwrap();
+    let mut solver = solver(&load("wall-mounted-arm.toml"), "cosserat");
     let mut steps = Vec::new();
     for tolerance in [1e-3, 1e-6, 1e-10] {
         assert_eq!(whipcord_solver_set_tolerance(Some(&mut solver), tolerance), Status::Ok);

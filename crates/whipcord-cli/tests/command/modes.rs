@@ -144,8 +144,7 @@ fn a_released_arm_vibrates_at_its_first_frequency() {
 fn what_has_no_vibrations_is_refused() {
     let rubbing = fail(2, &["modes", ARM, "--set", "cables[0].friction=0.2"]);
     assert!(rubbing.contains("friction"), "{rubbing}");
-    let obstacle =
-        r#"obstacles=[{ kind = "sphere", position = ["1 m", "0 m", "0 m"], radius = "10 mm" }]"#;
+    let obstacle = r#"obstacles=[{ kind = "sphere", position = ["1 m", "0 m", "0 m"], radius = "10 mm", mass = "10 g" }]"#;
     let blocked = fail(2, &["modes", ARM, "--set", obstacle]);
     assert!(blocked.contains("obstacles"), "{blocked}");
     let massless = fail(2, &["modes", "examples/three-cable-segment.toml"]);

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use super::error::NoAnswerReason;
 use super::experiment::Experiment;
+use whipcord::LengthMiss;
 use whipcord::case::Case;
-use whipcord::error::LengthMiss;
 
 /// A step of an experiment, both counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -30,7 +30,9 @@ pub use json::{
     length_misses_json, number as json_number, optional as json_optional, solution_json,
 };
 pub use modes::{mode_shapes_table, modes_json, modes_table};
-pub use motion::{MOTION_ENERGIES, motion_contacts_table, motion_json, motion_table, poses_table};
+pub use motion::{
+    EnergyOf, MOTION_ENERGIES, motion_contacts_table, motion_json, motion_table, poses_table,
+};
 pub use notices::{problems_json, warnings_json};
 pub use parquet::{Column, Values, columns_to_parquet};
 pub use path::{Beside, answer_json};

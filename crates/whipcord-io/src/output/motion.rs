@@ -127,8 +127,11 @@ fn six(twist: &Twist) -> [f64; 6] {
     [a, b, c, d, e, f]
 }
 
+/// An energy of the balance, in J.
+pub type EnergyOf = fn(&EnergyBalance) -> f64;
+
 /// The energies of a motion, by their names.
-pub const MOTION_ENERGIES: [(&str, fn(&EnergyBalance) -> f64); 12] = [
+pub const MOTION_ENERGIES: [(&str, EnergyOf); 12] = [
     ("kinetic", |energy| energy.kinetic),
     ("elastic", |energy| energy.elastic),
     ("gravity", |energy| energy.gravity),

@@ -77,7 +77,7 @@ fn a_path_needs_tensions_that_vary_and_criteria_need_no_target() {
     write("empty.csv", "t,x,y,z\n");
     for (name, words) in [("turned.csv", "has orientations"), ("empty.csv", "")] {
         let text = format!("{ROBOT}[[design.targets]]\npath = \"{name}\"\n");
-        let error = whipcord_io::load(&write("robot.toml", &text)).unwrap_err().to_string();
+        let error = whipcord_io::load(write("robot.toml", &text)).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     }
 }

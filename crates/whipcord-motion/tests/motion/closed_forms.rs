@@ -187,7 +187,7 @@ fn tip_of_a_loaded_rod(
         let mut change = left.to_array();
         lu.factor(3, &matrix).unwrap();
         lu.solve(&mut change);
-        moment = moment - Vec3::new(change[0], change[1], change[2]);
+        moment -= Vec3::new(change[0], change[1], change[2]);
     }
     panic!("the reference does not converge");
 }

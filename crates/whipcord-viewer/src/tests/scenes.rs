@@ -83,7 +83,7 @@ fn lines_of_sight_and_pictures_are_those_of_the_camera() {
     let path = example("table1/case-3.toml").canonicalize().unwrap();
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("left.yml"), CAMERA).unwrap();
-    let camera = whipcord_io::load_camera(&folder.path().join("left.yml")).unwrap();
+    let camera = whipcord_io::load_camera(folder.path().join("left.yml")).unwrap();
     let file = load(&path).unwrap();
     let shape = Model::new(ModelKind::Cosserat, Stations::Disks, Default::default())
         .solve(&file.robot, &file.case)

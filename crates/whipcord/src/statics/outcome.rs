@@ -3,7 +3,8 @@
 use whipcord_numerics::Unsolved;
 
 use super::command::Command;
-use crate::error::{LengthMiss, SolveError};
+use crate::error::SolveError;
+use crate::length_miss::LengthMiss;
 use crate::section::{Fault, SectionFault};
 use crate::shape::Diagnostics;
 
