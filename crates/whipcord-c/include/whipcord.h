@@ -301,7 +301,8 @@ whipcord_status_t whipcord_solver_set_budget(whipcord_solver_t *solver,
  * Estimated error of positions and lengths as a part of the length of the backbone, from 1e-13 to 0.01; 1e-6 is what a solver begins with. Models
  * whose sections are their discretisation have none to choose, and ignore it. It allocates memory. The last solution stays.
  */
-whipcord_status_t whipcord_solver_set_tolerance(whipcord_solver_t *solver, double tolerance);
+whipcord_status_t whipcord_solver_set_tolerance(whipcord_solver_t *solver,
+                                                double tolerance);
 
 /**
  * Commands every cable by its tension in N. The commands before are kept where this fails.

@@ -1,4 +1,4 @@
-//! Contacts of a robot in motion: unilateral at the end of a step, with Coulomb's friction over the step, eqs. (22) and (23) of the page on motion.
+//! Contacts of a robot in motion: unilateral at the end of a step, with Coulomb's friction over the step, eqs. (25) and (26) of the page on motion.
 
 use whipcord::contact::body::{Nearest, along, tangents};
 use whipcord::contact::complementarity;

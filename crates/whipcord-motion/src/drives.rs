@@ -3,8 +3,8 @@
 
 use whipcord::{Motor, MotorDynamics, Robot};
 
+use crate::coefficients::OneStage;
 use crate::commands::Commands;
-use crate::one_stage::OneStage;
 use crate::stage::Scheme;
 use crate::state::MotorMotion;
 

@@ -5,10 +5,10 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::accurate;
 use crate::adjoint::{Factors, StageAdjoint};
+use crate::coefficients::OneStage;
 use crate::commands::Commands;
 use crate::error::{MotionError, count};
 use crate::iteration::Mechanics;
-use crate::one_stage::OneStage;
 use crate::options::{Initial, Method};
 use crate::parts::RHO;
 use crate::pose;

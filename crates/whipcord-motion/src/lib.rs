@@ -9,6 +9,7 @@ mod accurate;
 mod adjoint;
 mod analysis;
 mod block;
+mod coefficients;
 mod commands;
 mod complementarity;
 mod contacts;

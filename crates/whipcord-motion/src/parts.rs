@@ -1,5 +1,6 @@
 //! The parts of a step: each is solved by a method, and divided where it must be.
 
+use crate::coefficients::OneStage;
 use crate::commands::{CableDrive, Commands};
 use crate::drives::MotorWork;
 use crate::energy::{Power, energies};
@@ -7,7 +8,6 @@ use crate::error::MotionError;
 use crate::impact::PARTS;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::lengths::Lengths;
-use crate::one_stage::OneStage;
 use crate::options::Method;
 use crate::pose;
 use crate::simulation::Simulation;

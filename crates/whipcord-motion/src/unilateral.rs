@@ -1,4 +1,4 @@
-//! What holds a stage by inequalities: cables that are driven by their lengths and contacts, together, eqs. (13), (22) and (23) of the page on motion.
+//! What holds a stage by inequalities: cables that are driven by their lengths and contacts, together, eqs. (13), (25) and (26) of the page on motion.
 
 use whipcord::contact::complementarity as contact_problem;
 use whipcord_numerics::Twist;

@@ -279,7 +279,10 @@ impl Motor {
             effort.check(keys.effort_limit, limit)?;
         }
         if let Some(dynamics) = &self.dynamics {
-            dynamics.check(self.drive)?;
+            dynamics.check(match self.drive {
+                Drive::Spool { .. } => limits::MOTOR_INERTIA,
+                Drive::Linear => limits::MOTOR_MASS,
+            })?;
         }
         let elastic = |of: &MotorCable| {
             self.stiffness.is_some() || cables[of.cable].axial_stiffness.is_some()

@@ -2,7 +2,7 @@
 
 use super::error::RobotError;
 use super::limits;
-use super::motor::Drive;
+use super::range::Range;
 
 /// A motor that has inertia, and whose position is controlled: its command is the set-point of the loop.
 ///
@@ -41,11 +41,8 @@ impl MotorDynamics {
         ]
     }
 
-    pub(super) fn check(&self, drive: Drive) -> Result<(), RobotError> {
-        let inertia = match drive {
-            Drive::Spool { .. } => limits::MOTOR_INERTIA,
-            Drive::Linear => limits::MOTOR_MASS,
-        };
+    /// `inertia` is what the drive admits.
+    pub(super) fn check(&self, inertia: Range) -> Result<(), RobotError> {
         let ranges = [inertia, limits::GAIN, limits::PROPORTIONAL_GAIN, limits::GAIN, limits::GAIN];
         for ((key, value), range) in self.numbers().into_iter().zip(ranges) {
             range.check(key, value)?;
