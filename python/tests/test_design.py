@@ -60,7 +60,7 @@ def test_criteria_are_kept_and_told(finger: whipcord.Case) -> None:
 
 
 def test_a_path_has_tensions_of_its_own(finger: whipcord.Case) -> None:
-    path = np.array([finger.replace(tension=[pull]).solve().tip.position for pull in (1.0, 2.0, 3.0)])
+    path = np.array([finger.replace(tension=[pull]).solve().tip for pull in (1.0, 2.0, 3.0)])
     found = finger.design(path=path, vary="cables[0].tension")
     assert len(found.targets) == 3 and found.largest_error < 1e-6
     with pytest.raises(InputError, match="tensions of their own"):

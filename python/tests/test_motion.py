@@ -289,7 +289,7 @@ def test_an_arm_comes_to_rest_on_a_ball() -> None:
     touch = motion.contacts[-1][0]
     assert touch.obstacle == "ball" and touch.force is not None and touch.force > 0
     assert touch.friction is not None and np.linalg.norm(touch.friction) <= 0.3 * touch.force * (1 + 1e-6)
-    assert (np.diff(motion.energy["contacts"]) <= 1e-9).all() and motion.energy["contacts"][-1] < 0
+    assert (np.diff(motion.energy["contacts"]) <= 1e-6 * motion.energy["kinetic"].max()).all() and motion.energy["contacts"][-1] < 0
     still = case.solve(model="cosserat")
     known = sum(of.force or 0.0 for of in still.contacts)
     assert sum(of.force or 0.0 for of in motion.contacts[-1]) == pytest.approx(known, rel=0.4)
