@@ -24,7 +24,7 @@ use whipcord_study::table::{Align, Table};
 /// a time. Cables that are driven by their lengths and are taut are held; the others keep their tensions. Damping is that of
 /// [backbone.damping]. The columns x, y, z and rotation are parts of the kinetic energy, along the axes of the world. The folder
 /// gets modes.json, modes.csv, shapes.csv (a row for each node of each vibration) and a picture of the first shapes. Friction and
-/// obstacles are refused.
+/// robots that touch obstacles are refused.
 #[derive(Debug, Args)]
 pub struct ModesArgs {
     /// Robot file, or - for standard input

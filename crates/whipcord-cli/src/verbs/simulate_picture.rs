@@ -127,6 +127,11 @@ fn picture(
         cables: CableCourse::Smooth,
         style: ViewStyle::Model(ModelKind::Cosserat),
     };
-    let options = FigureOptions { loads: Acting::on(&file.case, &view.shape), ..options };
+    let options = FigureOptions {
+        loads: Acting::on(&file.case, &view.shape),
+        obstacles: file.case.obstacles.clone(),
+        contacts: state.contacts.clone(),
+        ..options
+    };
     robot_figure(&file.robot, &[view], &options).map_err(|error| files::plot_failure(path, &error))
 }

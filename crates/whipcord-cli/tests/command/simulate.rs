@@ -137,10 +137,7 @@ fn an_arm_falls_on_a_ball_and_rests_there() {
     let scratch = Scratch::new();
     let out = scratch.file("out");
     let file = "examples/contact/falling-arm.toml";
-    // Where friction holds depends on the way there.
-    let smooth = ["--set", "obstacles[0].friction=0"];
-    let args = ["simulate", file, smooth[0], smooth[1], "--out", &out, "--plot", "--parquet"];
-    let summary = succeed(&args);
+    let summary = succeed(&["simulate", file, "--out", &out, "--plot", "--parquet"]);
     assert!(summary.contains("touched first") && summary.contains("from obstacles"), "{summary}");
     let folder = scratch.path().join("out");
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
@@ -152,11 +149,10 @@ fn an_arm_falls_on_a_ball_and_rests_there() {
         let contacts = of["contacts"].as_array().unwrap();
         contacts.iter().map(|contact| number(&contact["force"])).sum::<f64>()
     };
-    let still: Value = serde_json::from_str(&succeed(&[
-        "solve", file, smooth[0], smooth[1], "--model", "cosserat", "--json",
-    ]))
-    .unwrap();
-    assert!((force(last) / force(&still) - 1.0).abs() < 0.1, "{} {}", force(last), force(&still));
+    let still: Value =
+        serde_json::from_str(&succeed(&["solve", file, "--model", "cosserat", "--json"])).unwrap();
+    // Where friction holds depends on the way there.
+    assert!((force(last) / force(&still) - 1.0).abs() < 0.3, "{} {}", force(last), force(&still));
     assert_eq!(last["contacts"][0]["name"], "ball");
     assert!(number(&last["energy"]["contacts"]) < 0.0);
     let table = read("contacts.csv");

@@ -5,9 +5,9 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::error::LocateError;
 use super::refine::{Freedoms, InImage, residuals};
-use super::sighting::Sighting;
+use super::sighting::{Alternative, Sighting};
+use super::single::{SAME, cloud, locate};
 use super::start::Cloud;
-use super::{Alternative, SAME, cloud, locate};
 use crate::camera::error::ViewError;
 use crate::camera::lens::Lens;
 use crate::camera::triangulate::triangulate;
