@@ -19,7 +19,7 @@ use work::{Work, with_case};
 /// Changes what is to be varied of a robot, so that it comes nearest to its goals in the weighted mean square of the distances of its disks, with the objectives and
 /// within the constraints of [`DesignOptions::criteria`].
 ///
-/// Holes come first ([`design_holes`]), in turn with the tensions where these are varied too; then a continuous routing, which has a closed form for
+/// Holes come first (`design_holes`), in turn with the tensions where these are varied too; then a continuous routing, which has a closed form for
 /// one cable and a curve; then rest curvature or diameters for a curve; all other continuous quantities by
 /// least squares with the exact derivatives of the model, from several starts. What each part is worth is in [`Design::findings`].
 ///
