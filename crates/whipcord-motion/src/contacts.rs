@@ -257,14 +257,7 @@ impl Contacts {
 
     /// Power in W of the forces on the robot at a stage.
     pub fn power(&self, stage: &Stage) -> f64 {
-        let of = |contact: &Contact| {
-            let e = contact.station.element;
-            let mut velocity = Twist::default();
-            for (a, f) in contact.shapes.into_iter().enumerate() {
-                velocity = velocity + stage.velocities[2 * e + a] * f;
-            }
-            dot(&contact.push(), &velocity)
-        };
+        let of = |contact: &Contact| dot(&contact.push(), &contact.velocity(&stage.velocities));
         self.list.iter().filter(|contact| contact.force > 0.0).map(of).sum()
     }
 
@@ -373,12 +366,15 @@ impl Contact {
 
     /// Rate in m/s at which the gap grows at the start of the step, where the nodes have these velocities.
     pub fn start_rate(&self, velocities: &[Twist]) -> f64 {
-        let e = self.station.element;
-        let mut velocity = Twist::default();
-        for (a, f) in self.shapes.into_iter().enumerate() {
-            velocity = velocity + velocities[2 * e + a] * f;
-        }
-        dot(&in_section(self.start.rotation, self.nearest.normal, self.nearest.arm), &velocity)
+        let push = in_section(self.start.rotation, self.nearest.normal, self.nearest.arm);
+        dot(&push, &self.velocity(velocities))
+    }
+
+    /// Velocity of its cross-section, where the nodes have these velocities.
+    fn velocity(&self, velocities: &[Twist]) -> Twist {
+        let nodes = &velocities[POINTS * self.station.element..];
+        let weighted = nodes.iter().zip(self.shapes);
+        weighted.fold(Twist::default(), |sum, (velocity, f)| sum + *velocity * f)
     }
 
     /// Lines of the complementarity problem: of the normal, and of both tangents with friction.

@@ -169,7 +169,11 @@ impl Drives {
     }
 
     /// Puts motors in equilibrium with the tensions of their cables; the first one whose loop would need more than its limit, with what it needs.
-    pub fn settle(&self, to: &mut [MotorMotion], tensions: &[f64]) -> Result<(), (usize, f64)> {
+    pub fn find_equilibrium(
+        &self,
+        to: &mut [MotorMotion],
+        tensions: &[f64],
+    ) -> Result<(), (usize, f64)> {
         for of in self.motors.iter().filter(|of| of.is_driven) {
             let taken = of.taken(tensions);
             if taken.abs() > of.limit {

@@ -97,8 +97,8 @@ impl Solver {
                 }
             } else {
                 // Where a body touches is known to rounding of its own.
-                let settles = !self.contacts.list.is_empty() && number > 0 && ratio > 0.5;
-                if settles && size < ROUNDING {
+                let may_be_rounding = !self.contacts.list.is_empty() && number > 0 && ratio > 0.5;
+                if may_be_rounding && size < ROUNDING {
                     return Ok(());
                 }
                 let left = if ratio < 0.9 { size * ratio / (1.0 - ratio) } else { size };

@@ -321,10 +321,10 @@ impl Simulation {
     }
 
     /// Puts the motors with inertia in equilibrium with the tensions of the stage.
-    fn settle_motors(&mut self) -> Result<(), MotionError> {
+    fn put_motors_in_equilibrium(&mut self) -> Result<(), MotionError> {
         let Self { robot, solver, next, .. } = self;
         let (drives, tensions) = (&solver.lengths.drives, &solver.stage.tensions);
-        drives.settle(&mut next.motors, tensions).map_err(|(motor, needed)| {
+        drives.find_equilibrium(&mut next.motors, tensions).map_err(|(motor, needed)| {
             let of = &robot.motors()[motor];
             let name = of.name.clone();
             MotionError::MotorOverload { name, needed, limit: of.limits.effort.unwrap_or_default() }
@@ -343,7 +343,7 @@ impl Simulation {
                 let statics = self.statics(case, commands)?;
                 let Self { robot, rod, loads, solver, .. } = self;
                 equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;
-                self.settle_motors()?;
+                self.put_motors_in_equilibrium()?;
             }
             Initial::Rest => self.solver.stage.tensions.fill(0.0),
             Initial::State(start) => self.start_from(start, commands)?,

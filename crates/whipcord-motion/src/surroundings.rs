@@ -163,34 +163,32 @@ impl Surroundings {
         let first = found.len();
         // The distance changes by no more than the place moves.
         let (mut from, mut known) = (Vec3::ZERO, f64::NEG_INFINITY);
-        let mut before = f64::INFINITY;
-        let mut here = f64::INFINITY;
-        for i in 0..=self.watched.len() {
-            let after = self.watched.get(i).map_or(f64::INFINITY, |(station, member)| {
-                let centre = shape.at(*station).position;
-                if known - (centre - from).norm() - member.body.rounding > within {
-                    return f64::INFINITY;
-                }
-                (from, known) = (centre, obstacle.surface(centre).distance);
-                known - member.body.rounding
-            });
-            if i > 0 && here <= within && here < before && here <= after {
-                let j = i - 1;
-                let station = match (before.is_finite(), after.is_finite()) {
-                    (true, true) => self.lowest(shape, k, j),
-                    _ => self.watched[j].0,
-                };
-                found.push(self.on_backbone(shape, k, station, self.watched[j].1));
+        let gap = |(station, member): &(Station, Member)| {
+            let centre = shape.at(*station).position;
+            if known - (centre - from).norm() - member.body.rounding > within {
+                return f64::INFINITY;
             }
-            (before, here) = (here, after);
+            (from, known) = (centre, obstacle.surface(centre).distance);
+            known - member.body.rounding
+        };
+        let gaps: Vec<f64> = self.watched.iter().map(gap).collect();
+        for (i, &(station, member)) in self.watched.iter().enumerate() {
+            let before = if i == 0 { f64::INFINITY } else { gaps[i - 1] };
+            let (here, after) = (gaps[i], gaps.get(i + 1).copied().unwrap_or(f64::INFINITY));
+            if here <= within && here < before && here <= after {
+                let station = match (before.is_finite(), after.is_finite()) {
+                    (true, true) => self.lowest(shape, k, i),
+                    _ => station,
+                };
+                found.push(self.on_backbone(shape, k, station, member));
+            }
         }
         for (i, &(station, member)) in self.watched.iter().enumerate() {
-            let near = self.on_backbone(shape, k, station, member);
             let spacing = self.spacing(i, shape.rod);
             let is_known =
                 |other: &Near| (other.member.arc_length - member.arc_length).abs() < 0.6 * spacing;
-            if near.nearest.gap < -overlap && !found[first..].iter().any(is_known) {
-                found.push(near);
+            if gaps[i] < -overlap && !found[first..].iter().any(is_known) {
+                found.push(self.on_backbone(shape, k, station, member));
             }
         }
     }

@@ -183,22 +183,23 @@ impl Unilateral {
         loop {
             lines.clear();
             lines.extend(0..cables);
-            problem.contacts.clear();
+            let mut first = cables;
+            for (contact, taken) in contacts.list.iter().zip(&*taken) {
+                if *taken {
+                    lines.extend(first..first + contact.lines());
+                }
+                first += contact.lines();
+            }
+            problem.reset(lines.len());
             problem.contacts.extend((0..cables).map(|first| {
                 let touches = before[first] > 0.0;
                 contact_problem::Contact { first, coefficient: 0.0, touches, sticks: false }
             }));
             let mut first = cables;
-            for (contact, taken) in contacts.list.iter().zip(&*taken) {
-                if *taken {
-                    problem.contacts.push(contact.problem(lines.len()));
-                    lines.extend(first..first + contact.lines());
-                }
+            for (contact, _) in contacts.list.iter().zip(&*taken).filter(|(_, taken)| **taken) {
+                problem.contacts.push(contact.problem(first));
                 first += contact.lines();
             }
-            let held = core::mem::take(&mut problem.contacts);
-            problem.reset(lines.len());
-            problem.contacts = held;
             for (i, &line) in lines.iter().enumerate() {
                 let mut pushed = 0.0;
                 for (j, &column) in lines.iter().enumerate() {
