@@ -43,12 +43,8 @@ impl Piece {
                 }
                 pieces.push(Self::of(experiment, case, (0..=last).collect()));
             }
-            let single = |step: usize| match of.case.independent {
-                true => of.case.independent_step(step),
-                false => of.case.single_steps().nth(step),
-            };
             let piece = |step: usize| {
-                let piece = Self::of(experiment, single(step)?, vec![step]);
+                let piece = Self::of(experiment, single_step(&of.case, step)?, vec![step]);
                 Some(Self { over_determined: true, ..piece })
             };
             pieces.extend(alone.into_iter().filter_map(piece));
@@ -58,5 +54,13 @@ impl Piece {
 
     const fn of(experiment: usize, case: Case, steps: Vec<usize>) -> Self {
         Self { experiment, case, steps, differs: false, over_determined: false }
+    }
+}
+
+/// A step of a case by itself.
+pub(super) fn single_step(case: &Case, step: usize) -> Option<Case> {
+    match case.independent {
+        true => case.independent_step(step),
+        false => case.single_steps().nth(step),
     }
 }

@@ -3,7 +3,7 @@
 use super::error::NoAnswerReason;
 use super::experiment::{Experiment, Unknown};
 use super::forward::Forward;
-use super::pieces::Piece;
+use super::pieces::{Piece, single_step};
 use super::quantity::Quantity;
 use super::rows::{OverDetermined, Row, Skipped, marked};
 use super::solver::Solver;
@@ -123,11 +123,7 @@ impl Forward<'_> {
             return None;
         }
         let (robot, case) = self.built(experiment, x).ok()?;
-        let single = match case.independent {
-            true => case.independent_step(step),
-            false => case.single_steps().nth(step),
-        };
-        let answer = over_determined::solve(&self.model, &robot, &single?)?;
+        let answer = over_determined::solve(&self.model, &robot, &single_step(&case, step)?)?;
         Some(OverDetermined { row, misses: answer.diagnostics.length_misses })
     }
 }
