@@ -313,7 +313,7 @@ pub unsafe extern "C" fn whipcord_solver_diagnostics(
 
 /// The Jacobian of the tip at the last solution, before commands are set anew: 6 rows of one column for each cable, row by row. The rows are the
 /// velocity of the tip's point in m and its angular velocity in rad, in the world, for each N or m of the command of the
-/// cable. By "cosserat" without obstacles and friction it allocates nothing once the solver has its memory.
+/// cable. Without obstacles and friction it allocates nothing once the solver has its memory, but by "four-bar".
 ///
 /// # Safety
 /// `jacobian` is NULL or leads to memory for `count` numbers.

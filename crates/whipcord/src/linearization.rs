@@ -398,18 +398,15 @@ impl Prepared {
         solution: &Solution,
         parameters: &[Parameter],
     ) -> Result<Linearization, SolveError> {
-        // Stability is known of the solution, or not asked for.
-        let asked =
-            self.stability_mut().map(|asked| core::mem::replace(asked, StabilityAnalysis::Off));
-        let found = self.solve_with_derivatives(case, Some(solution), parameters);
-        if let (Some(stability), Some(asked)) = (self.stability_mut(), asked) {
-            *stability = asked;
-        }
-        found.map(|(_, linearization)| linearization)
+        self.without_stability(|prepared| {
+            prepared
+                .solve_with_derivatives(case, Some(solution), parameters)
+                .map(|(_, linearization)| linearization)
+        })
     }
 
     /// The motion of the tip, base frame, with the command of each cable at the answer to a case: the actuation Jacobian of
-    /// [`Self::linearize`]. A Cosserat rod without friction and obstacles allocates nothing for it once it has its memory.
+    /// [`Self::linearize`]. Without friction and obstacles nothing is allocated for it once the model has its memory, but by `four-bar`.
     ///
     /// # Errors
     /// As [`Self::linearize`].
@@ -419,16 +416,34 @@ impl Prepared {
         solution: &Solution,
         out: &mut Vec<Twist>,
     ) -> Result<(), SolveError> {
-        let Self::Cosserat(model, workspace) = self else {
-            let linearization = self.linearize(case, solution, &[])?;
-            out.clear();
-            out.extend(linearization.actuation_jacobian(Place::Tip));
-            return Ok(());
-        };
-        let asked = core::mem::replace(model.stability_mut(), StabilityAnalysis::Off);
-        let found = model.tip_by_commands(case, solution, workspace, out);
-        *model.stability_mut() = asked;
-        found
+        self.without_stability(|prepared| match prepared {
+            Self::Cosserat(model, workspace) => {
+                model.tip_by_commands(case, solution, workspace, out)
+            }
+            Self::CosseratDisks(model, workspace) => {
+                model.tip_by_commands(case, solution, workspace, out)
+            }
+            Self::Linkage(model, workspace) => {
+                model.tip_by_commands(case, solution, workspace, out)
+            }
+            Self::FourBar(..) | Self::ConstantCurvature(..) => {
+                let (_, of) = prepared.solve_with_derivatives(case, Some(solution), &[])?;
+                out.clear();
+                out.extend(of.actuation_jacobian(Place::Tip));
+                Ok(())
+            }
+        })
+    }
+
+    /// Does something without looking at the stability of answers: it is known of the solution at hand, or not asked for.
+    fn without_stability<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        let asked =
+            self.stability_mut().map(|asked| core::mem::replace(asked, StabilityAnalysis::Off));
+        let done = act(self);
+        if let (Some(stability), Some(asked)) = (self.stability_mut(), asked) {
+            *stability = asked;
+        }
+        done
     }
 
     /// What is asked of the stability of answers; `None` of models that know nothing of it.

@@ -28,12 +28,10 @@ fn a_cycle_of_a_controller_allocates_nothing() {
                 whipcord_solver_lengths(Some(&solver), tensions.as_mut_ptr(), 6);
                 whipcord_solver_tensions(Some(&solver), tensions.as_mut_ptr(), 6);
                 assert_eq!(whipcord_solver_slack(Some(&solver), slack.as_mut_ptr(), 6), Status::Ok);
-                if model == "cosserat" {
-                    let mut jacobian = [0.0; 36];
-                    let status =
-                        whipcord_solver_tip_jacobian(Some(&mut solver), jacobian.as_mut_ptr(), 36);
-                    assert_eq!(status, Status::Ok);
-                }
+                let mut jacobian = [0.0; 36];
+                let status =
+                    whipcord_solver_tip_jacobian(Some(&mut solver), jacobian.as_mut_ptr(), 36);
+                assert_eq!(status, Status::Ok);
             }
         };
         // The first round finds how much memory the commands take.

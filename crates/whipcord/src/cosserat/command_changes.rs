@@ -10,12 +10,12 @@
 
 use whipcord_numerics::{DenseLu, Twist, Vec3};
 
-use super::prepared::{Cosserat, TipRatesMemory, Workspace};
+use super::prepared::{Cosserat, Workspace};
 use super::scratch::Scratch;
 use super::sensitivity::Sensitivity;
 use super::shooting::sample;
 use crate::case::Case;
-use crate::derivatives::{Change, CommandedCable, Place, Solved, TensionChanges};
+use crate::derivatives::{Change, CommandedCable, Place, Solved, TensionChanges, TipRatesMemory};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::shape::{Solution, Wrench};
@@ -94,11 +94,11 @@ impl Cosserat {
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
         let mut memory = core::mem::take(&mut workspace.tip_rates);
-        let TipRatesMemory { rates, answer, lists } = &mut memory;
+        let TipRatesMemory { rates, answer, lists, .. } = &mut memory;
         let answer = answer.get_or_insert_with(|| Solution::empty(ModelKind::Cosserat));
         let solved = self.solve_keeping_grid(case, Some(solution).into(), workspace, answer);
         let found = workspace.meter.checked(solved).and_then(|grid| {
-            let by_commands = |solved: &Solved<'_>| rates.by_commands(solved, out);
+            let by_commands = |solved: &Solved<'_>| rates.by_commands(&solved.driven(), None, out);
             let found =
                 self.with_lists_of_answer(case, &grid, &[], (&*workspace, lists), by_commands);
             found.map_err(|none| self.no_derivatives(none, workspace))

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::lanes::{Setting, UnloadedLanes};
 use super::prepared::{
-    AnswerLists, COARSE_STEPS, Cosserat, FOLD_LEVEL, MAX_REFINEMENTS, Progress, Refined, Workspace,
+    COARSE_STEPS, Cosserat, FOLD_LEVEL, MAX_REFINEMENTS, Progress, Refined, Workspace,
 };
 use super::problem::{self, StabilityCheck};
 use super::redundant_cables;
@@ -15,7 +15,7 @@ use super::verdict;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
-use crate::derivatives::{Cables, Derivatives, NoDerivatives, Solved};
+use crate::derivatives::{AnswerLists, Cables, Derivatives, NoDerivatives, Solved};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
@@ -252,11 +252,10 @@ impl Cosserat {
         act: impl FnOnce(&Solved<'_>) -> T,
     ) -> T {
         let Workspace { scratch, commands, .. } = workspace;
+        lists.set_taut(&scratch.tensions);
         let AnswerLists { taut, starts } = lists;
         starts.clear();
         starts.extend(scratch.chain_starts());
-        taut.clear();
-        taut.extend(scratch.tensions.iter().map(|&tension| tension > 0.0));
         act(&Solved {
             robot: &self.robot,
             case,

@@ -7,9 +7,8 @@ use super::friction::FrictionWorkspace;
 use super::scratch::{Scratch, Start};
 use super::sensitivity::Sensitivity;
 use crate::budget::Meter;
-use crate::derivatives::{RestChanges, TensionChanges, TipRates};
+use crate::derivatives::{RestChanges, TensionChanges, TipRatesMemory};
 use crate::robot::Robot;
-use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::options::Options;
@@ -98,22 +97,6 @@ pub struct Workspace {
     pub(super) tip_rates: TipRatesMemory,
     /// With the motions of all nodes.
     pub(super) motions: Sensitivity,
-}
-
-/// What the rates of the tip need again and again.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TipRatesMemory {
-    pub rates: TipRates,
-    /// The answer, found again.
-    pub answer: Option<Solution>,
-    pub lists: AnswerLists,
-}
-
-/// Lists that are made of an answer to differentiate it.
-#[derive(Clone, Debug, Default)]
-pub(super) struct AnswerLists {
-    pub taut: Vec<bool>,
-    pub starts: Vec<Option<Wrench>>,
 }
 
 /// What a solve has found so far.

@@ -316,8 +316,15 @@ impl Chain {
 
     /// What acts in the rod just beyond disks and anchors, in the base frame and beyond the dead loads, at the steps that begin
     /// there.
-    pub fn starts(&self, frame: &Frame, mesh: &Mesh, loads: &AppliedLoads) -> Vec<Option<Wrench>> {
-        let mut starts = vec![None; mesh.grid.len()];
+    pub fn starts_into(
+        &self,
+        frame: &Frame,
+        mesh: &Mesh,
+        loads: &AppliedLoads,
+        starts: &mut Vec<Option<Wrench>>,
+    ) {
+        starts.clear();
+        starts.resize(mesh.grid.len(), None);
         let spans = frame.spans.iter().zip(&mesh.spans);
         for ((span, steps), node) in spans.zip(&self.nodes) {
             let disk = node.rotation;
@@ -332,7 +339,6 @@ impl Chain {
                 starts[node] = Some(start(node, disk * *rotation, wrench));
             }
         }
-        starts
     }
 
     /// Goes a fraction of the step from where the nodes were kept.

@@ -303,8 +303,9 @@ impl ContactResponse {
         let order: Vec<usize> = (0..taut.len()).collect();
         // Lengths before actuation hang on parameters alone.
         let rest = (!parameters.is_empty()).then(|| frame.rest_mesh()).transpose()?;
-        let rest = rest.as_ref().map(|mesh| (&mesh.grid, frame.straight_spans(mesh)));
-        let mut spans = frame.straight_spans(mesh);
+        let rest =
+            rest.as_ref().map(|mesh| (&mesh.grid, frame.straight_spans(mesh).collect::<Vec<_>>()));
+        let mut spans: Vec<_> = frame.straight_spans(mesh).collect();
         let rubbing = model.holes.as_ref().map(|holes| frame.strands(holes));
         if rubbing.is_some() {
             for (straight, span) in spans.iter_mut().zip(&frame.spans) {
@@ -317,6 +318,8 @@ impl ContactResponse {
             rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
         };
         let base = chain.nodes[0];
+        let mut starts = Vec::new();
+        chain.starts_into(frame, mesh, loads, &mut starts);
         let solved = Solved {
             robot,
             case,
@@ -333,7 +336,7 @@ impl ContactResponse {
             taut,
             poses: &self.shape.poses,
             base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
-            starts: &chain.starts(frame, mesh, loads),
+            starts: &starts,
             strains: &[],
             are_strains_met: false,
             history: &[],

@@ -134,8 +134,9 @@ impl CosseratDisks {
         // Lengths before actuation hang on parameters alone.
         let is_known = self.rest_changes.know(parameters);
         let rest = (!is_known).then(|| self.frame().rest_mesh()).transpose()?;
-        let rest = rest.as_ref().map(|mesh| (&mesh.grid, self.frame().straight_spans(mesh)));
-        let mut spans = self.frame().straight_spans(mesh);
+        let of_rest = |mesh| self.frame().straight_spans(mesh).collect::<Vec<_>>();
+        let rest = rest.as_ref().map(|mesh| (&mesh.grid, of_rest(mesh)));
+        let mut spans: Vec<_> = self.frame().straight_spans(mesh).collect();
         let standing = &end.standing;
         for (straight, span) in spans.iter_mut().zip(&self.frame().spans) {
             straight.tensions = Some(&standing.tensions[span.first..][..span.passages.len()]);
@@ -147,6 +148,8 @@ impl CosseratDisks {
         let cables = standing.base.len();
         let order: Vec<usize> = (0..cables).collect();
         let strands = self.frame().strands(holes);
+        let mut starts = Vec::new();
+        scratch.chain.starts_into(self.frame(), mesh, &scratch.applied, &mut starts);
         let solved = Solved {
             robot: &self.robot,
             case,
@@ -163,7 +166,7 @@ impl CosseratDisks {
             taut: &vec![true; cables],
             poses: &scratch.poses,
             base_wrench: scratch.base_wrench,
-            starts: &scratch.chain.starts(self.frame(), mesh, &scratch.applied),
+            starts: &starts,
             strains: &[],
             are_strains_met: false,
             history: &[],

@@ -165,17 +165,13 @@ impl Frame {
     }
 
     /// The cables between the disks, on the steps of a mesh.
-    pub fn straight_spans<'a>(&'a self, mesh: &'a Mesh) -> Vec<StraightSpan<'a>> {
-        self.spans
-            .iter()
-            .zip(&mesh.spans)
-            .map(|(span, steps)| StraightSpan {
-                steps: steps.clone(),
-                passages: &span.passages,
-                anchors: mesh.anchors_of(span),
-                tensions: None,
-            })
-            .collect()
+    pub fn straight_spans<'a>(&'a self, mesh: &'a Mesh) -> impl Iterator<Item = StraightSpan<'a>> {
+        self.spans.iter().zip(&mesh.spans).map(|(span, steps)| StraightSpan {
+            steps: steps.clone(),
+            passages: &span.passages,
+            anchors: mesh.anchors_of(span),
+            tensions: None,
+        })
     }
 
     /// The chords of all passages on the rod at rest.

@@ -18,6 +18,7 @@
 //! | `friction` | the response of the chain to the tensions of all passages, for friction at holes |
 //! | `refinement`, `levels` | halving of the steps to a tolerance |
 //! | `stability`, `span_form`, `stability_check` | the second variation of the energy, its form in a span, and the decision |
+//! | `tip_rates` | how the tip moves with the commands, in memory that is kept |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 
 mod anchors;
@@ -54,6 +55,7 @@ mod stability_check;
 mod statics;
 mod task;
 mod tensions;
+mod tip_rates;
 mod unloaded;
 mod unloaded_span;
 mod variation;

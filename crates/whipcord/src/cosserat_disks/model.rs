@@ -387,14 +387,17 @@ impl CosseratDisks {
         act: impl FnOnce(&Solved<'_>) -> T,
     ) -> T {
         let Workspace { scratch, commands, .. } = workspace;
-        let rest = rest.map(|mesh| (&mesh.grid, self.frame.straight_spans(mesh)));
+        let spans = |mesh| self.frame.straight_spans(mesh).collect::<Vec<_>>();
+        let rest = rest.map(|mesh| (&mesh.grid, spans(mesh)));
         let straight = StraightCables {
-            spans: &self.frame.straight_spans(mesh),
+            spans: &spans(mesh),
             rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
         };
         // Friction against bending keeps its history at all nodes.
         let all: Vec<usize> = (0..=mesh.grid.len()).collect();
         let order: Vec<usize> = (0..scratch.tensions.len()).collect();
+        let mut starts = Vec::new();
+        scratch.starts_into(&self.frame, mesh, &mut starts);
         let taut: Vec<bool> = scratch.tensions.iter().map(|&tension| tension > 0.0).collect();
         act(&Solved {
             robot: &self.robot,
@@ -412,7 +415,7 @@ impl CosseratDisks {
             taut: &taut,
             poses: &scratch.poses,
             base_wrench: scratch.base_wrench,
-            starts: &scratch.starts(&self.frame, mesh),
+            starts: &starts,
             strains: &[],
             are_strains_met: false,
             history,

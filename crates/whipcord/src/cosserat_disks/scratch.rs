@@ -60,12 +60,13 @@ pub(super) struct Scratch {
 
 impl Scratch {
     /// What acts in the rod of the answer just beyond the disks, as [`crate::derivatives`] takes it.
-    pub fn starts(&self, frame: &Frame, mesh: &Mesh) -> Vec<Option<Wrench>> {
+    pub fn starts_into(&self, frame: &Frame, mesh: &Mesh, starts: &mut Vec<Option<Wrench>>) {
         if self.applied.any() {
-            return self.chain.starts(frame, mesh, &self.applied);
+            return self.chain.starts_into(frame, mesh, &self.applied, starts);
         }
         let Self { unloaded, pulled, poses, .. } = self;
-        let mut starts = vec![None; mesh.grid.len()];
+        starts.clear();
+        starts.resize(mesh.grid.len(), None);
         for ((span, steps), wrench) in frame.spans.iter().zip(&mesh.spans).zip(&unloaded.wrenches) {
             let disk = poses[steps.start].rotation;
             let mut wrench = *wrench;
@@ -86,7 +87,6 @@ impl Scratch {
                 put(anchor.node, wrench);
             }
         }
-        starts
     }
 }
 

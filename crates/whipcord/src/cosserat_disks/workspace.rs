@@ -8,6 +8,7 @@ use super::problem::Neighbour;
 use super::scratch::Scratch;
 use super::unloaded::Unloaded;
 use crate::budget::Meter;
+use crate::derivatives::TipRatesMemory;
 use crate::shape::{SlipState, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::{Course, History};
@@ -32,6 +33,7 @@ pub struct Workspace {
     pub(super) courses: Vec<Course<Vec<Node>>>,
     pub(super) meter: Meter,
     pub(super) neighbour: Neighbour,
+    pub(super) tip_rates: TipRatesMemory,
     /// How far the solve came: the best shape where its budget is spent.
     pub(super) progress: Progress,
 }

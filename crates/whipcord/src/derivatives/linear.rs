@@ -37,7 +37,7 @@ impl Linear {
             let mut spans = Box::<Spans>::default();
             // The sections of the rod have no cables in them.
             let rod = Answer { tensions: &[], ..*answer };
-            spans.run(&rod, straight, answer.tensions, nodes)?;
+            spans.run(&rod, &mut straight.iter().cloned(), answer.tensions, nodes)?;
             Ok(Self::Spans(spans))
         } else if answer.loads.any() || !answer.starts.is_empty() {
             let mut replay = Replay::default();
@@ -171,7 +171,9 @@ impl Linear {
             Self::Unloaded(quadrature) => {
                 quadrature.compute(&mut maps, &grid.steps, cables, more, forcing);
             }
-            Self::Spans(spans) => return spans.compute(grid, (cables, more, rows), forcing, holes),
+            Self::Spans(spans) => {
+                spans.compute(grid, (cables, more, rows), (forcing, holes), &mut maps)?;
+            }
         }
         Ok(maps)
     }

@@ -11,7 +11,7 @@
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
 //! tensions of their own, which follow from `sliding_holes`. `coordinates` has the same of
 //! models that have generalised coordinates for a rod, from their `linear_system`. `command_changes` are
-//! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives; `tip_rates` those of the tip in memory that is
+//! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives; `tip_rates` those of the tip, from its `tension_rates`, in memory that is
 //! kept.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
@@ -53,6 +53,7 @@ mod spans;
 mod spread_change;
 mod step_ends;
 mod strands;
+mod tension_rates;
 mod tip_rates;
 mod touching;
 
@@ -68,12 +69,13 @@ pub(crate) use self::node_change::NodeChange;
 pub(crate) use self::of_answer::{OpenStrands, SlidingAnswer, Solved};
 pub(crate) use self::open::{Motion, OpenChange, StepGap};
 pub(crate) use self::plastic_change::plastic_left;
-pub(crate) use self::replay::Varying;
+pub(crate) use self::replay::{Answer, Varying};
 pub(crate) use self::rest_changes::RestChanges;
 pub use self::rod::Derivatives;
 pub(crate) use self::rod::NoDerivatives;
 pub(crate) use self::sliding_holes::AnswerHoles;
 pub(crate) use self::spans::StraightSpan;
 pub(crate) use self::strands::{PLACES, Share, Strands};
-pub(crate) use self::tip_rates::TipRates;
+pub(crate) use self::tension_rates::{DrivenCables, TensionRates};
+pub(crate) use self::tip_rates::{AnswerLists, Driven, TipRatesMemory};
 pub use crate::statics::hold::Hold;

@@ -15,6 +15,8 @@ use super::sliding_holes::{AnswerHoles, SlidingHoles};
 use super::spans::StraightSpan;
 use super::step_ends::StepEnds;
 use super::strands::Strands;
+use super::tension_rates::DrivenCables;
+use super::tip_rates::Driven;
 use super::touching::{Touching, motion};
 use crate::case::{Case, Loads};
 use crate::parameter::Parameter;
@@ -76,6 +78,14 @@ pub(crate) struct SlidingAnswer<'a> {
 }
 
 impl Solved<'_> {
+    /// As its commands are taken.
+    pub(crate) fn driven(&self) -> Driven<'_> {
+        let Cables { order, rest_lengths, .. } = self.cables;
+        let Self { robot, commands, taut, .. } = *self;
+        let cables = DrivenCables { robot, order, rest_lengths, commands, taut };
+        Driven { cables, answer: self.answer() }
+    }
+
     /// As it is gone over.
     pub(super) fn answer(&self) -> Answer<'_> {
         Answer {

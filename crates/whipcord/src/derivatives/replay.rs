@@ -177,7 +177,7 @@ pub(crate) struct Varying<'a> {
 
 /// The answer that is gone over.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Answer<'a> {
+pub(crate) struct Answer<'a> {
     pub grid: &'a Grid,
     pub loads: &'a AppliedLoads,
     pub tensions: &'a [f64],

@@ -165,6 +165,18 @@ pub(super) struct Spans {
     followers: Vec<Option<[Mat3; 2]>>,
     inputs: usize,
     cables: usize,
+    memory: Memory,
+}
+
+/// Memory of [`Spans::compute`].
+#[derive(Clone, Debug, Default)]
+struct Memory {
+    rod: Maps,
+    /// What acts within a span, carried to its kept nodes.
+    explicit: Vec<Effect>,
+    /// What comes of it there.
+    inside: Vec<Effect>,
+    outputs: Vec<f64>,
 }
 
 /// What a dead wrench on a section does to its span, the near disk and what acts there held.
@@ -181,6 +193,12 @@ pub(super) struct PlaceWrench {
 /// Where a cable's hole is in the two disks of a span, and what of this changes.
 type HoleShifts<'a> = &'a dyn Fn(&Chord) -> ChordChange;
 
+/// What acts at a stage by an input, by step, stage and input.
+type ForcingBy<'a> = &'a dyn Fn(usize, usize, usize) -> Forcing;
+
+/// How an input moves the holes of a cable at both ends of a span, in the frames of the disks; by input, cable and span.
+type HolesBy<'a> = &'a dyn Fn(usize, usize, usize) -> [Vec3; 2];
+
 /// An angle so small, in rad, has no direction.
 const STRAIGHT: f64 = 1e-9;
 
@@ -194,17 +212,23 @@ impl Spans {
     pub fn run(
         &mut self,
         answer: &Answer<'_>,
-        spans: &[StraightSpan<'_>],
+        spans: &mut dyn Iterator<Item = StraightSpan<'_>>,
         tensions: &[f64],
         nodes: &[usize],
     ) -> Result<(), Fault> {
         self.replay.run(answer)?;
-        self.spans.clear();
-        let mut first = 0;
+        let (mut first, mut count) = (0, 0);
+        let mut are_rubbing = false;
         for span in spans {
+            are_rubbing |= span.tensions.is_some();
             let Range { start, end } = span.steps;
+            if self.spans.len() == count {
+                self.spans.push(Span::default());
+            }
+            let Span { kept, chords, .. } = &mut self.spans[count];
             let between = nodes.iter().filter(|node| (start + 1..end).contains(node));
-            let mut kept: Vec<usize> = between.map(|node| node - start).collect();
+            kept.clear();
+            kept.extend(between.map(|node| node - start));
             kept.extend([0, end - start]);
             kept.extend(span.anchors.iter().map(|anchor| anchor.node - start));
             kept.sort_unstable();
@@ -229,16 +253,14 @@ impl Spans {
                     turns: [Vec3::ZERO; 2],
                 }
             };
-            let chords = span.passages.iter().enumerate().map(chord).collect();
-            self.spans.push(Span {
-                steps: span.steps.clone(),
-                first: first - kept.len(),
-                kept,
-                chords,
-                ..Span::default()
-            });
+            chords.clear();
+            chords.extend(span.passages.iter().enumerate().map(chord));
+            let before = first - kept.len();
+            (self.spans[count].steps, self.spans[count].first) = (span.steps, before);
+            count += 1;
         }
-        if spans.iter().any(|span| span.tensions.is_some()) {
+        self.spans.truncate(count);
+        if are_rubbing {
             self.turn();
         }
         let follower = |node: usize| {
@@ -308,16 +330,16 @@ impl Spans {
         &mut self,
         grid: &Grid,
         (cables, more, rows): (usize, usize, usize),
-        forcing: &dyn Fn(usize, usize, usize) -> Forcing,
-        holes: &dyn Fn(usize, usize, usize) -> [Vec3; 2],
-    ) -> Result<Maps, Critical> {
+        (forcing, holes): (ForcingBy<'_>, HolesBy<'_>),
+        maps: &mut Maps,
+    ) -> Result<(), Critical> {
         self.cables = cables;
-        let mut rod = Maps::default();
+        let mut memory = core::mem::take(&mut self.memory);
+        let rod = &mut memory.rod;
         rod.compute(&grid.steps, &self.replay, (0, 0), (0, more), forcing);
-        self.rod = core::mem::take(&mut rod.steps);
+        core::mem::swap(&mut self.rod, &mut rod.steps);
         self.rod_effects.clone_from(&rod.effects);
         self.inputs = cables + more;
-        let mut maps = Maps::default();
         maps.prepare(self.spans.len(), cables, more, rows);
         let nodes: usize = self.spans.iter().map(|span| span.kept.len()).sum();
         self.along.clear();
@@ -326,45 +348,52 @@ impl Spans {
         self.inside.reserve(nodes);
         self.inside_effects.clear();
         self.inside_effects.resize(nodes * self.inputs, Effect::default());
-        for k in 0..self.spans.len() {
-            self.compose(k);
-            self.spans[k].inverse = self.invert(k)?;
-            let map = self.by_start(k, &mut maps.length_by_state[k * rows..(k + 1) * rows]);
-            maps.steps.push(map);
-            for input in 0..self.inputs {
-                let of_input = (k * self.inputs + input) * rows;
-                let lengths = &mut maps.length_by_input[of_input..of_input + rows];
-                let (effect, inside) = match input.checked_sub(cables) {
-                    None => {
-                        let pulled = |chord: &Chord| ChordChange {
-                            tension: if chord.cable == input { 1.0 } else { 0.0 },
-                            ..ChordChange::default()
-                        };
-                        let explicit = self.carry(
-                            k,
-                            self.spans[k].steps.start,
-                            Effect::default(),
-                            NOTHING,
-                            &pulled,
-                        );
-                        self.solve(k, [Vec3::ZERO; 3], &explicit, &pulled, lengths)
-                    }
-                    Some(more) => {
-                        let first = self.spans[k].steps.start;
-                        let acting = |step: usize| rod.effects_of(step)[more];
-                        let moved =
-                            |chord: &Chord| self.moved(k, chord, holes(more, chord.cable, k));
-                        let explicit = self.carry(k, first, Effect::default(), acting, &moved);
-                        self.solve(k, [Vec3::ZERO; 3], &explicit, &moved, lengths)
-                    }
-                };
-                maps.effects[k * self.inputs + input] = effect;
-                for (node, effect) in self.spans[k].nodes().zip(inside) {
-                    self.inside_effects[node * self.inputs + input] = effect;
+        let found = (0..self.spans.len())
+            .try_for_each(|k| self.map(k, (cables, rows), holes, (maps, &mut memory)));
+        self.memory = memory;
+        found
+    }
+
+    /// Map and inputs of one span.
+    fn map(
+        &mut self,
+        k: usize,
+        (cables, rows): (usize, usize),
+        holes: HolesBy<'_>,
+        (maps, memory): (&mut Maps, &mut Memory),
+    ) -> Result<(), Critical> {
+        self.compose(k);
+        self.spans[k].inverse = self.invert(k)?;
+        let map = self.by_start(k, &mut maps.length_by_state[k * rows..(k + 1) * rows], memory);
+        maps.steps.push(map);
+        let Memory { rod, explicit, inside, .. } = memory;
+        let first = self.spans[k].steps.start;
+        for input in 0..self.inputs {
+            let of_input = (k * self.inputs + input) * rows;
+            let lengths = &mut maps.length_by_input[of_input..of_input + rows];
+            let start = [Vec3::ZERO; 3];
+            let effect = match input.checked_sub(cables) {
+                None => {
+                    let pulled = |chord: &Chord| ChordChange {
+                        tension: if chord.cable == input { 1.0 } else { 0.0 },
+                        ..ChordChange::default()
+                    };
+                    self.carry(k, (first, Effect::default()), NOTHING, &pulled, explicit);
+                    self.solve(k, start, explicit, &pulled, lengths, inside)
                 }
+                Some(more) => {
+                    let acting = |step: usize| rod.effects_of(step)[more];
+                    let moved = |chord: &Chord| self.moved(k, chord, holes(more, chord.cable, k));
+                    self.carry(k, (first, Effect::default()), acting, &moved, explicit);
+                    self.solve(k, start, explicit, &moved, lengths, inside)
+                }
+            };
+            maps.effects[k * self.inputs + input] = effect;
+            for (node, effect) in self.spans[k].nodes().zip(&*inside) {
+                self.inside_effects[node * self.inputs + input] = *effect;
             }
         }
-        Ok(maps)
+        Ok(())
     }
 
     /// Holes that move in the frames of their disks.
@@ -404,14 +433,15 @@ impl Spans {
     fn carry(
         &self,
         k: usize,
-        from: usize,
-        start: Effect,
+        (from, start): (usize, Effect),
         acting: impl Fn(usize) -> Effect,
         changes: HoleShifts<'_>,
-    ) -> Vec<Effect> {
+        out: &mut Vec<Effect>,
+    ) {
         let Span { steps, kept, .. } = &self.spans[k];
         let mut at = if from == steps.start { start } else { Effect::default() };
-        let mut out = vec![at];
+        out.clear();
+        out.push(at);
         for (node, step) in (1..).zip(steps.clone()) {
             if step >= from {
                 at = self.rod[step].carry(&at).plus(&acting(step));
@@ -431,7 +461,6 @@ impl Spans {
                 out.push(at);
             }
         }
-        out
     }
 
     /// What the chords exert once the kept nodes have moved so against the near disk, and the outputs of the span.
@@ -483,7 +512,8 @@ impl Spans {
         explicit: &[Effect],
         changes: HoleShifts<'_>,
         lengths: &mut [f64],
-    ) -> (Effect, Vec<Effect>) {
+        inside: &mut Vec<Effect>,
+    ) -> Effect {
         let span = &self.spans[k];
         let along = &self.along[span.nodes()];
         let at = |node: usize, rod| along[node].apply(rod).plus(&explicit[node]);
@@ -497,16 +527,17 @@ impl Spans {
             by_moment * moment + by_force * force,
             force_by_moment * moment + force_by_force * force,
         ];
-        let inside: Vec<Effect> = (0..along.len()).map(|node| at(node, rod)).collect();
+        inside.clear();
+        inside.extend((0..along.len()).map(|node| at(node, rod)));
         let mut end = inside[last];
         let [of_moment, of_force] = self.pulls(k, turn, |node| inside[node], changes, lengths).far;
         end.moment += of_moment;
         end.force += of_force;
-        (end, inside)
+        end
     }
 
     /// The map of a span by its start; of the lengths by turn, moment and force, by cables.
-    fn by_start(&mut self, k: usize, lengths: &mut [[Vec3; 3]]) -> StepMap {
+    fn by_start(&mut self, k: usize, lengths: &mut [[Vec3; 3]], memory: &mut Memory) -> StepMap {
         let steps = self.spans[k].steps.clone();
         let follows =
             |step: usize| self.rod[step].force.is_some() || self.followers[step].is_some();
@@ -514,20 +545,23 @@ impl Spans {
         let mut map = StepMap { force, ..StepMap::default() };
         let of_rod = StepMap { force: Some(Default::default()), ..StepMap::default() };
         let nodes = self.spans[k].nodes();
-        let nothing = vec![Effect::default(); nodes.len()];
+        let Memory { explicit, inside, outputs, .. } = memory;
+        explicit.clear();
+        explicit.resize(nodes.len(), Effect::default());
         self.inside.resize(nodes.end, of_rod);
-        let mut longer = vec![0.0; lengths.len()];
+        outputs.clear();
+        outputs.resize(lengths.len(), 0.0);
         for column in 0..9 {
             let mut start = [Vec3::ZERO; 3];
             start[column / 3] = AXES[column % 3];
-            longer.fill(0.0);
-            let (end, inside) = self.solve(k, start, &nothing, HELD, &mut longer);
+            outputs.fill(0.0);
+            let end = self.solve(k, start, explicit, HELD, outputs, inside);
             map.set(column, &end);
-            for (of, by) in lengths.iter_mut().zip(&longer) {
+            for (of, by) in lengths.iter_mut().zip(&*outputs) {
                 of[column / 3][column % 3] = *by;
             }
-            for (node, effect) in nodes.clone().zip(inside) {
-                self.inside[node].set(column, &effect);
+            for (node, effect) in nodes.clone().zip(&*inside) {
+                self.inside[node].set(column, effect);
             }
         }
         map
@@ -537,9 +571,10 @@ impl Spans {
     pub fn push(&self, node: usize, wrench: Wrench, rows: usize) -> PlaceWrench {
         let span = self.span_behind(node);
         let start = Effect { moment: -wrench.moment, force: -wrench.force, ..Effect::default() };
-        let explicit = self.carry(span, node, start, NOTHING, HELD);
-        let mut lengths = vec![0.0; rows];
-        let (effect, inside) = self.solve(span, [Vec3::ZERO; 3], &explicit, HELD, &mut lengths);
+        let (mut explicit, mut inside) = (Vec::new(), Vec::new());
+        self.carry(span, (node, start), NOTHING, HELD, &mut explicit);
+        let (rest, mut lengths) = ([Vec3::ZERO; 3], vec![0.0; rows]);
+        let effect = self.solve(span, rest, &explicit, HELD, &mut lengths, &mut inside);
         PlaceWrench { span, effect, inside, lengths }
     }
 

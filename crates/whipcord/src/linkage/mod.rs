@@ -4,7 +4,7 @@
 //! `docs/theory/piecewise-constant-curvature.md` derives the equations whose numbers stand in the
 //! code. From the inside out: `swing` bends, `motion` is a section, divided as `division` says; `layout` cuts the
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
-//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `stability` judges it, `stable_branch` finds another where it is not stable, `derivatives` differentiates it, `local` at one place;
+//! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `stability` judges it, `stable_branch` finds another where it is not stable, `derivatives` differentiates it, `local` at one place, `tip_rates` at the tip in memory that is kept;
 //! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles; `friction` gives every
 //! passage of a cable a tension of its own, for `actuation_steps` with friction at the holes.
 
@@ -33,6 +33,7 @@ mod stable_branch;
 mod statics;
 mod swing;
 mod task;
+mod tip_rates;
 
 use whipcord_numerics::Pose;
 
@@ -60,6 +61,7 @@ use loads::AppliedLoads;
 use motion::Coordinates;
 use statics::{Effort, Responder, Scratch};
 use task::{DeadMoments, Task};
+use tip_rates::TipRatesMemory;
 
 /// How a model is driven, and what it computes.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,6 +123,7 @@ pub struct Workspace {
     hold: HoldScratch,
     meter: Meter,
     friction: friction::Memory,
+    tip_rates: TipRatesMemory,
 }
 
 impl Workspace {

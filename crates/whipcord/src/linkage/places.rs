@@ -51,12 +51,13 @@ impl<'a> Places<'a> {
         for &(section, ref motion) in &self.list {
             for k in start..section {
                 let end = self.disks[k + 1].position;
-                disk = self.carried(disk, k, chain.motion(k), end, chain.response(task, side, k));
+                let response = chain.response(task, side, k);
+                disk = carried(disk, self.disks[k], chain.motion(k), end, response);
             }
             start = section;
             let at = self.disks[section].transform(motion.end);
             let response = chain.response(task, side, section);
-            into.push(self.carried(disk, section, motion, at, response));
+            into.push(carried(disk, self.disks[section], motion, at, response));
         }
     }
 
@@ -93,25 +94,23 @@ impl<'a> Places<'a> {
             |&(section, ref motion): &(usize, Motion)| self.disks[section].transform(motion.end);
         self.list.iter().map(position).collect()
     }
+}
 
-    /// How a cross-section of a section moves, at this position, where the disk before it moves like this.
-    fn carried(
-        &self,
-        disk: Twist,
-        section: usize,
-        motion: &Motion,
-        at: Vec3,
-        response: &[f64],
-    ) -> Twist {
-        let Pose { position, rotation } = self.disks[section];
-        let (mut turn, mut shift) = (Vec3::ZERO, Vec3::ZERO);
-        for (a, change) in response.iter().enumerate() {
-            turn += motion.turn[a] * *change;
-            shift += motion.shift[a] * *change;
-        }
-        Twist {
-            linear: disk.linear + disk.angular.cross(at - position) + rotation.rotate(shift),
-            angular: disk.angular + rotation.rotate(turn),
-        }
+/// How a cross-section of a section moves, at this position, where the disk before the section is here and moves like this.
+pub(super) fn carried(
+    disk: Twist,
+    Pose { position, rotation }: Pose,
+    motion: &Motion,
+    at: Vec3,
+    response: &[f64],
+) -> Twist {
+    let (mut turn, mut shift) = (Vec3::ZERO, Vec3::ZERO);
+    for (a, change) in response.iter().enumerate() {
+        turn += motion.turn[a] * *change;
+        shift += motion.shift[a] * *change;
+    }
+    Twist {
+        linear: disk.linear + disk.angular.cross(at - position) + rotation.rotate(shift),
+        angular: disk.angular + rotation.rotate(turn),
     }
 }
