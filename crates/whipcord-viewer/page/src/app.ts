@@ -234,6 +234,10 @@ export class App {
         this.#whenShown = () => act(this.#first?.cables[cable]);
         this.#catchUp();
       },
+      moveTip: (to) => {
+        this.#dragging.move(to);
+        this.#dragging.release();
+      },
     }, modelColour, this.#recording?.axes, !this.#recording || this.#recording.cloud !== undefined);
     if (!this.#recording) this.#designing.open(scene, byId("controls"));
     this.#timeline.open(this.#recording ? [] : scene.courses);
@@ -375,7 +379,9 @@ export class App {
     if (told && told.textContent !== words) told.replaceChildren(...(words === "" ? [] : [key({ colour: MEASURED, label: words })]));
     const tip = this.#recording || this.#timeline.isActive ? undefined : first?.positions.at(-1);
     this.#stage.handles.tip(tip);
-    this.#stage.movable = state.dragging === "reach" ? tip : undefined;
+    const movable = state.dragging === "reach" ? tip : undefined;
+    this.#stage.movable = movable;
+    this.#controls?.place(movable);
     this.#controls?.slack(solved[0]?.cables);
     const pinned = this.#robots.pinned;
     this.#panel.show(scene, this.#answers, pinned && { name: "ghost", solved: pinned });

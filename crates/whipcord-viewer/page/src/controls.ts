@@ -2,6 +2,7 @@
 
 import { element } from "./dom";
 import { swatch } from "./legend";
+import { PlaceBoxes } from "./place";
 import type { CableState, MetLimit, ModelChoice, Motor, Reach, Scene, Vector } from "./protocol";
 import { quantity } from "./quantities";
 import { Slider, type Changes as Changing } from "./slider";
@@ -11,6 +12,8 @@ import { DEGREE, METRE_PER_SECOND_SQUARED, MILLIMETRE, MILLINEWTON_METRE, NEWTON
 export interface Changes extends Changing {
   /** Acts once the shape that is shown is the answer to what the sliders say, on what became of a cable in it, if that is known. */
   whenShown(cable: number, act: (present: { tension: number | null; shortening: number } | undefined) => void): void;
+  /** The tip is to go to a place in the world. */
+  moveTip(to: Vector): void;
 }
 
 /** What colours can stand for, as people say it. */
@@ -30,6 +33,7 @@ export class Controls {
   readonly #compliance: HTMLInputElement;
   readonly #workspace: HTMLInputElement;
   readonly #dragging = new Map<Dragging, HTMLInputElement>();
+  readonly #tip: PlaceBoxes;
   readonly #limits = element("p", { class: "hint", id: "limits", role: "status", hidden: true });
   readonly #scene: Scene;
   readonly #axes: readonly number[][] | undefined;
@@ -89,6 +93,8 @@ export class Controls {
       });
       return made;
     };
+    this.#tip = new PlaceBoxes(scene.length, (to) => changes.moveTip(to));
+    this.#tip.show(undefined);
     this.#compliance = box("compliance", (state, checked) => (state.compliance = checked));
     this.#workspace = box("workspace", (state, checked) => (state.workspace = checked));
     const fixed = scene.loads_in_base ? "in the frame of the base" : "in the world";
@@ -101,6 +107,7 @@ export class Controls {
       { "data-group": "Dragging", class: "segments" },
       element("legend", {}, "Dragging"),
       element("div", { class: "segmented" }, ...DRAGGING.map((name) => this.#drag(name, changes))),
+      this.#tip.row,
       this.#limits,
     );
     into.replaceChildren(
@@ -177,6 +184,11 @@ export class Controls {
     this.#vectors.forEach(({ each }, k) => each.forEach((slider, c) => mark(slider, last && vectors[k]!(last)[c], vectors[k]!(now)[c]!)));
   }
 
+  /** Where the tip is, if commands are sought that move it. */
+  place(tip: Vector | undefined): void {
+    this.#tip.show(tip);
+  }
+
   /** Says at the sliders of cables which of them are slack. */
   slack(cables: readonly CableState[] | undefined): void {
     this.#scene.sliders.forEach((slider, i) => {
@@ -190,7 +202,7 @@ export class Controls {
     this.#sliders.forEach(({ row }, i) => row.classList.toggle("limited", met.some(({ slider }) => slider === i)));
     this.tell(
       reach?.status === "failed" ? reach.message
-      : reach && !reach.reached ? `${significant(1e3 * reach.distance, 3)} mm from the pointer${met.length > 0 ? `, at a limit: ${list(met)}` : ""}`
+      : reach && !reach.reached ? `${significant(1e3 * reach.distance, 3)} mm from the target${met.length > 0 ? `, at a limit: ${list(met)}` : ""}`
       : met.length > 0 ? `At a limit: ${list(met)}`
       : "",
     );
@@ -251,7 +263,7 @@ export class Controls {
     const [words, what] =
       name === "force"
         ? ["Pull by a force", "A spring between the pointer and the place of the backbone that is held"]
-        : ["Move the tip", "Commands are sought that bring the tip to the pointer, within the limits"];
+        : ["Move the tip", "Commands are sought that bring the tip to the pointer, or to the numbers below, within the limits"];
     return element("span", { title: what }, button, element("label", { for: id }, words));
   }
 

@@ -186,3 +186,30 @@ test("arrows at the tip move it along an axis", async ({ page, viewer }) => {
   }
   expect(targets.at(-1)![2]).toBeLessThan(before[2]! - 1e-3);
 });
+
+test("the tip is moved by numbers and by arrow keys, within the limits", async ({ page, viewer }) => {
+  viewer.edit((text) => `${text}\n[limits]\ntension = ["0.5 N", "40 N"]\n`);
+  await expect(page.locator('input[data-name="tip-x"]')).toBeHidden();
+  await page.getByLabel("Move the tip").check();
+  const box = page.locator('input[data-name="tip-x"]');
+  await expect(box).toBeVisible();
+  const before = await tip(page, "cosserat");
+  const shown = Number(await box.inputValue());
+  expect(Math.abs(shown - 1e3 * before[0]!)).toBeLessThan(1e-3 * Math.abs(1e3 * before[0]!) + 1e-2);
+  await box.fill(String(shown - 8));
+  await box.press("Enter");
+  const wanted = [(shown - 8) / 1e3, before[1]!, before[2]!];
+  await expect.poll(async () => near(await tip(page, "cosserat"), wanted, 2e-5)).toBe(true);
+  await page.screenshot({ path: `${ARTEFACTS}/tip-by-numbers.png` });
+  // An arrow key goes to the next multiple of its step.
+  const step = Number(await box.getAttribute("step"));
+  const next = (Math.floor(Number(await box.inputValue()) / step) + 1) * step;
+  await box.press("ArrowUp");
+  await expect.poll(async () => Math.abs(1e3 * (await tip(page, "cosserat"))[0]! - next)).toBeLessThan(0.02);
+  // Too far: the nearest place, and what keeps it.
+  await box.fill("5000");
+  await box.press("Enter");
+  await expect(page.locator("#limits")).toContainText("from the target, at a limit: ");
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => (await tip(page, "cosserat"))[0]!).toBeLessThan(0.2);
+});

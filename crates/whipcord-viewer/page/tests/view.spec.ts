@@ -255,7 +255,7 @@ test("the commands bring the tip to where it is dragged, within the limits", asy
   expect(near(moved, expected, 1e-5), `${moved} is not ${expected}`).toBe(true);
   // Far away there is a limit, which is said, and its slider is marked.
   await drag(page, -400, 0, async () => {
-    await expect(page.locator("#limits")).toContainText("mm from the pointer, at a limit: ");
+    await expect(page.locator("#limits")).toContainText("mm from the target, at a limit: ");
     await expect(page.locator(".quantity.limited")).not.toHaveCount(0);
     await page.screenshot({ path: `${ARTEFACTS}/reach-limits.png` });
   });
