@@ -92,21 +92,25 @@ impl Quadrature {
         for (k, step) in grid.steps.iter().enumerate() {
             let active = &tensions[..step.active];
             for (j, &strain) in strains[POINTS * k..POINTS * (k + 1)].iter().enumerate() {
+                let at = POINTS * k + j;
+                let weight = GAUSS_3.weights[j] * step.length;
+                // A section that is the same as the one before, and strained as it is, has the same tangent.
+                let before = self.points.last().filter(|last| last.strain == strain);
+                if let Some(&before) = before.filter(|_| grid.gauss.repeats(k, j)) {
+                    self.pulls.copy_within((at - 1) * cables..at * cables, at * cables);
+                    self.points.push(Point { weight, ..before });
+                    continue;
+                }
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
                 let tangent =
                     Tangent::at(&node.section, crossings, active, &strain).map_err(|kind| {
                         Fault { kind, arc_length: step.start + GAUSS_3.nodes[j] * step.length }
                     })?;
-                let place = (POINTS * k + j) * cables;
-                for (pull, crossing) in self.pulls[place..].iter_mut().zip(crossings) {
+                for (pull, crossing) in self.pulls[at * cables..].iter_mut().zip(crossings) {
                     *pull = crossing.pull(&strain);
                 }
-                self.points.push(Point {
-                    strain,
-                    compliance: tangent.compliance(),
-                    weight: GAUSS_3.weights[j] * step.length,
-                    ..Point::default()
-                });
+                let compliance = tangent.compliance();
+                self.points.push(Point { strain, compliance, weight, ..Point::default() });
             }
         }
         Arch::new().dispatch(AllPoints { rod: self, steps: &grid.steps, poses });
