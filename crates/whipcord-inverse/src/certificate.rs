@@ -7,7 +7,7 @@ use whipcord::derivatives::Place;
 use whipcord::{SolveError, Vec3};
 use whipcord_numerics::{Programme, QuadraticProgramme};
 
-use crate::curvature::CurvatureBound;
+use crate::curvature::{CurvatureBound, Memory, TensionBox};
 use crate::forward::Forward;
 
 /// Why there is no proof.
@@ -25,8 +25,6 @@ pub enum NoProof {
     TensionLimits,
     /// The target has no point.
     NoPoint,
-    /// Tensions so large that a cable may be compressed to nothing by their bound.
-    Tensions,
     /// The boxes that may be looked at did not suffice.
     Boxes,
     /// The point can be reached within the limits of the tensions, or nearly; what cannot is another part of the target or another limit.
@@ -46,7 +44,6 @@ impl NoProof {
             Self::Obstacles => "a robot that may touch obstacles has no bound; ask for a clearance",
             Self::TensionLimits => "give the greatest tension of every cable: [limits] tension",
             Self::NoPoint => "a target without a point has no bound",
-            Self::Tensions => "the tensions are too large for a bound; lower the greatest tension",
             Self::Boxes => "the bound was not tight enough within the solves that may be spent",
             Self::Near => {
                 "its point is within reach of the tensions: what holds it back is another part of the target or another limit"
@@ -107,8 +104,8 @@ const UNCERTAINTY: f64 = 2e-6;
 /// ‖p(τ) − x‖ ≥ n·r − Σ|n·Jᵢ|hᵢ − ½ Σ Kᵢⱼhᵢhⱼ                     (12)
 /// ```
 ///
-/// with the bounds `Kᵢⱼ` of [`CurvatureBound`]; `n` points along the least miss of the linear problem. The box with the least bound is halved
-/// until all bounds are beyond the distance, or the boxes are spent. What is returned is a bound in any case.
+/// with the bounds `Kᵢⱼ` of [`CurvatureBound`]; `n` points along the least miss of the linear problem. No box is nearer than the whole robot is long. The box with
+/// the least bound is halved until all bounds are beyond the distance, or the boxes are spent. What is returned is a bound in any case.
 ///
 /// # Errors
 /// [`SolveError::Cancelled`].
@@ -127,22 +124,28 @@ pub(crate) fn least_distance(
     let mut solver = Bound::default();
     let center: Vec<f64> = tensions.iter().map(|[a, b]| 0.5 * (a + b)).collect();
     let half: Vec<f64> = tensions.iter().map(|[a, b]| 0.5 * (b - a)).collect();
+    let greatest: Vec<f64> = tensions.iter().map(|[_, b]| *b).collect();
+    let way = (goal.point - forward.case.base.position).norm();
+    let bound = (way - curvature.farthest(&greatest) - uncertainty).max(0.0);
+    let weights: Vec<f64> = (0..n).map(|cable| curvature.bending(cable)).collect();
+    let mut memory = Memory::default();
     let mut heap = BinaryHeap::new();
-    heap.push(Node { bound: 0.0, center, half });
+    heap.push(Node { bound, center, half });
     let mut spent = 0;
     loop {
         let Some(node) = heap.pop() else { return Ok(Ok((goal.distance, spent))) };
         if node.bound >= goal.distance || spent >= boxes {
             return Ok(Ok((node.bound.min(goal.distance), spent)));
         }
-        let greatest: Vec<f64> = node.center.iter().zip(&node.half).map(|(c, h)| c + h).collect();
-        if !curvature.second_derivatives(&greatest, &mut solver.second) {
-            return Ok(Err(NoProof::Tensions));
-        }
         // The direction in which the box bends most is halved.
+        let whole = TensionBox { center: &node.center, half: &node.half };
+        let is_known = curvature.second_derivatives(whole, &mut memory, &mut solver.second);
         let bend = |i: usize| -> f64 {
             let row = &solver.second[i * n..(i + 1) * n];
-            node.half[i] * row.iter().zip(&node.half).map(|(k, h)| k * h).sum::<f64>()
+            match is_known {
+                true => node.half[i] * row.iter().zip(&node.half).map(|(k, h)| k * h).sum::<f64>(),
+                false => node.half[i] * weights[i],
+            }
         };
         let Some(split) = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))) else {
             return Ok(Err(NoProof::TensionLimits));
@@ -152,20 +155,20 @@ pub(crate) fn least_distance(
             let mut half = node.half.clone();
             center[split] += side * half[split];
             half[split] *= 0.5;
-            let greatest: Vec<f64> = center.iter().zip(&half).map(|(c, h)| c + h).collect();
-            if !curvature.second_derivatives(&greatest, &mut solver.second) {
-                return Ok(Err(NoProof::Tensions));
-            }
-            let bend: f64 = (0..n)
-                .map(|i| {
-                    let row = &solver.second[i * n..(i + 1) * n];
-                    half[i] * row.iter().zip(&half).map(|(k, h)| k * h).sum::<f64>()
-                })
-                .sum::<f64>()
-                / 2.0;
+            spent += 1;
             let mut bound = node.bound;
+            let of = TensionBox { center: &center, half: &half };
+            // Where a box is too large for a bound its parts may have one.
+            let bend = match curvature.second_derivatives(of, &mut memory, &mut solver.second) {
+                true => (0..n)
+                    .map(|i| {
+                        let row = &solver.second[i * n..(i + 1) * n];
+                        half[i] * row.iter().zip(&half).map(|(k, h)| k * h).sum::<f64>() / 2.0
+                    })
+                    .sum::<f64>(),
+                false => f64::INFINITY,
+            };
             if bend < reach {
-                spent += 1;
                 match forward.evaluate_answer(&center, &[goal.place]) {
                     Ok(evaluation) => {
                         let at = place_of(&evaluation.solution, goal.place);

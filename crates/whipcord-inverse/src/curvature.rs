@@ -1,6 +1,6 @@
 //! Bounds of the second derivatives of a point of an unloaded rod by the tensions of its cables.
 
-use whipcord::section::section_compliance;
+use whipcord::section::{CrossedSection, section_compliance};
 use whipcord::{Mat3, Robot, Vec3};
 
 /// What bounds the second derivatives of one point of the backbone of a robot without loads and friction.
@@ -13,12 +13,34 @@ use whipcord::{Mat3, Robot, Vec3};
 /// ‖∂ᵢ∂ⱼξ‖_K ≤ αᵢαⱼ (αᵢ/ℓᵢ + αⱼ/ℓⱼ + (2/√3) Σ τₖ αₖ³/ℓₖ²)           (10)
 /// ```
 ///
-/// where `2/√3` bounds the third derivative of a norm and `ℓₖ ≥ ℓₖ(ξ*) − αₖ Σ τⱼαⱼ`. From the strains the bounds
+/// where `2/√3` bounds the third derivative of a norm. Over a box of half widths `h` about `τ₀` it is `ℓₖ ≥ ℓₖ(τ₀) − αₖ Σ hⱼαⱼ`. From the strains the bounds
 /// go on to the point by `R′ = R û`, `p′ = R v` (11).
 #[derive(Clone, Debug)]
 pub(crate) struct CurvatureBound {
     cells: Vec<Cell>,
+    /// The sections that are looked at, those that are alike once.
+    sections: Vec<CrossedSection>,
     cables: usize,
+}
+
+/// A box of tensions in N.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TensionBox<'a> {
+    pub center: &'a [f64],
+    pub half: &'a [f64],
+}
+
+/// Memory of [`CurvatureBound::second_derivatives`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Memory {
+    /// Of each section in the middle of the box: the stretch of each cable, and `‖v‖`.
+    stretches: Vec<f64>,
+    velocities: Vec<f64>,
+    stretch: Vec<f64>,
+    /// Of the rotation at the beginning of a cell: `‖∂ᵢR‖` and `‖∂ᵢ∂ⱼR‖` as angles.
+    first: Vec<f64>,
+    second: Vec<f64>,
+    rates: Vec<f64>,
 }
 
 /// A piece of the backbone.
@@ -28,9 +50,10 @@ struct Cell {
     /// `√λ_max` of `∂v/∂N` and `∂u/∂M`, which bound strains by their norm in `K`.
     stretching: f64,
     bending: f64,
-    /// `αᵢ` of each cable, 0 behind its end, and its stretch at rest.
+    /// `αᵢ` of each cable, 0 behind its end.
     alpha: Vec<f64>,
-    stretch: Vec<f64>,
+    /// The sections at its ends and in its middle.
+    sections: [usize; 3],
 }
 
 /// Pieces of the backbone between two disks, at whose ends and middle the sections are looked at.
@@ -59,36 +82,65 @@ impl CurvatureBound {
         places.push(arc_length);
         places.sort_by(f64::total_cmp);
         places.dedup();
+        let mut sections = Vec::new();
         let cells = places
             .windows(2)
-            .map(|pair| Cell::of(robot, pair[0], pair[1]))
+            .map(|pair| Cell::of(robot, pair[0], pair[1], &mut sections))
             .collect::<Option<_>>()?;
-        Some(Self { cells, cables: robot.cables().len() })
+        Some(Self { cells, sections, cables: robot.cables().len() })
     }
 
-    /// Writes a bound of `‖∂ᵢ∂ⱼp‖` in m/N², by rows, for all tensions up to these; `false` where there is none.
-    pub fn second_derivatives(&self, greatest: &[f64], into: &mut Vec<f64>) -> bool {
+    /// How far from the base the point can be, in m, for all tensions up to these.
+    pub fn farthest(&self, greatest: &[f64]) -> f64 {
+        let of = |cell: &Cell| cell.width * (1.0 + cell.stretching * cell.change(greatest));
+        self.cells.iter().map(of).sum()
+    }
+
+    /// How much a change of the tension of each cable by 1 N can bend the robot.
+    pub fn bending(&self, cable: usize) -> f64 {
+        self.cells.iter().map(|cell| cell.width * cell.bending * cell.alpha[cable]).sum()
+    }
+
+    /// Writes a bound of `‖∂ᵢ∂ⱼp‖` in m/N², by rows, for all tensions of a box; `false` where there is none.
+    pub fn second_derivatives(
+        &self,
+        of: TensionBox<'_>,
+        memory: &mut Memory,
+        into: &mut Vec<f64>,
+    ) -> bool {
         let n = self.cables;
-        into.clear();
-        into.resize(n * n, 0.0);
-        // Of the rotation: ‖∂ᵢR‖ and ‖∂ᵢ∂ⱼR‖ as angles, at the beginning of a cell.
-        let mut first = vec![0.0; n];
-        let mut second = vec![0.0; n * n];
-        let mut rates = vec![0.0; n * n];
+        let TensionBox { center, half } = of;
+        let Memory { stretches, velocities, stretch, first, second, rates } = memory;
+        stretches.clear();
+        stretches.resize(n * self.sections.len(), f64::INFINITY);
+        velocities.clear();
+        for (section, stretches) in self.sections.iter().zip(stretches.chunks_exact_mut(n)) {
+            let Some(velocity) = section.stretches(center, stretches) else { return false };
+            velocities.push(velocity);
+        }
+        let squares = [&mut *into, &mut *second, &mut *rates].map(|list| (list, n * n));
+        for (list, size) in squares.into_iter().chain([(&mut *first, n)]) {
+            list.clear();
+            list.resize(size, 0.0);
+        }
         for cell in &self.cells {
-            let change: f64 = greatest.iter().zip(&cell.alpha).map(|(t, a)| t * a).sum();
-            let stretch: Vec<f64> =
-                cell.alpha.iter().zip(&cell.stretch).map(|(a, l)| l - a * change).collect();
+            let change = cell.change(half);
+            stretch.clear();
+            stretch.extend((0..n).map(|k| {
+                let least = cell.sections.map(|at| stretches[n * at + k]);
+                least.into_iter().fold(f64::INFINITY, f64::min) / BETWEEN - cell.alpha[k] * change
+            }));
             if stretch.iter().zip(&cell.alpha).any(|(l, a)| *a > 0.0 && *l < LEAST_STRETCH) {
                 return false;
             }
             let third: f64 = (0..n)
-                .map(|k| greatest[k] * cell.alpha[k].powi(3) / stretch[k].powi(2))
+                .map(|k| (center[k] + half[k]) * cell.alpha[k].powi(3) / stretch[k].powi(2))
                 .filter(|term| term.is_finite())
                 .sum();
             let third = 2.0 / 3.0_f64.sqrt() * third;
             let h = cell.width;
-            let longest = 1.0 + cell.stretching * change;
+            let fastest = cell.sections.map(|at| velocities[at]).into_iter().fold(0.0, f64::max);
+            let longest = BETWEEN * fastest + cell.stretching * change;
             for i in 0..n {
                 let (ai, li) = (cell.alpha[i], stretch[i]);
                 for j in 0..n {
@@ -121,18 +173,23 @@ impl CurvatureBound {
 }
 
 impl Cell {
-    /// Between two arc lengths.
-    fn of(robot: &Robot, from: f64, to: f64) -> Option<Self> {
+    /// How much the strains can change in the norm of `K` with changes of the tensions up to these in N.
+    fn change(&self, tensions: &[f64]) -> f64 {
+        tensions.iter().zip(&self.alpha).map(|(t, a)| t * a).sum()
+    }
+
+    /// Between two arc lengths; its sections are those of the list, or are added to it.
+    fn of(robot: &Robot, from: f64, to: f64, sections: &mut Vec<CrossedSection>) -> Option<Self> {
         let n = robot.cables().len();
         let mut cell = Self {
             width: to - from,
             stretching: 0.0,
             bending: 0.0,
             alpha: vec![0.0; n],
-            stretch: vec![f64::INFINITY; n],
+            sections: [0; 3],
         };
         let inside = 1e-9 * (to - from);
-        for s in [from + inside, 0.5 * (from + to), to - inside] {
+        for (place, s) in [from + inside, 0.5 * (from + to), to - inside].into_iter().enumerate() {
             let [vv, vu, uu] = section_compliance(robot, s)?;
             let largest = |m: &Mat3| {
                 let values = m.symmetric_eigenvalues();
@@ -140,7 +197,6 @@ impl Cell {
             };
             cell.stretching = cell.stretching.max(largest(&vv));
             cell.bending = cell.bending.max(largest(&uu));
-            let rest = robot.backbone().rest_curvature_at(robot.disks(), s);
             for (cable, route) in robot.routes().iter().enumerate() {
                 if route.end() <= from + inside {
                     continue;
@@ -151,9 +207,13 @@ impl Cell {
                 let mixed = vu * x.transpose();
                 let form = vv + mixed + mixed.transpose() + x * uu * x.transpose();
                 cell.alpha[cable] = cell.alpha[cable].max(largest(&form));
-                let stretch = (Vec3::Z + rest.cross(point.offset) + point.slope).norm() / BETWEEN;
-                cell.stretch[cable] = cell.stretch[cable].min(stretch);
             }
+            let section = CrossedSection::of(robot, s).ok()?;
+            cell.sections[place] =
+                sections.iter().position(|known| *known == section).unwrap_or_else(|| {
+                    sections.push(section);
+                    sections.len() - 1
+                });
         }
         Some(cell)
     }

@@ -137,3 +137,33 @@ fn what_cannot_be_proven_says_why() {
     assert_ne!(answer.status, ReachStatus::Reached);
     assert_ne!(answer.status, ReachStatus::UnreachableProven);
 }
+
+#[test]
+fn what_is_farther_than_the_robot_is_long_takes_no_boxes() {
+    let robot = robots::three_straight();
+    let target = Target::Tip(Vec3::new(0.0, 0.03, robots::LENGTH + 0.06));
+    let solves = |options: &ReachOptions| -> Reached {
+        solver(&robot, &Case::default(), 4.0).reach(&target, options).unwrap()
+    };
+    let (proven, found) = (solves(&PROVE), solves(&ReachOptions { proof: None, ..PROVE }));
+    assert_eq!(proven.status, ReachStatus::UnreachableProven);
+    assert_eq!(proven.solves, found.solves);
+    let bound = proven.lower_bound.unwrap();
+    assert!(bound >= 0.89 * proven.miss.position && bound <= proven.miss.position);
+}
+
+#[test]
+fn tensions_that_bend_a_robot_by_whole_turns_have_bounds() {
+    let robot = robots::three_straight();
+    let greatest = 25.0;
+    let mut solver = solver(&robot, &Case::default(), greatest);
+    // Beside the base, where the robot would have to go through itself, and above it.
+    for target in [Vec3::new(-0.12, 0.13, -0.02), Vec3::new(0.1, 0.1, 0.12)] {
+        let answer = solver.reach(&Target::Tip(target), &PROVE).unwrap();
+        assert_eq!(answer.status, ReachStatus::UnreachableProven, "{target:?}");
+        let bound = answer.lower_bound.unwrap();
+        let sampled = sampled_distance(&robot, greatest, target, 20_000);
+        assert!(bound <= answer.miss.position && bound <= sampled, "{bound} {sampled}");
+        assert!(bound >= 0.89 * answer.miss.position, "{bound} of {}", answer.miss.position);
+    }
+}

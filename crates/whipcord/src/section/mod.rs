@@ -20,6 +20,7 @@
 
 mod bare;
 mod bending_friction;
+mod crossed;
 mod crossing;
 pub(crate) mod equilibrium;
 mod fault;
@@ -32,6 +33,7 @@ mod tangent;
 mod tests;
 
 pub(crate) use bending_friction::{BENDING_AXES, BendingFriction};
+pub use crossed::CrossedSection;
 pub(crate) use crossing::{BodyWrench, Crossing, Strain};
 pub(crate) use equilibrium::equilibrium;
 pub(crate) use fault::{FOLDED, Fault, SectionFault};

@@ -1,0 +1,58 @@
+//! A cross-section of a robot with the cables that cross it, in equilibrium with their tensions alone.
+
+use super::crossing::{BodyWrench, Crossing};
+use super::equilibrium::equilibrium;
+use super::of_robot::section_at;
+use super::properties::Section;
+use crate::error::SolveError;
+use crate::robot::Robot;
+
+/// A cross-section of a Cosserat rod without loads, and the cables that run through it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CrossedSection {
+    section: Section,
+    crossings: Vec<Crossing>,
+    cables: Vec<usize>,
+}
+
+impl CrossedSection {
+    /// At an arc length in m that is no end of a cable.
+    ///
+    /// # Errors
+    /// [`SolveError::Missing`] where the stiffness is not given and section, Young's modulus or shear modulus is not either.
+    pub fn of(robot: &Robot, arc_length: f64) -> Result<Self, SolveError> {
+        let section = section_at(robot, arc_length, arc_length)?;
+        let routes = robot.routes().iter().enumerate();
+        let (cables, crossings) = routes
+            .filter(|(_, route)| route.end() > arc_length)
+            .map(|(cable, route)| {
+                let point = route.at(arc_length);
+                (cable, Crossing::new(point.offset, point.slope))
+            })
+            .unzip();
+        Ok(Self { section, crossings, cables })
+    }
+
+    /// The equilibrium under the tensions in N of all cables of the robot: writes the stretch of each cable that crosses the section
+    /// beside what is there already for the others, and returns the norm of the strain `v`. `None` where a cable would be compressed to nothing.
+    pub fn stretches(&self, tensions: &[f64], stretches: &mut [f64]) -> Option<f64> {
+        let mut strain = self.section.rest_strain();
+        // There are seldom more cables than that.
+        let mut few = [0.0; 16];
+        let mut many = Vec::new();
+        let own: &mut [f64] = match few.get_mut(..self.cables.len()) {
+            Some(few) => few,
+            None => {
+                many.resize(self.cables.len(), 0.0);
+                &mut many
+            }
+        };
+        own.iter_mut().zip(&self.cables).for_each(|(own, &cable)| *own = tensions[cable]);
+        let none = BodyWrench::default();
+        equilibrium(&self.section, &self.crossings, own, none, &mut strain).ok()?;
+        for (&cable, crossing) in self.cables.iter().zip(&self.crossings) {
+            stretches[cable] = crossing.tangent(&strain).norm();
+        }
+        Some(strain.linear.norm())
+    }
+}
