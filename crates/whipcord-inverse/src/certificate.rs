@@ -57,6 +57,8 @@ struct Node {
     bound: f64,
     center: Vec<f64>,
     half: Vec<f64>,
+    /// The tension along which the robot bends most within it.
+    split: usize,
 }
 
 impl PartialEq for Node {
@@ -130,26 +132,25 @@ pub(crate) fn least_distance(
     let weights: Vec<f64> = (0..n).map(|cable| curvature.bending(cable)).collect();
     let mut memory = Memory::default();
     let mut heap = BinaryHeap::new();
-    heap.push(Node { bound, center, half });
+    // How much each tension bends the robot within a box, and the whole; without a bound the whole is infinite.
+    let mut bending = |of: TensionBox<'_>, second: &mut Vec<f64>| -> (usize, f64) {
+        let is_known = curvature.second_derivatives(of, &mut memory, second);
+        let bend = |i: usize| -> f64 {
+            let row = || second[i * n..(i + 1) * n].iter().zip(of.half).map(|(k, h)| k * h);
+            of.half[i] * if is_known { row().sum::<f64>() } else { weights[i] }
+        };
+        let split = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
+        (split, if is_known { (0..n).map(bend).sum::<f64>() / 2.0 } else { f64::INFINITY })
+    };
+    let (split, _) = bending(TensionBox { center: &center, half: &half }, &mut solver.second);
+    heap.push(Node { bound, center, half, split });
     let mut spent = 0;
     loop {
         let Some(node) = heap.pop() else { return Ok(Ok((goal.distance, spent))) };
         if node.bound >= goal.distance || spent >= boxes {
             return Ok(Ok((node.bound.min(goal.distance), spent)));
         }
-        // The direction in which the box bends most is halved.
-        let whole = TensionBox { center: &node.center, half: &node.half };
-        let is_known = curvature.second_derivatives(whole, &mut memory, &mut solver.second);
-        let bend = |i: usize| -> f64 {
-            let row = &solver.second[i * n..(i + 1) * n];
-            match is_known {
-                true => node.half[i] * row.iter().zip(&node.half).map(|(k, h)| k * h).sum::<f64>(),
-                false => node.half[i] * weights[i],
-            }
-        };
-        let Some(split) = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))) else {
-            return Ok(Err(NoProof::TensionLimits));
-        };
+        let split = node.split;
         for side in [-0.5, 0.5] {
             let mut center = node.center.clone();
             let mut half = node.half.clone();
@@ -159,15 +160,7 @@ pub(crate) fn least_distance(
             let mut bound = node.bound;
             let of = TensionBox { center: &center, half: &half };
             // Where a box is too large for a bound its parts may have one.
-            let bend = match curvature.second_derivatives(of, &mut memory, &mut solver.second) {
-                true => (0..n)
-                    .map(|i| {
-                        let row = &solver.second[i * n..(i + 1) * n];
-                        half[i] * row.iter().zip(&half).map(|(k, h)| k * h).sum::<f64>() / 2.0
-                    })
-                    .sum::<f64>(),
-                false => f64::INFINITY,
-            };
+            let (next, bend) = bending(of, &mut solver.second);
             if bend < reach {
                 match forward.evaluate_answer(&center, &[goal.place]) {
                     Ok(evaluation) => {
@@ -183,7 +176,7 @@ pub(crate) fn least_distance(
                     Err(_) => {}
                 }
             }
-            heap.push(Node { bound, center, half });
+            heap.push(Node { bound, center, half, split: next });
         }
     }
 }

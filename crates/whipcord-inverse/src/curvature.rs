@@ -13,7 +13,8 @@ use whipcord::{Mat3, Robot, Vec3};
 /// ‖∂ᵢ∂ⱼξ‖_K ≤ αᵢαⱼ (αᵢ/ℓᵢ + αⱼ/ℓⱼ + (2/√3) Σ τₖ αₖ³/ℓₖ²)           (10)
 /// ```
 ///
-/// where `2/√3` bounds the third derivative of a norm. Over a box of half widths `h` about `τ₀` it is `ℓₖ ≥ ℓₖ(τ₀) − αₖ Σ hⱼαⱼ`. From the strains the bounds
+/// where `2/√3` bounds the third derivative of a norm. It is `ℓₖ ≥ ℓₖ(ξ*) − αₖ Σ τⱼαⱼ`, and over a box of half widths `h`
+/// about `τ₀` also `ℓₖ ≥ ℓₖ(τ₀) − αₖ Σ hⱼαⱼ`, for which its sections are solved: that is done where the first is not enough. From the strains the bounds
 /// go on to the point by `R′ = R û`, `p′ = R v` (11).
 #[derive(Clone, Debug)]
 pub(crate) struct CurvatureBound {
@@ -33,6 +34,7 @@ pub(crate) struct TensionBox<'a> {
 /// Memory of [`CurvatureBound::second_derivatives`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
+    greatest: Vec<f64>,
     /// Of each section in the middle of the box: the stretch of each cable, and `‖v‖`.
     stretches: Vec<f64>,
     velocities: Vec<f64>,
@@ -52,6 +54,8 @@ struct Cell {
     bending: f64,
     /// `αᵢ` of each cable, 0 behind its end.
     alpha: Vec<f64>,
+    /// Stretch of each cable at rest.
+    stretch: Vec<f64>,
     /// The sections at its ends and in its middle.
     sections: [usize; 3],
 }
@@ -62,6 +66,8 @@ const PIECES: usize = 4;
 const BETWEEN: f64 = 1.02;
 /// A cable whose stretch may get smaller than this has no bound.
 const LEAST_STRETCH: f64 = 0.1;
+/// Above this a stretch that is bounded from rest is near enough.
+const GOOD_STRETCH: f64 = 0.5;
 
 impl CurvatureBound {
     /// Of the point of the backbone at an arc length; `None` for a robot without stiffness.
@@ -110,13 +116,22 @@ impl CurvatureBound {
     ) -> bool {
         let n = self.cables;
         let TensionBox { center, half } = of;
-        let Memory { stretches, velocities, stretch, first, second, rates } = memory;
-        stretches.clear();
-        stretches.resize(n * self.sections.len(), f64::INFINITY);
-        velocities.clear();
-        for (section, stretches) in self.sections.iter().zip(stretches.chunks_exact_mut(n)) {
-            let Some(velocity) = section.stretches(center, stretches) else { return false };
-            velocities.push(velocity);
+        let Memory { greatest, stretches, velocities, stretch, first, second, rates } = memory;
+        greatest.clear();
+        greatest.extend(center.iter().zip(half).map(|(c, h)| c + h));
+        let from_rest = self.cells.iter().all(|cell| {
+            let change = cell.change(greatest);
+            let stretches = cell.stretch.iter().zip(&cell.alpha);
+            stretches.fold(f64::INFINITY, |least, (l, a)| least.min(l - a * change)) >= GOOD_STRETCH
+        });
+        if !from_rest {
+            stretches.clear();
+            stretches.resize(n * self.sections.len(), f64::INFINITY);
+            velocities.clear();
+            for (section, stretches) in self.sections.iter().zip(stretches.chunks_exact_mut(n)) {
+                let Some(velocity) = section.stretches(center, stretches) else { return false };
+                velocities.push(velocity);
+            }
         }
         let squares = [&mut *into, &mut *second, &mut *rates].map(|list| (list, n * n));
         for (list, size) in squares.into_iter().chain([(&mut *first, n)]) {
@@ -124,23 +139,30 @@ impl CurvatureBound {
             list.resize(size, 0.0);
         }
         for cell in &self.cells {
-            let change = cell.change(half);
+            let change = cell.change(if from_rest { greatest } else { half });
             stretch.clear();
-            stretch.extend((0..n).map(|k| {
-                let least = cell.sections.map(|at| stretches[n * at + k]);
-                least.into_iter().fold(f64::INFINITY, f64::min) / BETWEEN - cell.alpha[k] * change
-            }));
+            let fastest = if from_rest {
+                stretch.extend_from_slice(&cell.stretch);
+                1.0
+            } else {
+                stretch.extend((0..n).map(|k| {
+                    let least = cell.sections.map(|at| stretches[n * at + k]);
+                    least.into_iter().fold(f64::INFINITY, f64::min) / BETWEEN
+                }));
+                let fastest = cell.sections.map(|at| velocities[at]);
+                BETWEEN * fastest.into_iter().fold(0.0, f64::max)
+            };
+            stretch.iter_mut().zip(&cell.alpha).for_each(|(l, a)| *l -= a * change);
             if stretch.iter().zip(&cell.alpha).any(|(l, a)| *a > 0.0 && *l < LEAST_STRETCH) {
                 return false;
             }
             let third: f64 = (0..n)
-                .map(|k| (center[k] + half[k]) * cell.alpha[k].powi(3) / stretch[k].powi(2))
+                .map(|k| greatest[k] * cell.alpha[k].powi(3) / stretch[k].powi(2))
                 .filter(|term| term.is_finite())
                 .sum();
             let third = 2.0 / 3.0_f64.sqrt() * third;
             let h = cell.width;
-            let fastest = cell.sections.map(|at| velocities[at]).into_iter().fold(0.0, f64::max);
-            let longest = BETWEEN * fastest + cell.stretching * change;
+            let longest = fastest + cell.stretching * change;
             for i in 0..n {
                 let (ai, li) = (cell.alpha[i], stretch[i]);
                 for j in 0..n {
@@ -186,6 +208,7 @@ impl Cell {
             stretching: 0.0,
             bending: 0.0,
             alpha: vec![0.0; n],
+            stretch: vec![f64::INFINITY; n],
             sections: [0; 3],
         };
         let inside = 1e-9 * (to - from);
@@ -209,6 +232,10 @@ impl Cell {
                 cell.alpha[cable] = cell.alpha[cable].max(largest(&form));
             }
             let section = CrossedSection::of(robot, s).ok()?;
+            let mut at_rest = vec![f64::INFINITY; n];
+            section.stretches(&vec![0.0; n], &mut at_rest)?;
+            let stretches = cell.stretch.iter_mut().zip(&at_rest);
+            stretches.for_each(|(least, at_rest)| *least = least.min(at_rest / BETWEEN));
             cell.sections[place] =
                 sections.iter().position(|known| *known == section).unwrap_or_else(|| {
                     sections.push(section);
