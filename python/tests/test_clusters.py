@@ -90,6 +90,9 @@ def test_ray(segment: whipcord.Case, single: dict[str, bytes], tmp_path: Path) -
             whipcord.ray.sweep(segment, {"cables.z.tension": "1 N"}, tmp_path / "wrong")
         out = tmp_path / "data"
         made = killing(lambda: whipcord.ray.sweep(segment, VARY, out, **OPTIONS), out, workers)
+        read = ray.data.read_parquet([str(path) for path in made.files])
+        assert read.count() == ROWS
+        assert read.max("row") == ROWS - 1
     finally:
         ray.shutdown()
     assert (made.rows, made.failed) == (ROWS, 0)

@@ -358,7 +358,7 @@ whipcord_status_t whipcord_solver_set_tip_load(whipcord_solver_t *solver,
 
 /**
  * Solves for the commands and loads at hand. The first solve starts from the robot without load, and goes through the steps of the file;
- * each other one starts from the solution before, and allocates nothing once the solver has its memory. After a failure the solution
+ * each other one starts from the solution before, and without obstacles and friction allocates nothing once the solver has its memory, but by "four-bar". After a failure the solution
  * before is kept, and so are the new commands. `WHIPCORD_STATUS_BUDGET_SPENT` comes with a solution, the best shape so far.
  */
 whipcord_status_t whipcord_solver_solve(whipcord_solver_t *solver);
@@ -415,7 +415,7 @@ whipcord_status_t whipcord_solver_diagnostics(const whipcord_solver_t *solver,
 /**
  * The Jacobian of the tip at the last solution, before commands are set anew: 6 rows of one column for each cable, row by row. The rows are the
  * velocity of the tip's point in m and its angular velocity in rad, in the world, for each N or m of the command of the
- * cable. By "cosserat" without obstacles and friction it allocates nothing once the solver has its memory.
+ * cable. Without obstacles and friction it allocates nothing once the solver has its memory, but by "four-bar".
  *
  * # Safety
  * `jacobian` is NULL or leads to memory for `count` numbers.

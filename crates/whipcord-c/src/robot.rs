@@ -4,6 +4,7 @@ use std::ffi::CString;
 use std::path::Path;
 use std::sync::Arc;
 
+use whipcord::robot::limits::TENSION;
 use whipcord::{ModelKind, Pose, Robot, SolveError};
 use whipcord_io::{CaseFile, FileError, load, parse};
 use whipcord_motion::MotionError;
@@ -73,30 +74,38 @@ pub(crate) fn poses_values(poses: &[Pose]) -> impl ExactSizeIterator<Item = f64>
     (0..POSE * poses.len()).map(|i| pose_values(poses[i / POSE])[i % POSE])
 }
 
-/// Refuses tensions that are negative.
+/// Refuses tensions that no cable has.
 pub(crate) fn check_tensions(tensions: &[f64]) -> Result<(), Failure> {
-    match tensions.iter().position(|&tension| tension < 0.0) {
-        None => Ok(()),
-        Some(i) => Err(Failure::new(
-            Status::InvalidArgument,
-            format!("tensions[{i}] is {} N: a cable cannot push, give 0 or more", tensions[i]),
-        )),
+    for (i, &tension) in tensions.iter().enumerate() {
+        check_tension(tension, || (format!("tensions[{i}] is"), String::new()))?;
     }
+    Ok(())
 }
 
-/// Refuses commands of which those that are tensions, by the flags, are negative.
+/// Refuses commands of which those that are tensions, by the flags, are none that a cable has.
 pub(crate) fn check_commands(commands: &[f64], by_shortening: &[u8]) -> Result<(), Failure> {
-    let wrong = |(command, flag): (&f64, &u8)| *flag == 0 && *command < 0.0;
-    match commands.iter().zip(by_shortening).position(wrong) {
-        None => Ok(()),
-        Some(i) => Err(Failure::new(
-            Status::InvalidArgument,
-            format!(
-                "commands[{i}] is a tension of {} N: a cable cannot push, give 0 or more, or set by_shortening[{i}] to 1",
-                commands[i]
-            ),
-        )),
+    for (i, &command) in commands.iter().enumerate().filter(|(i, _)| by_shortening[*i] == 0) {
+        let words = || {
+            let remedy = format!(", or set by_shortening[{i}] to 1");
+            (format!("commands[{i}] is a tension of"), remedy)
+        };
+        check_tension(command, words)?;
     }
+    Ok(())
+}
+
+/// Refuses a tension that no cable has, with words before the number and behind the remedy.
+fn check_tension(tension: f64, words: impl FnOnce() -> (String, String)) -> Result<(), Failure> {
+    let greatest = TENSION.greatest;
+    if (0.0..=greatest).contains(&tension) {
+        return Ok(());
+    }
+    let (what, or) = words();
+    let why = match tension < 0.0 {
+        true => "a cable cannot push, give 0 or more".to_owned(),
+        false => format!("give {greatest:e} N or less"),
+    };
+    Err(Failure::new(Status::InvalidArgument, format!("{what} {tension} N: {why}{or}")))
 }
 
 /// Refuses commands that the motors of a robot cannot have.

@@ -195,7 +195,7 @@ pub unsafe extern "C" fn whipcord_solver_set_tip_load(
 }
 
 /// Solves for the commands and loads at hand. The first solve starts from the robot without load, and goes through the steps of the file;
-/// each other one starts from the solution before, and allocates nothing once the solver has its memory. After a failure the solution
+/// each other one starts from the solution before, and without obstacles and friction allocates nothing once the solver has its memory, but by "four-bar". After a failure the solution
 /// before is kept, and so are the new commands. `WHIPCORD_STATUS_BUDGET_SPENT` comes with a solution, the best shape so far.
 // SAFETY: no other symbol has this name.
 #[unsafe(no_mangle)]

@@ -131,9 +131,10 @@ fn raised(py: Python<'_>, failure: Failure) -> PyErr {
         SweepError::Begun { .. } | SweepError::Another { .. } | SweepError::Manifest { .. } => {
             "out"
         }
-        SweepError::NoRows | SweepError::NoCount { .. } | SweepError::TooManySobolAxes { .. } => {
-            "samples"
-        }
+        SweepError::NoRows
+        | SweepError::NoCount { .. }
+        | SweepError::Count { .. }
+        | SweepError::TooManySobolAxes { .. } => "samples",
         _ => "vary",
     };
     errors::input(py, path, error.to_string())

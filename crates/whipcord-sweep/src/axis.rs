@@ -130,7 +130,13 @@ impl Axis {
 
     /// What `--set` gets for a value.
     pub(crate) fn setting(&self, value: f64) -> String {
+        /// Up to this all whole numbers are exact.
+        const EXACT: f64 = 9e15;
         match self.unit.as_str() {
+            // Keys that take whole numbers take them without a decimal point, and others take them so, too.
+            "" if value.fract() == 0.0 && value.abs() < EXACT => {
+                format!("{}={value:.0}", self.path)
+            }
             "" => format!("{}={value:?}", self.path),
             unit => format!("{}={value:?} {unit}", self.path),
         }
@@ -264,6 +270,7 @@ mod tests {
             axis("backbone.poisson_ratio=0.2:0.4:3").setting(0.2),
             "backbone.poisson_ratio=0.2"
         );
+        assert_eq!(axis("disks.count=5,10,20").setting(5.0), "disks.count=5");
     }
 
     #[test]

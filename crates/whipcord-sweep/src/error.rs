@@ -29,6 +29,16 @@ pub enum SweepError {
         /// Path of the axis.
         path: String,
     },
+    /// Samples do not have the number of values of a range.
+    #[error(
+        "`{path}` has {count} values, which is for a grid: leave :{count} out where rows are sampled, or list the values"
+    )]
+    Count {
+        /// Path of the axis.
+        path: String,
+        /// Its number of values.
+        count: usize,
+    },
     /// More rows than can be numbered.
     #[error("the sweep has more than {most} rows: vary fewer keys, or give them fewer values")]
     TooManyRows {

@@ -80,13 +80,13 @@ pub(crate) fn claim(folder: &Path, manifest: &Value) -> Result<bool, SweepError>
     };
     let known: Value = serde_json::from_str(&text)
         .map_err(|error| SweepError::Manifest { path: path.clone(), reason: error.to_string() })?;
-    if known["sha256"] == manifest["sha256"] {
-        return Ok(true);
-    }
     let keys = manifest.as_object().into_iter().flat_map(|object| object.keys());
     let differs: Vec<&str> = keys
         .filter(|key| *key != "sha256" && known.get(key.as_str()) != manifest.get(key.as_str()))
         .map(String::as_str)
         .collect();
+    if differs.is_empty() {
+        return Ok(true);
+    }
     Err(SweepError::Another { folder: folder.to_owned(), differs: differs.join(", ") })
 }

@@ -30,12 +30,15 @@ pub struct Question {
     pub sampling: Sampling,
     /// What the data set holds.
     pub outputs: Vec<Output>,
-    /// Rows of each part but the last; by default as many as make up some 30 MB.
+    /// Rows of each part but the last; by default 65,536, or 4,096 where there are loads or obstacles, cables rub, or the robot is read again for
+    /// each row, and fewer where these are more than some 30 MB.
     pub rows_per_part: Option<u64>,
 }
 
 /// Most rows and numbers of a part: each thread has one of them in memory, some three times over.
 const MOST_ROWS_OF_PART: u64 = 65_536;
+/// The same where a row takes tens of microseconds or more: a part is what a task of a cluster has, and what a killed process loses.
+const DEAR_ROWS_OF_PART: u64 = 4_096;
 const NUMBERS_OF_PART: u64 = 4_000_000;
 /// Numbers of a part that is asked for.
 const MOST_NUMBERS_OF_PART: u64 = 64_000_000;
@@ -95,6 +98,7 @@ impl Plan {
         plan.rows_per_part = match *rows_per_part {
             Some(given) if (1..=most).contains(&given) => given,
             Some(given) => return Err(SweepError::RowsPerPart { given, most }),
+            None if plan.has_dear_rows() => (NUMBERS_OF_PART / width).clamp(1, DEAR_ROWS_OF_PART),
             None => (NUMBERS_OF_PART / width).clamp(1, MOST_ROWS_OF_PART),
         };
         Ok(plan)
@@ -135,6 +139,14 @@ impl Plan {
     /// Whether a row is read from the file again.
     pub(crate) fn reads_file(&self) -> bool {
         self.setters.iter().any(|setter| setter.what == What::Key)
+    }
+
+    /// Whether a row is more than a shape without loads.
+    fn has_dear_rows(&self) -> bool {
+        let CaseFile { case, robot, .. } = &self.file;
+        let sets_load = self.setters.iter().any(|setter| setter.what.is_load());
+        let is_alone = case.loads.is_none() && case.obstacles.is_empty() && !sets_load;
+        self.reads_file() || !is_alone || robot.has_history()
     }
 
     /// Number of rows.

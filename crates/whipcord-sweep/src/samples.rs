@@ -4,7 +4,7 @@ use sobol::Sobol;
 use sobol::params::JoeKuoD6;
 use whipcord_numerics::random::{mixed, part};
 
-use crate::axis::Axis;
+use crate::axis::{Axis, AxisValues};
 use crate::error::SweepError;
 use crate::permutation::Permutation;
 
@@ -102,6 +102,12 @@ impl Samples {
         let is_table = matches!(sampling, Sampling::Table { .. });
         if let Some(axis) = axes.iter().find(|axis| !is_table && !axis.has_values()) {
             return Err(SweepError::NoValues { path: axis.path.clone() });
+        }
+        let is_grid = sampling == Sampling::Grid;
+        for axis in axes.iter().filter(|_| !is_grid) {
+            if let AxisValues::Range { count: Some(count), .. } = axis.values {
+                return Err(SweepError::Count { path: axis.path.clone(), count });
+            }
         }
         let rows = match &sampling {
             Sampling::Grid => grid(&axes)?,

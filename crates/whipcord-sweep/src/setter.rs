@@ -26,6 +26,13 @@ pub(crate) enum What {
     Key,
 }
 
+impl What {
+    /// Whether it is a load.
+    pub const fn is_load(self) -> bool {
+        matches!(self, Self::TipForce(_) | Self::TipMoment(_) | Self::Gravity(_))
+    }
+}
+
 impl Setter {
     /// What an axis changes of a robot. Whatever is no command or load of a plain unit is left to the reader of the file, which
     /// knows all keys, and what is wrong with them.

@@ -352,6 +352,12 @@ fn what_cannot_be_swept_says_why() {
         Err(SweepError::Twice { .. })
     ));
     let one = ["cables.a.shortening=1 mm,2 mm"];
+    let sampled = Sampling::Sobol { rows: 8, seed: 1 };
+    let counted = question(&["cables.a.tension=0 N:1 N:5"], sampled, &tip);
+    assert!(matches!(
+        plan(&whole, ModelKind::Cosserat, &counted),
+        Err(SweepError::Count { count: 5, .. })
+    ));
     let jacobian = new(&whole, ModelKind::ConstantCurvature, &one, &[Output::Jacobian]);
     assert!(matches!(jacobian, Err(SweepError::NoJacobian { .. })), "{jacobian:?}");
     let plan = plan(
@@ -374,6 +380,14 @@ fn what_cannot_be_swept_says_why() {
         Err(SweepError::Another { differs, .. }) => assert_eq!(differs, "vary"),
         other => panic!("{other:?}"),
     }
-    fs::write(folder.path().join(whipcord_sweep::MANIFEST), "{").unwrap();
+    // A manifest whose text was changed is one of another data set, whatever its hash says.
+    let path = folder.path().join(whipcord_sweep::MANIFEST);
+    let changed = fs::read_to_string(&path).unwrap().replace("\"rows\": 2", "\"rows\": 3");
+    fs::write(&path, changed).unwrap();
+    match run(&plan, folder.path(), &resume) {
+        Err(SweepError::Another { differs, .. }) => assert_eq!(differs, "rows"),
+        other => panic!("{other:?}"),
+    }
+    fs::write(path, "{").unwrap();
     assert!(matches!(run(&plan, folder.path(), &resume), Err(SweepError::Manifest { .. })));
 }

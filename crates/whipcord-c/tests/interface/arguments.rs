@@ -190,8 +190,12 @@ fn wrong_commands_change_nothing() {
         for (a, b) in tip.iter().zip(again) {
             assert!((a - b).abs() < 1e-9);
         }
-        // A solve that fails keeps the solution.
         tensions.fill(1e200);
+        let status = whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), 6);
+        assert_eq!(status, Status::InvalidArgument);
+        assert!(message().contains("give 1e12 N or less"), "{}", message());
+        // A solve that fails keeps the solution.
+        tensions.fill(1e11);
         assert_eq!(
             whipcord_solver_set_tensions(Some(&mut solver), tensions.as_ptr(), 6),
             Status::Ok

@@ -58,7 +58,8 @@ pub struct SweepArgs {
     /// Go on with a data set that was begun
     #[arg(long)]
     resume: bool,
-    /// Rows of each part; by default up to 65,536, fewer where rows are long
+    /// Rows of each part; by default 65,536, or 4,096 where there are loads or obstacles, cables rub, or the robot is read
+    /// again for each row, and fewer where rows are long
     #[arg(long, value_name = "N")]
     rows_per_part: Option<u64>,
     /// Print one JSON object

@@ -13,7 +13,7 @@ use crate::deadline;
 use crate::inputs::read_one;
 use crate::inverse::{RobotArguments, failure, solver};
 use crate::progress;
-use crate::target_argument::length;
+use crate::target_argument::{Place, length};
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
 use whipcord_study::quantity::{fixed_millimetres, millimetres, number};
@@ -39,6 +39,9 @@ pub struct WorkspaceArgs {
     /// What the pictures show
     #[arg(long, value_name = "WHAT", default_value = "reach")]
     map: Map,
+    /// Point that the sections go through, such as "40, 0, 100 mm"; by default the middle of the tips
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    section: Option<Place>,
     /// Also write workspace.html, a page with the robot, its sliders and the workspace, which opens without a server
     #[arg(long)]
     page: bool,
@@ -87,8 +90,16 @@ pub fn run(args: &WorkspaceArgs, style: Style) -> Result<String, Failure> {
     let boundary = boundary_table(&file.robot, &solver, &workspace);
     let parquet = voxels.to_parquet().map_err(no_result)?;
     let drawn = |error| Failure::Solve(format!("error: the workspace cannot be drawn: {error}"));
-    let figures = [("workspace", None), ("sections", Some(section(&workspace)))]
-        .map(|(name, section)| Ok((name, figure(args.map, &file, &workspace, section)?)));
+    let section = section(args, &file, &workspace)?;
+    let figures = [("workspace", None), ("sections", Some(section))].map(|(name, section)| {
+        let mut figure = figure(args.map, &file, &workspace, section)?;
+        if let (Some(point), Some(_)) = (section, args.section) {
+            let through = point.to_array().map(|x| fixed_millimetres(x, 1)).join(", ");
+            figure.title =
+                format!("{}: where the tip can go, sections through ({through}) mm", file.title);
+        }
+        Ok((name, figure))
+    });
     let figures: Vec<(&str, WorkspaceFigure)> =
         figures.into_iter().collect::<Result<_, Failure>>()?;
     let mut pictures = Vec::with_capacity(figures.len());
@@ -116,10 +127,25 @@ pub fn run(args: &WorkspaceArgs, style: Style) -> Result<String, Failure> {
     })
 }
 
-/// The point that sections go through: in the middle of the tips.
-fn section(workspace: &Workspace) -> Vec3 {
+/// The point that sections go through: what was asked for, which must be among the tips in one direction at least, or the middle of the tips.
+fn section(args: &WorkspaceArgs, file: &CaseFile, workspace: &Workspace) -> Result<Vec3, Failure> {
     let [least, greatest] = workspace.extent;
-    (least + greatest) * 0.5
+    let Some(Place(point)) = args.section else { return Ok((least + greatest) * 0.5) };
+    let [from, to] = [least, greatest].map(Vec3::to_array);
+    let is_among = |(axis, x): (usize, f64)| {
+        (from[axis] - workspace.voxel..=to[axis] + workspace.voxel).contains(&x)
+    };
+    if point.to_array().into_iter().enumerate().any(is_among) {
+        return Ok(point);
+    }
+    let ranges = ["x", "y", "z"].iter().zip(from.iter().zip(&to)).map(|(axis, (a, b))| {
+        format!("{axis} {} to {} mm", fixed_millimetres(*a, 1), fixed_millimetres(*b, 1))
+    });
+    Err(Failure::Input(format!(
+        "error: {}: --section: no plane through this point meets the tips, which have {}",
+        file.path.display(),
+        ranges.collect::<Vec<_>>().join(", ")
+    )))
 }
 
 /// A page with the robot and its workspace.

@@ -69,3 +69,25 @@ fn what_cannot_be_surveyed_is_refused() {
     fail(2, &contradictory);
     assert!(!scratch.path().join("out").exists());
 }
+
+#[test]
+fn sections_go_through_the_point_that_is_asked_for() {
+    let scratch = Scratch::new();
+    let rectangles = |section: &[&str]| {
+        let out = scratch.file("out");
+        let mut args = vec!["workspace", THREE, "--set", LIMIT, "--voxel", "12 mm", "--out", &out];
+        args.extend(section);
+        succeed(&args);
+        std::fs::read_to_string(scratch.path().join("out/sections.svg")).unwrap()
+    };
+    let middle = rectangles(&[]);
+    assert!(middle.contains("sections through the middle"));
+    let low = rectangles(&["--section", "0, 0, 90 mm"]);
+    assert!(low.contains("sections through (0.0, 0.0, 90.0) mm"));
+    // The tips are higher than 90 mm: seen from above there are none, and the other two sections stay.
+    let [low, middle] = [low, middle].map(|text| text.matches("<rect").count());
+    assert!(10 < low && low < middle, "{low} {middle}");
+    let out = scratch.file("out");
+    let far = ["workspace", THREE, "--voxel", "12 mm", "--section", "2, 2, 2", "--out", &out];
+    assert!(fail(2, &far).contains("no plane through this point meets the tips, which have x "));
+}
