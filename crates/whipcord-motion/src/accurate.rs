@@ -101,7 +101,7 @@ impl Accurate {
             }
             stage.move_base(loads, from.base, from.time, C[i] * h);
             solver.solve(mechanics, &scheme, control)?;
-            let stage = &solver.stage;
+            let stage = &mut solver.stage;
             rates(&mut self.velocities[i], &stage.velocities, &stage.velocity_history, scheme.g);
             rates(&mut self.strains[i], &stage.strains, &stage.strain_history, scheme.g);
             work.add(h * A[STAGES - 1][i], &Power::at(rod, stage, &scheme, solver.drag));

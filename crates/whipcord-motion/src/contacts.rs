@@ -225,7 +225,7 @@ impl Contacts {
             *out = *lack * (1.0 / scheme.place);
         }
         let Self { poses, lack, shifts, .. } = self;
-        pose::displacements(rod, poses, lack, |node, shift| shifts[node] = shift);
+        pose::displacements(rod, poses, lack, |node, _, shift| shifts[node] = shift);
     }
 
     /// Fills column and row of a line of a contact; returns its gap or slip at the end of the step with what its strains lack.

@@ -4,6 +4,7 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::block::dot;
 use crate::loads::NodeLoads;
+use crate::pose;
 use crate::rod::Rod;
 use crate::stage::{Pull, Scheme, Stage};
 
@@ -31,7 +32,7 @@ pub(crate) fn energies(
 /// Powers in W.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Power {
-    /// Of the cables on the rod, but for those of motors with inertia.
+    /// Of the cables on the rod, but for those of motors with inertia and for straight ones that act by the gradients of their lengths.
     pub cables: f64,
     /// Of loads other than gravity; without dead forces that act by the gradients of their heights.
     pub loads: f64,
@@ -45,7 +46,12 @@ pub(crate) struct Power {
 
 impl Power {
     /// Powers at a stage that is solved.
-    pub fn at(rod: &Rod, stage: &Stage, scheme: &Scheme, drag: Vec3) -> Self {
+    pub fn at(rod: &Rod, stage: &mut Stage, scheme: &Scheme, drag: Vec3) -> Self {
+        let is_gradient = rod.has_chords() && !scheme.conserves;
+        if is_gradient {
+            pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
+            stage.find_cable_forces(rod, true);
+        }
         let base = dot(&stage.base_force, &stage.velocities[0]);
         let mut power = Self { base, ..Self::default() };
         let count = rod.cables.len();
@@ -54,6 +60,13 @@ impl Power {
             let rate = (strain - stage.strain_history[q]) * (1.0 / scheme.g);
             if rod.is_damped {
                 power.dissipated += point.weight * dot(&point.damping.apply(&rate), &rate);
+            }
+            if rod.has_chords() {
+                // What acts by the gradient of lengths over a step is counted by the lengths.
+                if is_gradient {
+                    power.cables -= dot(&stage.potential[q], &rate);
+                }
+                continue;
             }
             for (i, cable) in rod.cables.iter().enumerate() {
                 let tension = stage.tensions[i];

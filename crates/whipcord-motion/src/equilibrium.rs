@@ -1,7 +1,7 @@
 //! The equilibrium that a motion starts from: that of the statics, made exact in the elements.
 
 use whipcord::{
-    Case, DistributedLoad, Loads, Model, PointLoad, Profile, Robot, Stations, cosserat,
+    Case, DistributedLoad, Loads, Model, ModelKind, PointLoad, Profile, Robot, Stations,
 };
 use whipcord_numerics::{GAUSS_2, Pose, Twist};
 
@@ -33,8 +33,9 @@ pub(crate) fn find(
 ) -> Result<(), MotionError> {
     let Mechanics { rod, loads } = mechanics;
     let stations: Vec<f64> = rod.nodes.iter().map(|node| node.arc_length).collect();
-    let options = cosserat::Options { stations: Stations::At(stations), ..Default::default() };
-    let mut prepared = Model::Cosserat(options).prepare(robot, &statics.loads)?;
+    let model = if rod.has_chords() { ModelKind::CosseratDisks } else { ModelKind::Cosserat };
+    let model = Model::new(model, Stations::At(stations), Default::default());
+    let mut prepared = model.prepare(robot, &statics.loads)?;
     let solution = prepared.solve_to_the_end(statics).map_err(|(_, error)| error)?;
     let back = statics.base.inverse();
     let poses: Vec<Pose> = solution.shape.poses.iter().map(|pose| back * *pose).collect();

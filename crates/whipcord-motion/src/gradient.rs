@@ -92,6 +92,13 @@ impl Simulation {
                 advice: "use the method `accurate` or `robust`",
             });
         }
+        if self.rod.has_chords() {
+            return Err(MotionError::Unsupported {
+                path: "motion.model".to_owned(),
+                what: "gradients over a motion with cables straight between disks",
+                advice: "use the model `cosserat`, or differences",
+            });
+        }
         if self.solver.contacts.surroundings.is_some() {
             return Err(MotionError::Unsupported {
                 path: "obstacles".to_owned(),
@@ -230,8 +237,8 @@ impl Simulation {
         let of = |list: &[Vec3], a: usize| list.get(a).map_or(Vec3::ZERO, |of| back.rotate(*of));
         let wrench =
             |a: usize| Wrench { force: of(&seed.positions, a), moment: of(&seed.turns, a) };
-        pose::work_gradient(rod, &state.strains, &stage.poses, wrench, &mut stage.dead);
-        for (of, by) in costate.strains.iter_mut().zip(&stage.dead) {
+        pose::work_gradient(rod, &state.strains, &stage.poses, wrench, &mut stage.potential);
+        for (of, by) in costate.strains.iter_mut().zip(&stage.potential) {
             *of = *of + *by;
         }
     }

@@ -135,7 +135,7 @@ impl Solver {
         let Mechanics { rod, loads } = mechanics;
         let stage = &mut self.stage;
         let touches = !self.contacts.list.is_empty();
-        if loads.any_dead || touches {
+        if loads.any_dead || touches || rod.has_chords() {
             pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
             if scheme.conserves {
                 stage.find_conserving_forces(rod, loads.gravity, scheme);
@@ -158,7 +158,7 @@ impl Solver {
             *change = *change * -1.0;
         }
         if touches || !self.lengths.cables.is_empty() {
-            self.unilateral.solve(rod, scheme, stage, &self.lengths, &mut self.contacts)?;
+            self.unilateral.solve(rod, scheme, stage, &mut self.lengths, &mut self.contacts)?;
         }
         stage.advance(rod);
         Some(stage.size_of_change(rod, scheme))

@@ -9,6 +9,7 @@ mod accurate;
 mod adjoint;
 mod analysis;
 mod block;
+mod chords;
 mod coefficients;
 mod commands;
 mod complementarity;

@@ -38,7 +38,7 @@ impl OneStage {
         along(&mut stage.strains, &from.strains, &from.strain_rates, ahead);
         stage.move_base(loads, from.base, from.time, self.place * h);
         solver.solve(mechanics, &scheme, control)?;
-        let stage = &solver.stage;
+        let stage = &mut solver.stage;
         let mut work = Power::default();
         let power = Power::at(rod, stage, &scheme, solver.drag);
         work.add(h, &Power { contacts: solver.contacts.power(stage), ..power });

@@ -1,6 +1,6 @@
 //! How a motion is computed.
 
-use whipcord::Loads;
+use whipcord::{Loads, ModelKind};
 use whipcord_numerics::{Pose, Twist};
 
 use crate::course::Course;
@@ -164,6 +164,8 @@ impl Default for BaseMotion {
 /// Options of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionOptions {
+    /// How cables run: [`ModelKind::Cosserat`], along their routing, or [`ModelKind::CosseratDisks`], straight from disk to disk. No other model has a motion.
+    pub model: ModelKind,
     /// How the equations are integrated.
     pub method: Method,
     /// Error in m that a step may have, as estimated; steps are divided until they meet it. `None` takes each step as it is.
@@ -187,6 +189,8 @@ pub struct MotionOptions {
 }
 
 impl MotionOptions {
+    /// The models that have a motion.
+    pub const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
     /// The default of [`Self::elements`].
     pub const ELEMENTS: usize = 6;
     /// The greatest number of elements.
@@ -219,6 +223,13 @@ impl MotionOptions {
             }
         }
         self.damping.check()?;
+        if !Self::MODELS.contains(&self.model) {
+            return Err(MotionError::Unsupported {
+                path: "motion.model".to_owned(),
+                what: "a model without dynamics",
+                advice: "use `cosserat` or `cosserat-disks`",
+            });
+        }
         if self.base.is_some() && self.method == Method::Energy {
             return Err(MotionError::Unsupported {
                 path: "motion.base".to_owned(),
@@ -299,6 +310,7 @@ fn check_matrix(matrix: &[[f64; 6]; 6]) -> Result<(), MotionError> {
 impl Default for MotionOptions {
     fn default() -> Self {
         Self {
+            model: ModelKind::Cosserat,
             method: Method::default(),
             tolerance: None,
             initial: Initial::default(),

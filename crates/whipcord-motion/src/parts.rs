@@ -373,11 +373,14 @@ impl Simulation {
     /// solver.
     pub(crate) fn finish(&mut self, commands: &Commands, time: f64, work: &Power, place: f64) {
         let mut stretch = 0.0;
+        let Self { rod, loads, solver, state, next, .. } = &mut *self;
+        next.base = loads.base_pose(state.base, state.time, time - state.time);
+        pose::nodes(rod, next.base, &next.strains, &mut solver.stage.poses);
         for i in 0..self.rod.cables.len() {
             let by_length = self.is_by_length(commands, i);
             let commanded = self.command(commands, i, time, false);
             let line = self.rod.cables[i];
-            let length = self.rod.cable_length(i, &self.next.strains);
+            let length = self.rod.cable_length(i, &self.next.strains, &self.solver.stage.poses);
             let tension = if by_length {
                 let stage = self.solver.stage.tensions[i];
                 Lengths::end_tension(self.state.cables[i].tension, stage, place)
@@ -399,12 +402,10 @@ impl Simulation {
         }
         self.finish_motors(commands, time);
         let Self { rod, loads, solver, state, next, base, .. } = self;
-        let poses = &mut solver.stage.poses;
-        next.base = loads.base_pose(state.base, state.time, time - state.time);
+        let poses = &solver.stage.poses;
         next.velocities[0] = loads.base_velocity(time);
-        pose::nodes(rod, next.base, &next.strains, poses);
         let parts = energies(rod, loads, &next.velocities, &next.strains, poses);
-        for (out, pose) in next.poses.iter_mut().zip(&*poses) {
+        for (out, pose) in next.poses.iter_mut().zip(poses) {
             *out = *base * *pose;
         }
         let energy = &mut next.energy;
@@ -424,6 +425,12 @@ impl Simulation {
             energy.loads += ends
                 .map(|((to, from), load)| load.force.dot(back.rotate(to.position - from.position)))
                 .sum::<f64>();
+            if rod.has_chords() {
+                let lengths = next.cables.iter().zip(&state.cables).zip(&solver.stage.tensions);
+                energy.cables -= lengths
+                    .map(|((to, from), tension)| tension * (to.length - from.length))
+                    .sum::<f64>();
+            }
         }
         next.time = time;
         // Behind a jump of a length the rates of the first step are those of an impact, which do not last.

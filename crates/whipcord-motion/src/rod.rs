@@ -2,14 +2,16 @@
 
 use whipcord::robot::StiffnessMatrix;
 use whipcord::section::section_stiffness;
-use whipcord::{Disks, Loads, Robot, SolveError};
-use whipcord_numerics::{GAUSS_2, Mat3, Twist, Vec3};
+use whipcord::{Disks, Loads, ModelKind, Robot, SolveError, straight_passages};
+use whipcord_numerics::{GAUSS_2, Mat3, Pose, Twist, Vec3};
 
 use crate::block::Block;
+use crate::chords::{self, Chord};
 use crate::element::{LOBATTO, PLACES, POINTS};
 use crate::error::MotionError;
 use crate::mesh;
 use crate::options::{Damping, MotionOptions};
+use crate::pose;
 
 /// A robot in quadratic elements. Element `e` has the nodes `2e`, `2e + 1` and `2e + 2`, and the points `2e` and `2e + 1`.
 #[derive(Clone, Debug)]
@@ -26,6 +28,10 @@ pub(crate) struct Rod {
     pub cables: Vec<CableLine>,
     /// Where each cable crosses the section of each point: that of cable `i` at point `q` is number `q · cables + i`.
     pub crossings: Vec<Crossing>,
+    /// Straight pieces of the cables from disk to disk, cable by cable from the base on; empty where cables are continuous.
+    pub chords: Vec<Chord>,
+    /// For each element the number of the first one behind the disk before it, where cables are straight; its own where they are continuous.
+    pub span_starts: Vec<usize>,
     /// Whether a section has any damping.
     pub is_damped: bool,
 }
@@ -99,7 +105,14 @@ impl Rod {
         options: &MotionOptions,
     ) -> Result<Self, MotionError> {
         refuse_unsupported(robot)?;
-        let ends = mesh::element_ends(robot, loads, options.elements)?;
+        let is_straight = options.model == ModelKind::CosseratDisks;
+        if is_straight && !robot.has_disks() {
+            return Err(MotionError::Missing {
+                path: "disks".to_owned(),
+                advice: "add [disks], for example with `count = 10`, or use the model `cosserat`, whose cables run in channels",
+            });
+        }
+        let ends = mesh::element_ends(robot, loads, options.elements, is_straight)?;
         let length = robot.backbone().length;
         let lengths: Vec<f64> = ends.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let mut rod = Self {
@@ -109,6 +122,8 @@ impl Rod {
             lengths,
             cables: Vec::new(),
             crossings: Vec::new(),
+            chords: Vec::new(),
+            span_starts: Vec::new(),
             is_damped: false,
         };
         for (e, &start) in ends[..ends.len() - 1].iter().enumerate() {
@@ -121,7 +136,12 @@ impl Rod {
             let node = rod.node_at(mass.at);
             rod.nodes[node].mass += mass.mass;
         }
-        rod.lay_cables(robot, &ends);
+        rod.span_starts = (0..rod.elements()).collect();
+        if is_straight {
+            rod.lay_straight_cables(robot);
+        } else {
+            rod.lay_cables(robot, &ends);
+        }
         Ok(rod)
     }
 
@@ -225,8 +245,51 @@ impl Rod {
         }
     }
 
-    /// Length in m of a cable for these strains.
-    pub fn cable_length(&self, cable: usize, strains: &[Twist]) -> f64 {
+    /// Lays the cables straight from disk to disk.
+    fn lay_straight_cables(&mut self, robot: &Robot) {
+        let spans = straight_passages(robot);
+        let disks = &robot.disks().arc_lengths;
+        for i in 0..robot.cables().len() {
+            for (disks, passages) in disks.windows(2).zip(&spans) {
+                let Some(passage) = passages.iter().find(|of| of.cable == i) else { continue };
+                let end = disks[0] + passage.reach * (disks[1] - disks[0]);
+                self.chords.push(Chord {
+                    cable: i,
+                    nodes: [self.node_at(disks[0]), self.node_at(end)],
+                    holes: [passage.near, passage.far],
+                });
+            }
+        }
+        for pair in disks.windows(2) {
+            let [start, end] = [pair[0], pair[1]].map(|s| self.node_at(s) / POINTS);
+            self.span_starts[start..end].fill(start);
+        }
+        let mut poses = vec![Pose::IDENTITY; self.nodes.len()];
+        let rest: Vec<Twist> = self.points.iter().map(|point| point.rest).collect();
+        pose::nodes(self, Pose::IDENTITY, &rest, &mut poses);
+        for i in 0..robot.cables().len() {
+            let rest_length = chords::length(self, i, &poses);
+            let of_cable = self.chords.iter().filter(|chord| chord.cable == i);
+            let elements = of_cable.map(|chord| chord.nodes[1] / POINTS).max().unwrap_or(0);
+            self.cables.push(CableLine {
+                elements,
+                rest_length,
+                compliance: robot.cable_compliance(i, rest_length),
+                pretension: robot.pretension(i),
+            });
+        }
+    }
+
+    /// Whether cables run straight from disk to disk.
+    pub fn has_chords(&self) -> bool {
+        !self.chords.is_empty()
+    }
+
+    /// Length in m of a cable for these strains, which give the nodes these poses.
+    pub fn cable_length(&self, cable: usize, strains: &[Twist], poses: &[Pose]) -> f64 {
+        if self.has_chords() {
+            return chords::length(self, cable, poses);
+        }
         let count = self.cables.len();
         (0..POINTS * self.cables[cable].elements)
             .map(|q| {

@@ -4,6 +4,7 @@ use whipcord::Wrench;
 use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 
 use crate::block::{Block, dot, skew_times, times_skew, transposed_bracket};
+use crate::chords;
 use crate::element::{NODES, POINTS, SHAPES, SLOPES, add_to_nodes};
 use crate::elimination::Elimination;
 use crate::loads::{NodeLoad, NodeLoads};
@@ -61,8 +62,13 @@ pub(crate) struct Stage {
     pub is_internal: Vec<bool>,
     /// What acts on each node.
     pub loads: Vec<NodeLoad>,
-    /// Force on the strain of each point, times its weight, by dead forces that act by the gradient of their heights.
-    pub dead: Vec<Twist>,
+    /// Force against the strain of each point, times its weight, of what acts by the gradient of a potential: of straight cables and, where the scheme
+    /// conserves, of dead forces.
+    pub potential: Vec<Twist>,
+    /// The gradient of that potential by the places and turns of the nodes.
+    pulls: Vec<Wrench>,
+    /// How far the sections of the nodes will still move, in their frames, since strains lack something.
+    shifts: Vec<Twist>,
     /// Pose of the base, in its frame at the start of the motion.
     pub base: Pose,
     /// Force and moment of the base on the node there, as the equations were evaluated last.
@@ -146,7 +152,9 @@ impl Stage {
             tensions: vec![0.0; rod.cables.len()],
             is_internal: vec![false; rod.cables.len()],
             loads: vec![NodeLoad::default(); nodes],
-            dead: twists(points),
+            potential: twists(points),
+            pulls: vec![Wrench::default(); nodes],
+            shifts: twists(nodes),
             base: Pose::IDENTITY,
             base_force: Twist::default(),
             poses: vec![Pose::IDENTITY; nodes],
@@ -155,7 +163,7 @@ impl Stage {
             residual: twists(nodes),
             lack: twists(points),
             change: twists(points),
-            matrix: Elimination::new(rod.elements()),
+            matrix: Elimination::new(&rod.span_starts, rod.has_chords(), true),
             tangents: vec![PointTangent::default(); points],
         };
         pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
@@ -172,6 +180,9 @@ impl Stage {
     /// Evaluates the residual; with `fresh` the linearisation as well. Poses and loads must be those of the strains.
     pub fn assemble(&mut self, rod: &Rod, scheme: &Scheme, gravity: Vec3, drag: Vec3, fresh: bool) {
         self.residual.fill(Twist::default());
+        if rod.has_chords() && !scheme.conserves {
+            self.find_cable_forces(rod, false);
+        }
         for e in 0..rod.elements() {
             if fresh {
                 self.matrix.elements[e] = Default::default();
@@ -184,25 +195,78 @@ impl Stage {
         for a in 1..rod.nodes.len() {
             self.add_node(rod, scheme, a, gravity, drag, fresh);
         }
+        if rod.has_chords() {
+            self.link_nodes(rod, scheme, fresh);
+        }
     }
 
-    /// Finds the forces on the strains of dead forces and gravity whose work in the step is exactly that of the heights at its start and end: the
-    /// gradient in the middle, corrected along the change of the strains (Gonzalez, *Time integration and discrete Hamiltonian systems*,
+    /// Finds what straight cables exert on the strains, eq. (27): all of them, or those alone whose work is `external`. Poses must be those of the strains.
+    pub fn find_cable_forces(&mut self, rod: &Rod, external: bool) {
+        let Self { strains, poses, pulls, potential, tensions, is_internal, .. } = self;
+        let tension =
+            |cable: usize| if external && is_internal[cable] { 0.0 } else { tensions[cable] };
+        chords::gradient(rod, strains, poses, tension, pulls, potential);
+    }
+
+    /// Adds to residual and matrix how straight cables change their pull with the displacements of the nodes, eq. (28).
+    fn link_nodes(&mut self, rod: &Rod, scheme: &Scheme, fresh: bool) {
+        let Self { poses, lack, shifts, residual, matrix, tensions, velocities, .. } = self;
+        pose::displacements(rod, poses, lack, |node, turn, shift| {
+            let back = poses[node].rotation.conjugate();
+            shifts[node] = Twist { linear: back.rotate(shift), angular: back.rotate(turn) };
+        });
+        if fresh {
+            matrix.links.fill(Default::default());
+        }
+        for chord in rod.chords.iter().filter(|chord| tensions[chord.cable] != 0.0) {
+            let stiffness = chord.stiffness(poses, tensions[chord.cable]);
+            for (i, &row) in chord.nodes.iter().enumerate() {
+                for (j, &column) in chord.nodes.iter().enumerate() {
+                    residual[row] = residual[row] + stiffness[i][j].apply(&shifts[column]);
+                    if fresh {
+                        let link = &mut matrix.links[chord.nodes[1] / POINTS - 1];
+                        let moved = Transport::new(&velocities[column], scheme.g).block(scheme.g);
+                        link[i][j].add_scaled(1.0, &stiffness[i][j].times(&moved));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Finds the forces on the strains of dead forces, gravity and straight cables whose work in the step is exactly that of the heights and lengths at its start
+    /// and end: the gradient in the middle, corrected along the change of the strains (Gonzalez, *Time integration and discrete Hamiltonian systems*,
     /// J. Nonlinear Sci. 6, 1996), eq. (18). Poses must be those of the strains.
     pub fn find_conserving_forces(&mut self, rod: &Rod, gravity: Vec3, scheme: &Scheme) {
         /// Below this squared change the correction, of third order in it, is less than rounding.
         const LEAST_CHANGE: f64 = 1e-12;
-        let Self { base, loads, dead, poses, other_poses, end, start, strains, .. } = self;
+        let Self {
+            base,
+            loads,
+            potential,
+            pulls,
+            poses,
+            other_poses,
+            end,
+            start,
+            strains,
+            tensions,
+            ..
+        } = self;
         let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
-        let of_node = |a: usize| Wrench { force: force(a), moment: Vec3::ZERO };
-        pose::work_gradient(rod, strains, poses, of_node, dead);
+        let tension = |cable: usize| tensions[cable];
+        for (a, pull) in pulls.iter_mut().enumerate() {
+            *pull = Wrench { force: -force(a), moment: Vec3::ZERO };
+        }
+        chords::add_node_gradient(rod, poses, tension, pulls);
+        pose::work_gradient(rod, strains, poses, |a| pulls[a], potential);
+        let level = |poses: &[Pose]| chords::work(rod, poses, tension) - pose::work(poses, force);
         pose::nodes(rod, *base, start, other_poses);
-        let mut work = -pose::work(other_poses, force);
+        let mut work = -level(other_poses);
         for ((end, start), strain) in end.iter_mut().zip(&*start).zip(&*strains) {
             *end = scheme.end(*start, *strain);
         }
         pose::nodes(rod, *base, end, other_poses);
-        work += pose::work(other_poses, force);
+        work += level(other_poses);
         let squared = rod.length * rod.length;
         let scaled = |change: Twist, weight: f64| Twist {
             linear: change.linear * weight,
@@ -211,7 +275,7 @@ impl Stage {
         let mut size = 0.0;
         for (q, point) in rod.points.iter().enumerate() {
             let change = end[q] - start[q];
-            work -= dot(&dead[q], &change);
+            work -= dot(&potential[q], &change);
             size += dot(&change, &scaled(change, point.weight)) / rod.length;
         }
         if size < LEAST_CHANGE {
@@ -219,7 +283,8 @@ impl Stage {
         }
         for (q, point) in rod.points.iter().enumerate() {
             let change = end[q] - start[q];
-            dead[q] = dead[q] + scaled(change, point.weight) * (work / (size * rod.length));
+            potential[q] =
+                potential[q] + scaled(change, point.weight) * (work / (size * rod.length));
         }
     }
 
@@ -245,15 +310,12 @@ impl Stage {
             let rate = (strain - self.strain_history[q]) * scheme.damping;
             wrench = wrench + point.damping.apply(&rate);
         }
-        if scheme.conserves {
-            wrench = wrench - self.dead[q] * (1.0 / point.weight);
-        }
         let mut stiffness = point.stiffness;
         if fresh && rod.is_damped {
             stiffness.add_scaled(scheme.damping, &point.damping);
         }
         let count = rod.cables.len();
-        for i in 0..count {
+        for i in 0..if rod.has_chords() { 0 } else { count } {
             let tension = self.tensions[i];
             if e >= rod.cables[i].elements || tension == 0.0 {
                 continue;
@@ -278,6 +340,10 @@ impl Stage {
             self.add_to_matrix(e, k, q, point.weight, h);
         }
         let tangent = &self.tangents[q];
+        // What acts by the gradient of a potential turns with the nodes, as their parts of the matrix say.
+        if scheme.conserves || rod.has_chords() {
+            wrench = wrench + self.potential[q] * (1.0 / point.weight);
+        }
         let along = wrench + tangent.wrench.apply(&lack);
         let across = transposed_bracket(&strain, &wrench) + tangent.turned.apply(&lack);
         add_to_nodes(&mut self.residual[2 * e..], &along, &across, point.weight, k, h);
@@ -429,6 +495,13 @@ impl Transport {
     fn apply(&self, b: Twist) -> Twist {
         let angular = self.turned(b.angular);
         Twist { linear: self.turned(b.linear - self.linear.cross(angular)), angular }
+    }
+
+    /// `g E⁻¹`, which is what a change of the velocity of a section in rigid motion moves it by.
+    fn block(&self, g: f64) -> Block {
+        let diagonal = self.matrix() * g;
+        let upper = self.matrix() * skew_times(self.linear, &diagonal) * -1.0;
+        Block { a: diagonal, b: upper, c: Mat3::ZERO, d: diagonal }
     }
 
     /// `Q`.

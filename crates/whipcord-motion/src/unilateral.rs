@@ -60,7 +60,7 @@ impl Unilateral {
         rod: &Rod,
         scheme: &Scheme,
         stage: &mut Stage,
-        lengths: &Lengths,
+        lengths: &mut Lengths,
         contacts: &mut Contacts,
     ) -> Option<()> {
         let cables = lengths.cables.len();

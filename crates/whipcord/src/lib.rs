@@ -76,6 +76,7 @@ pub use shape::{
 };
 pub use statics::Statics;
 pub use statics::options::StabilityAnalysis;
+pub use statics::passages::{Passage, passages as straight_passages};
 pub use statics::path::branches::{
     BranchOptions, Branches, CriticalKind, CriticalPoint, Equilibrium,
 };

@@ -12,7 +12,7 @@ use whipcord_plot::film;
 
 use super::simulate_picture::{charts, film_frames};
 use crate::inputs::{Settings, read_one};
-use crate::motion::failure;
+use crate::motion::{MotionModel, failure};
 use crate::warnings::Warnings;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
@@ -26,13 +26,15 @@ use whipcord_study::table::{Align, Table};
 /// Computes the motion of the Cosserat rod with its masses from [motion]: duration, steps, method, commands and loads
 /// over time, drag, a moving base, and the damping of [backbone.damping]. The folder gets motion.json (all states),
 /// motion.csv (a row for each state: tip, cables, energies) and poses.csv (a row for each node of each state).
-/// The summary is in mm, all else in SI units. Cables run as in the model cosserat. Friction of cables and movable objects are refused.
+/// The summary is in mm, all else in SI units. Cables run along their routing, or straight from disk to disk with --model cosserat-disks. Friction of cables and movable objects are refused.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// Robot file, or - for standard input
     file: PathBuf,
     #[command(flatten)]
     settings: Settings,
+    #[command(flatten)]
+    model: MotionModel,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -60,7 +62,8 @@ pub struct SimulateArgs {
 
 /// Simulates, writes the folder and returns what standard output shows.
 pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file, &args.settings)?;
+    let mut file = read_one(&args.file, &args.settings)?;
+    args.model.choose(&mut file);
     let warnings = file.warnings_in_motion();
     args.warnings.tell(&file, &warnings)?;
     let Some((every, steps, rows)) = file.motion.rows() else {
@@ -139,7 +142,7 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
         return text;
     };
     let method = last.diagnostics.method.name();
-    text += &format!("motion of cosserat, {method}\n\n");
+    text += &format!("motion of {}, {method}\n\n", trajectory.model);
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<9}")));
     };

@@ -106,6 +106,38 @@ fn what_cannot_be_simulated_is_refused() {
     assert!(fail(2, &method).contains("accurate"));
 }
 
+/// With cables straight from disk to disk the motion starts in the equilibrium of that model, and so it is marked in every output.
+#[test]
+fn cables_may_be_straight_between_disks() {
+    let value = |args: &[&str]| -> Value { serde_json::from_str(&succeed(args)).unwrap() };
+    let tip = |poses: &Value| {
+        let position = &poses.as_array().unwrap().last().unwrap()["position"];
+        [0, 1, 2].map(|i| number(&position[i]))
+    };
+    let off = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+    let straight = ["--model", "cosserat-disks"];
+    let motion = ["simulate", ARM, "--set", "motion.duration=\"20 ms\"", "--set", "motion.elements=40"];
+    let of_file = ["--set", "motion.model=\"cosserat-disks\"", "--json"];
+    let moved = value(&[&motion[..], &straight, &["--json"]].concat());
+    assert_eq!(moved["model"], "cosserat-disks");
+    assert_eq!(moved["states"], value(&[&motion[..], &of_file].concat())["states"]);
+    let summary = succeed(&[&motion[..], &straight].concat());
+    assert!(summary.contains("motion of cosserat-disks, accurate"), "{summary}");
+    let held = ["solve", ARM, "--set", "cables.left.tension=\"4 N\"", "--json"];
+    let still = value(&[&held[..], &straight].concat());
+    let start = tip(&moved["states"][0]["poses"]);
+    assert!(off(start, tip(&still["poses"])) < 1e-6 * 0.3, "{start:?} {}", still["poses"]);
+    let smooth = value(&[&motion[..], &["--json"]].concat());
+    assert!(off(start, tip(&smooth["states"][0]["poses"])) > 1e-5);
+    let frequency = |args: &[&str]| {
+        let modes = value(&[&["modes", ARM, "--json"], args].concat());
+        number(&modes["modes"][0]["frequency"])
+    };
+    let (straight, smooth) = (frequency(&straight), frequency(&[]));
+    assert!(straight != smooth && (straight / smooth - 1.0).abs() < 0.05, "{straight} {smooth}");
+    fail(2, &[&motion[..], &["--model", "four-bar"]].concat());
+}
+
 #[test]
 fn a_film_has_its_pictures_and_a_motion_goes_on_from_another() {
     let scratch = Scratch::new();

@@ -25,7 +25,7 @@ pub fn motion_json(
         .collect::<Result<_, _>>()?;
     Ok(json!({
         "title": title,
-        "model": "cosserat",
+        "model": trajectory.model.name(),
         "status": "converged",
         "arc_length": numbers("arc_length", &trajectory.arc_lengths)?,
         "version": env!("CARGO_PKG_VERSION"),

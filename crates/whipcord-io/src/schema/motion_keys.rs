@@ -1,5 +1,6 @@
 //! The tables `[motion]` and `[backbone.damping]`.
 
+use whipcord::ModelKind;
 use whipcord::robot::limits::{self, Range};
 use whipcord_motion::{Method, MotionOptions};
 
@@ -64,6 +65,12 @@ pub(super) static MOTION: Table = Table {
             Kind::Choice(&[Method::Accurate.name(), Method::Energy.name(), Method::Robust.name()]),
             r#""accurate""#,
             "How the equations are integrated: accurate (Runge-Kutta of order 4, the default), energy (midpoint rule that conserves the energy but for what is damped), or robust (generalised-alpha, damps vibrations too fast for the step). Cables that are driven by their lengths are always integrated by robust.",
+        ),
+        key(
+            "model",
+            Kind::Choice(&[ModelKind::Cosserat.name(), ModelKind::CosseratDisks.name()]),
+            r#""cosserat-disks""#,
+            "How cables run: cosserat, along their routing (default), or cosserat-disks, straight from disk to disk.",
         ),
         key(
             "tolerance",

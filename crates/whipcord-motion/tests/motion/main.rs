@@ -19,5 +19,6 @@ mod order;
 mod references;
 mod refusals;
 mod robots;
+mod straight;
 mod study;
 mod vibrations;

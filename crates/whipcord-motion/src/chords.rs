@@ -1,0 +1,114 @@
+//! Cables straight from disk to disk: the length of a cable as a function of the strains, whose gradient is what its tension exerts on them.
+//!
+//! Both holes of a piece stand on nodes, so that its length follows from their poses. By the strains that gives eq. (27) of the page on motion; by the
+//! displacements of the two nodes it gives the part of the linear system that links them, eq. (28).
+
+use whipcord::Wrench;
+use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
+
+use crate::block::{Block, skew_times, times_skew};
+use crate::elimination::Pair;
+use crate::pose;
+use crate::rod::Rod;
+
+/// A straight piece of a cable between two disks, or from a disk to an anchor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    pub cable: usize,
+    /// The nodes of its ends, the first of them nearer the base.
+    pub nodes: [usize; 2],
+    /// Its ends in the cross-sections of these nodes in m.
+    pub holes: [Vec3; 2],
+}
+
+/// A chord in a shape.
+struct Posed {
+    /// Direction from the first hole to the second.
+    along: Vec3,
+    length: f64,
+    /// From the centres of the cross-sections to the holes.
+    levers: [Vec3; 2],
+}
+
+impl Chord {
+    fn at(&self, poses: &[Pose]) -> Posed {
+        let ends = self.nodes.map(|node| poses[node]);
+        let levers = [0, 1].map(|i| ends[i].rotation.rotate(self.holes[i]));
+        let way = ends[1].position + levers[1] - ends[0].position - levers[0];
+        let length = way.norm();
+        Posed { along: way * (1.0 / length), length, levers }
+    }
+
+    /// What its tension adds to the linear system of the nodes, for displacements of both in their frames, eq. (28).
+    pub fn stiffness(&self, poses: &[Pose], tension: f64) -> Pair {
+        let Posed { along, length, .. } = self.at(poses);
+        let turns = self.nodes.map(|node| poses[node].rotation.to_matrix());
+        let across = (Mat3::IDENTITY - Mat3::outer(along, along)) * (tension / length);
+        let mut pair = Pair::default();
+        for (i, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            for j in 0..2 {
+                let same = if i == j { 1.0 } else { -1.0 };
+                let p = turns[i].transpose() * across * turns[j] * same;
+                let right = times_skew(&p, self.holes[j]);
+                // J = [I, −r̂] of both ends.
+                pair[i][j] = Block {
+                    a: p,
+                    b: -right,
+                    c: skew_times(self.holes[i], &p),
+                    d: -skew_times(self.holes[i], &right),
+                };
+            }
+            // The force stays while the section turns.
+            let pull = Mat3::skew(turns[i].transpose_mul(along) * (tension * sign));
+            pair[i][i].b += pull;
+            pair[i][i].d += skew_times(self.holes[i], &pull);
+        }
+        pair
+    }
+}
+
+/// Length in m of a cable.
+pub(crate) fn length(rod: &Rod, cable: usize, poses: &[Pose]) -> f64 {
+    let of_cable = rod.chords.iter().filter(|chord| chord.cable == cable);
+    of_cable.map(|chord| chord.at(poses).length).sum()
+}
+
+/// The sum of lengths times tensions in J.
+pub(crate) fn work(rod: &Rod, poses: &[Pose], tension: impl Fn(usize) -> f64) -> f64 {
+    rod.chords.iter().map(|chord| tension(chord.cable) * chord.at(poses).length).sum()
+}
+
+/// Adds the gradient of the lengths, times tensions, by the places of the nodes and by their turns about themselves.
+pub(crate) fn add_node_gradient(
+    rod: &Rod,
+    poses: &[Pose],
+    tension: impl Fn(usize) -> f64,
+    out: &mut [Wrench],
+) {
+    for chord in &rod.chords {
+        let tension = tension(chord.cable);
+        if tension == 0.0 {
+            continue;
+        }
+        let Posed { along, levers, .. } = chord.at(poses);
+        for ((node, lever), sign) in chord.nodes.into_iter().zip(levers).zip([-1.0, 1.0]) {
+            let force = along * (tension * sign);
+            out[node].force += force;
+            out[node].moment += lever.cross(force);
+        }
+    }
+}
+
+/// The gradient of the lengths, times tensions, by the strains, eq. (27). `pulls` is room for all nodes.
+pub(crate) fn gradient(
+    rod: &Rod,
+    strains: &[Twist],
+    poses: &[Pose],
+    tension: impl Fn(usize) -> f64,
+    pulls: &mut [Wrench],
+    out: &mut [Twist],
+) {
+    pulls.fill(Wrench::default());
+    add_node_gradient(rod, poses, tension, pulls);
+    pose::work_gradient(rod, strains, poses, |node| pulls[node], out);
+}
