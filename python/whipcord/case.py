@@ -635,7 +635,7 @@ class Case(Description):
             Viscous drag of the surroundings on the backbone in N·s/m², ``across`` and ``along`` it; one value is that of both.
         base
             How the base moves: ``velocity`` in m/s along and ``angular_velocity`` in rad/s about its own axes, each three values, rows or functions
-            as for ``tension``; or ``csv``, the path of a table with its poses over time.
+            as for ``tension``; ``csv``, the path of a table with its poses over time; or ``free``, True where nothing holds it.
         tension
             Tensions in N over time: one for each cable in order, None for a cable that keeps its command, or by their names. Each is a value;
             rows of times in s and values, with straight lines between them and a jump at a time that is there twice; or a function

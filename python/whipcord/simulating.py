@@ -467,6 +467,11 @@ class Simulation:
         return np.array(self._inner.momentum())
 
     @property
+    def angular_momentum(self) -> Array:
+        """(3,) angular momentum in kg·m²/s about the origin of the world."""
+        return np.array(self._inner.angular_momentum())
+
+    @property
     def base_wrench(self) -> Array:
         """(6,) force in N and moment in N·m about the base that the base exerts on robot and cables, in the world."""
         return np.array(self._inner.base_wrench())
@@ -582,7 +587,7 @@ def setup_of(
         motion["commands"] = commands
     if base is not None:
         motion["base"] = {
-            key: value if isinstance(value, str) else [times.of(of, f"base: {key}") for of in value]
+            key: value if isinstance(value, (str, bool)) else [times.of(of, f"base: {key}") for of in value]
             for key, value in plain(base).items()
         }
     if loads is not None:

@@ -88,6 +88,16 @@ impl Elimination {
         }
     }
 
+    /// Holds the base from now on, or lets it go.
+    pub const fn hold_base(&mut self, holds: bool) {
+        self.holds_base = holds;
+    }
+
+    /// Whether the base is held.
+    pub const fn holds_base(&self) -> bool {
+        self.holds_base
+    }
+
     /// Factors the matrix.
     pub fn factor(&mut self) -> Result<(), SingularNode> {
         let Self { elements, links, span_starts, holds_base, pivots } = self;

@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::block::dot;
+use crate::iteration::Mechanics;
 use crate::loads::NodeLoads;
 use crate::pose;
 use crate::rod::Rod;
@@ -17,7 +18,9 @@ pub(crate) fn energies(
     poses: &[Pose],
 ) -> [f64; 3] {
     let mut energies = [0.0; 3];
-    for ((node, velocity), pose) in rod.nodes.iter().zip(velocities).zip(poses).skip(1) {
+    for ((node, velocity), pose) in
+        rod.nodes.iter().zip(velocities).zip(poses).skip(loads.first_free())
+    {
         let turning = node.inertia.scale(velocity.angular).dot(velocity.angular);
         energies[0] += 0.5 * (node.mass * velocity.linear.norm_squared() + turning);
         energies[2] -= node.mass * loads.gravity.dot(pose.position);
@@ -46,14 +49,21 @@ pub(crate) struct Power {
 
 impl Power {
     /// Powers at a stage that is solved.
-    pub fn at(rod: &Rod, stage: &mut Stage, scheme: &Scheme, drag: Vec3) -> Self {
+    pub fn at(
+        Mechanics { rod, loads }: Mechanics<'_>,
+        stage: &mut Stage,
+        scheme: &Scheme,
+        drag: Vec3,
+    ) -> Self {
         let is_gradient = rod.has_chords() && !scheme.conserves;
         if is_gradient {
             pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
             stage.find_cable_forces(rod, true);
         }
-        let base = dot(&stage.base_force, &stage.velocities[0]);
-        let mut power = Self { base, ..Self::default() };
+        let mut power = Self::default();
+        if !loads.has_free_base {
+            power.base = dot(&stage.base_force, &stage.velocities[0]);
+        }
         let count = rod.cables.len();
         for (q, point) in rod.points.iter().enumerate() {
             let strain = stage.strains[q];
@@ -79,7 +89,7 @@ impl Power {
                 power.cables -= point.weight * tension * dot(&pull, &rate);
             }
         }
-        for a in 1..rod.nodes.len() {
+        for a in loads.first_free()..rod.nodes.len() {
             let (load, velocity, node) = (&stage.loads[a], &stage.velocities[a], &rod.nodes[a]);
             let turn = stage.poses[a].rotation.conjugate();
             let resistance = drag * node.share;

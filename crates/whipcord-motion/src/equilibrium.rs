@@ -48,6 +48,15 @@ pub(crate) fn find(
     let within = NEAR * rod.length;
     solver.contacts.base = solver.stage.base;
     solver.contacts.begin(rod, solver.stage.base, &solver.stage.strains, within, known);
+    // A base that is free is held until the start.
+    solver.stage.matrix.hold_base(true);
+    let found = iterate(mechanics, solver);
+    solver.stage.matrix.hold_base(!loads.has_free_base);
+    found
+}
+
+/// Newton's method for the equilibrium in the elements.
+fn iterate(mechanics: Mechanics<'_>, solver: &mut Solver) -> Result<(), MotionError> {
     let mut change = f64::INFINITY;
     for _ in 0..MOST {
         let stage = &mut solver.stage;

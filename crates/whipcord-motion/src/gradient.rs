@@ -99,6 +99,13 @@ impl Simulation {
                 advice: "use the model `cosserat`, or differences",
             });
         }
+        if self.options.has_free_base {
+            return Err(MotionError::Unsupported {
+                path: "motion.base".to_owned(),
+                what: "gradients over a motion with a free base",
+                advice: "hold the base, or use differences",
+            });
+        }
         if self.solver.contacts.surroundings.is_some() {
             return Err(MotionError::Unsupported {
                 path: "obstacles".to_owned(),

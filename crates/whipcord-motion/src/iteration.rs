@@ -135,6 +135,9 @@ impl Solver {
         let Mechanics { rod, loads } = mechanics;
         let stage = &mut self.stage;
         let touches = !self.contacts.list.is_empty();
+        if let Some(base) = stage.free_base {
+            stage.base = base.pose(stage.velocities[0]);
+        }
         if loads.any_dead || touches || rod.has_chords() {
             pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
             if scheme.conserves {

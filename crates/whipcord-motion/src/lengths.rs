@@ -143,7 +143,6 @@ impl Lengths {
         let longest = self.targets[i] + line.compliance * carried;
         if rod.has_chords() {
             let length = self.linearise_straight(rod, scheme, stage, cable, column, row);
-            row[0] = Twist::default();
             return longest - length;
         }
         let count = rod.cables.len();
@@ -167,7 +166,6 @@ impl Lengths {
             add_to_nodes(&mut column[2 * e..], &pull, &across, weight, k, h);
             add_to_nodes(&mut row[2 * e..], &slope, &value, weight, k, h);
         }
-        row[0] = Twist::default();
         longest - length
     }
 

@@ -183,6 +183,8 @@ pub struct MotionOptions {
     pub loads: Vec<LoadCourse>,
     /// Motion of the base; `None` is a base at rest. [`Method::Energy`] takes none.
     pub base: Option<BaseMotion>,
+    /// Whether the base is free: nothing holds it from the start on. Drives of cables ride on it. [`Method::Energy`] takes no free base.
+    pub has_free_base: bool,
     /// Change of the strains (times the length of the backbone where it is one of curvature) at which the iteration of a step of
     /// 10 ms or more ends; less in shorter steps. [`Method::Energy`] iterates down to rounding instead.
     pub iteration_tolerance: f64,
@@ -230,7 +232,14 @@ impl MotionOptions {
                 advice: "use `cosserat` or `cosserat-disks`",
             });
         }
-        if self.base.is_some() && self.method == Method::Energy {
+        if self.base.is_some() && self.has_free_base {
+            return Err(MotionError::Unsupported {
+                path: "motion.base".to_owned(),
+                what: "a base that is free and led as well",
+                advice: "leave out the motion of the base, or hold it",
+            });
+        }
+        if (self.base.is_some() || self.has_free_base) && self.method == Method::Energy {
             return Err(MotionError::Unsupported {
                 path: "motion.base".to_owned(),
                 what: "a base that moves, with the method `energy`",
@@ -319,6 +328,7 @@ impl Default for MotionOptions {
             drag: Drag::default(),
             loads: Vec::new(),
             base: None,
+            has_free_base: false,
             iteration_tolerance: 1e-7,
         }
     }

@@ -219,6 +219,7 @@ impl Simulation {
         let tensions = |time: f64, out: &mut [f64]| commands.tensions_at(time, out);
         let work = accurate.step(Mechanics { rod, loads }, solver, state, h, &control, tensions)?;
         next.velocities.copy_from_slice(&solver.stage.velocities);
+        next.base = solver.stage.base;
         next.strains.copy_from_slice(&solver.stage.strains);
         let (velocity_rates, strain_rates) = accurate.rates();
         next.velocity_rates.copy_from_slice(velocity_rates);
@@ -374,7 +375,10 @@ impl Simulation {
     pub(crate) fn finish(&mut self, commands: &Commands, time: f64, work: &Power, place: f64) {
         let mut stretch = 0.0;
         let Self { rod, loads, solver, state, next, .. } = &mut *self;
-        next.base = loads.base_pose(state.base, state.time, time - state.time);
+        if !loads.has_free_base {
+            next.base = loads.base_pose(state.base, state.time, time - state.time);
+            next.velocities[0] = loads.base_velocity(time);
+        }
         pose::nodes(rod, next.base, &next.strains, &mut solver.stage.poses);
         for i in 0..self.rod.cables.len() {
             let by_length = self.is_by_length(commands, i);
@@ -403,7 +407,6 @@ impl Simulation {
         self.finish_motors(commands, time);
         let Self { rod, loads, solver, state, next, base, .. } = self;
         let poses = &solver.stage.poses;
-        next.velocities[0] = loads.base_velocity(time);
         let parts = energies(rod, loads, &next.velocities, &next.strains, poses);
         for (out, pose) in next.poses.iter_mut().zip(poses) {
             *out = *base * *pose;

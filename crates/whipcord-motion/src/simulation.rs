@@ -103,7 +103,16 @@ impl Simulation {
         let loads = NodeLoads::new(&rod, case, &options);
         let drag = Vec3::new(options.drag.across, options.drag.across, options.drag.along);
         let surroundings = Surroundings::new(robot, &rod, case)?;
+        if options.has_free_base && surroundings.is_some() {
+            return Err(MotionError::Unsupported {
+                path: "motion.base.free".to_owned(),
+                what: "a free base among obstacles",
+                advice: "remove the obstacles, or hold the base",
+            });
+        }
         let solver = Solver::new(&rod, Drives::new(robot), drag, surroundings);
+        let mut solver = solver;
+        solver.stage.matrix.hold_base(!options.has_free_base);
         let state = State {
             velocities: vec![Twist::default(); rod.nodes.len()],
             strains: rod.points.iter().map(|point| point.rest).collect(),

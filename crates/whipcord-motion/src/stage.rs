@@ -71,6 +71,8 @@ pub(crate) struct Stage {
     shifts: Vec<Twist>,
     /// Pose of the base, in its frame at the start of the motion.
     pub base: Pose,
+    /// How that pose follows from the velocity where the base is free.
+    pub free_base: Option<FreeBase>,
     /// Force and moment of the base on the node there, as the equations were evaluated last.
     pub base_force: Twist,
     /// Pose of each node, in the frame of the base at the start of the motion.
@@ -156,6 +158,7 @@ impl Stage {
             pulls: vec![Wrench::default(); nodes],
             shifts: twists(nodes),
             base: Pose::IDENTITY,
+            free_base: None,
             base_force: Twist::default(),
             poses: vec![Pose::IDENTITY; nodes],
             other_poses: vec![Pose::IDENTITY; nodes],
@@ -192,7 +195,7 @@ impl Stage {
             }
         }
         self.base_force = self.residual[0];
-        for a in 1..rod.nodes.len() {
+        for a in usize::from(self.matrix.holds_base())..rod.nodes.len() {
             self.add_node(rod, scheme, a, gravity, drag, fresh);
         }
         if rod.has_chords() {
@@ -431,7 +434,11 @@ impl Stage {
                     - Mat3::skew(moment) * g,
             };
             // To the element before the node, as its end or its middle.
-            let (e, local) = if a.is_multiple_of(2) { (a / 2 - 1, 2) } else { (a / 2, 1) };
+            let (e, local) = match a {
+                0 => (0, 0),
+                _ if a.is_multiple_of(2) => (a / 2 - 1, 2),
+                _ => (a / 2, 1),
+            };
             self.matrix.elements[e][local][local].add_scaled(1.0, &block);
         }
     }
@@ -469,6 +476,41 @@ impl Stage {
         }
         size
     }
+}
+
+/// The pose of a free base at a stage: `start exp(θ)` with `θ = history + g dexp⁻¹(V)`, eq. (29).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FreeBase {
+    /// Pose at the start of the step.
+    pub start: Pose,
+    pub history: Twist,
+    pub g: f64,
+}
+
+impl FreeBase {
+    /// `θ`.
+    pub fn exponent(&self, velocity: Twist) -> Twist {
+        /// The exponent of a step is far below 1: each time it is known to a tenth of the difference before.
+        const TIMES: usize = 12;
+        let mut exponent = self.history + velocity * self.g;
+        for _ in 0..TIMES {
+            exponent = self.history + exponent_rate(exponent, velocity) * self.g;
+        }
+        exponent
+    }
+
+    /// The pose.
+    pub fn pose(&self, velocity: Twist) -> Pose {
+        self.start * Pose::exp(self.exponent(velocity))
+    }
+}
+
+/// The rate of θ for which `exp(θ)` has the velocity V in its own frame: `dexp⁻¹(−θ) V`, by its series up to the fourth order.
+pub(crate) fn exponent_rate(exponent: Twist, velocity: Twist) -> Twist {
+    let first = exponent.bracket(velocity);
+    let second = exponent.bracket(first);
+    let fourth = exponent.bracket(exponent.bracket(second));
+    velocity + first * 0.5 + second * (1.0 / 12.0) - fourth * (1.0 / 720.0)
 }
 
 /// `E⁻¹`, with `E = I + g ad_V`.

@@ -47,6 +47,11 @@ pub fn describe_motion(
         base.insert("angular_velocity", Item::List(angular_velocity.iter().map(course).collect()));
         table.insert("base", base);
     }
+    if motion.has_free_base {
+        let mut base = Table::default();
+        base.insert("free", true);
+        table.insert("base", base);
+    }
     if let Some(every) = motion.every {
         let mut output = Table::default();
         output.insert("every", every);

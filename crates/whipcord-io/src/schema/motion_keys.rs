@@ -159,8 +159,14 @@ static MOTION_DRAG: Table = Table {
 
 static MOTION_BASE: Table = Table {
     title: "[motion.base]",
-    doc: "How the base moves, from where [base] puts it: velocities over time, or a table of its poses. Methods accurate and robust take it.",
+    doc: "How the base moves, from where [base] puts it: velocities over time, a table of its poses, or freely. Methods accurate and robust take it.",
     keys: &[
+        key(
+            "free",
+            Kind::Flag,
+            "true",
+            "Whether nothing holds the base from the start on; false by default. The drives of the cables ride on it. The equilibrium to start from is that in which it is held.",
+        ),
         key(
             "velocity",
             Kind::Vector(&Kind::Either(&[SPEED, Kind::List(&SPEED_ROW, 1)]), 3),
@@ -181,7 +187,10 @@ static MOTION_BASE: Table = Table {
         ),
     ],
     rules: &[
-        Rule::AtLeastOne(&["velocity", "angular_velocity", "csv"]),
+        Rule::AtLeastOne(&["velocity", "angular_velocity", "csv", "free"]),
+        Rule::AtMostOne(&["free", "velocity"]),
+        Rule::AtMostOne(&["free", "angular_velocity"]),
+        Rule::AtMostOne(&["free", "csv"]),
         Rule::AtMostOne(&["velocity", "csv"]),
         Rule::AtMostOne(&["angular_velocity", "csv"]),
     ],

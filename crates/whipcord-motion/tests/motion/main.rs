@@ -12,6 +12,7 @@ mod closed_forms;
 mod contact;
 mod drives;
 mod energy;
+mod free;
 mod gradient;
 mod invariance;
 mod lengths;

@@ -51,6 +51,8 @@ pub struct Motion {
     pub drag: Drag,
     /// How the base moves.
     pub base: Option<BaseMotion>,
+    /// Whether nothing holds the base.
+    pub has_free_base: bool,
     /// What cables are told over time: the number of each from 0.
     pub cables: Vec<(usize, CableCourse)>,
     /// What motors are told over time: the number of each from 0, and its angles in rad or travels in m.
@@ -93,6 +95,7 @@ impl Motion {
             drag: self.drag,
             loads: self.loads.clone(),
             base: self.base.clone(),
+            has_free_base: self.has_free_base,
             ..MotionOptions::default()
         }
     }
@@ -223,6 +226,7 @@ pub(crate) fn motion(
         let [across, along] = ["across", "along"].map(along);
         motion.drag = Drag { across, along };
     }
+    motion.has_free_base = table.table("base").is_some_and(|table| table.flag("free"));
     motion.base =
         table.table("base").and_then(|table| base::base(table, *base, sources, &mut reader));
     if let Some(output) = table.table("output") {
