@@ -40,6 +40,7 @@ impl Simulation {
     pub fn modes(&mut self, commands: &Commands, count: usize) -> Result<Vec<Mode>, MotionError> {
         commands.check(&self.robot)?;
         self.refuse_free_base("natural vibrations of a robot whose base is free")?;
+        self.refuse_friction("natural vibrations of a robot whose cables have friction")?;
         self.refuse_contact("natural vibrations of a robot that touches an obstacle")?;
         self.take_stage();
         let is_held =
@@ -70,6 +71,7 @@ impl Simulation {
     /// [`MotionError::Unsupported`] where the robot touches an obstacle: its motion is not smooth there.
     pub fn linearize(&mut self) -> Result<Linearized, MotionError> {
         self.refuse_free_base("the linearisation of a motion with a free base")?;
+        self.refuse_friction("the linearisation of a motion with friction of cables")?;
         self.refuse_contact("the linearisation of a motion in contact")?;
         self.take_stage();
         let Self { rod, loads, solver, state, .. } = self;
@@ -84,6 +86,14 @@ impl Simulation {
         }
         let advice = "hold the base: leave out `free` in [motion.base]";
         Err(MotionError::Unsupported { path: "motion.base.free".to_owned(), what, advice })
+    }
+
+    fn refuse_friction(&self, what: &'static str) -> Result<(), MotionError> {
+        if self.solver.friction.is_none() {
+            return Ok(());
+        }
+        let advice = "leave the friction out: whether cables stick or slide decides";
+        Err(MotionError::Unsupported { path: "cables.friction".to_owned(), what, advice })
     }
 
     fn refuse_contact(&self, what: &'static str) -> Result<(), MotionError> {
@@ -107,6 +117,7 @@ impl Simulation {
         for (tension, cable) in stage.tensions.iter_mut().zip(&state.cables) {
             *tension = cable.tension;
         }
+        stage.passages.clone_from(&state.holes.tensions);
         loads.at(state.time, &mut stage.loads);
         // What obstacles push with is a load of the state.
         for contact in &state.contacts {

@@ -39,6 +39,30 @@ impl Chord {
         Posed { along: way * (1.0 / length), length, levers }
     }
 
+    /// Its direction from the base on.
+    pub fn direction(&self, poses: &[Pose]) -> Vec3 {
+        self.at(poses).along
+    }
+
+    /// Its length in m.
+    pub fn length(&self, poses: &[Pose]) -> f64 {
+        self.at(poses).length
+    }
+
+    /// Adds the gradient, by the places and turns of the nodes, of its direction times a vector across it.
+    pub fn add_for_direction(&self, poses: &[Pose], vector: Vec3, out: &mut [Wrench]) {
+        let posed = self.at(poses);
+        self.add(&posed, vector * (1.0 / posed.length), out);
+    }
+
+    /// Adds a force at its far hole and the opposite one at its near hole.
+    fn add(&self, posed: &Posed, force: Vec3, out: &mut [Wrench]) {
+        for ((node, lever), sign) in self.nodes.into_iter().zip(posed.levers).zip([-1.0, 1.0]) {
+            out[node].force += force * sign;
+            out[node].moment += lever.cross(force * sign);
+        }
+    }
+
     /// What its tension adds to the linear system of the nodes, for displacements of both in their frames, eq. (28).
     pub fn stiffness(&self, poses: &[Pose], tension: f64) -> Pair {
         let Posed { along, length, .. } = self.at(poses);
@@ -73,9 +97,10 @@ pub(crate) fn length(rod: &Rod, cable: usize, poses: &[Pose]) -> f64 {
     of_cable.map(|chord| chord.at(poses).length).sum()
 }
 
-/// The sum of lengths times tensions in J.
+/// The sum of lengths times tensions in J, where each chord has its tension by its number.
 pub(crate) fn work(rod: &Rod, poses: &[Pose], tension: impl Fn(usize) -> f64) -> f64 {
-    rod.chords.iter().map(|chord| tension(chord.cable) * chord.at(poses).length).sum()
+    let chords = rod.chords.iter().enumerate();
+    chords.map(|(k, chord)| tension(k) * chord.at(poses).length).sum()
 }
 
 /// Adds the gradient of the lengths, times tensions, by the places of the nodes and by their turns about themselves.
@@ -85,16 +110,11 @@ pub(crate) fn add_node_gradient(
     tension: impl Fn(usize) -> f64,
     out: &mut [Wrench],
 ) {
-    for chord in &rod.chords {
-        let tension = tension(chord.cable);
-        if tension == 0.0 {
-            continue;
-        }
-        let Posed { along, levers, .. } = chord.at(poses);
-        for ((node, lever), sign) in chord.nodes.into_iter().zip(levers).zip([-1.0, 1.0]) {
-            let force = along * (tension * sign);
-            out[node].force += force;
-            out[node].moment += lever.cross(force);
+    for (k, chord) in rod.chords.iter().enumerate() {
+        let tension = tension(k);
+        if tension != 0.0 {
+            let posed = chord.at(poses);
+            chord.add(&posed, posed.along * tension, out);
         }
     }
 }

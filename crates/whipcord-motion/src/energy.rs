@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::block::dot;
+use crate::element::POINTS;
 use crate::iteration::Mechanics;
 use crate::loads::NodeLoads;
 use crate::pose;
@@ -79,9 +80,11 @@ impl Power {
                 continue;
             }
             for (i, cable) in rod.cables.iter().enumerate() {
-                let tension = stage.tensions[i];
-                let ends = q >= crate::element::POINTS * cable.elements;
-                if ends || tension == 0.0 || stage.is_internal[i] {
+                if q >= POINTS * cable.elements || stage.is_internal[i] {
+                    continue;
+                }
+                let tension = stage.tension_at(rod, i, q);
+                if tension == 0.0 {
                     continue;
                 }
                 let crossing = &rod.crossings[q * count + i];

@@ -7,6 +7,7 @@ use whipcord_numerics::{GAUSS_2, Pose, Twist};
 
 use crate::element::POINTS;
 use crate::error::MotionError;
+use crate::friction::tensions_of_answer;
 use crate::iteration::{Mechanics, Solver};
 use crate::options::LoadCourse;
 use crate::rod::Rod;
@@ -43,6 +44,9 @@ pub(crate) fn find(
     for (tension, cable) in solver.stage.tensions.iter_mut().zip(&solution.cables) {
         *tension = cable.tension.unwrap_or(*tension);
     }
+    if solver.friction.is_some() {
+        solver.stage.passages = tensions_of_answer(rod, robot, &solution);
+    }
     loads.at(0.0, &mut solver.stage.loads);
     let known = (solution.contacts.as_slice(), statics.base);
     let within = NEAR * rod.length;
@@ -50,8 +54,10 @@ pub(crate) fn find(
     solver.contacts.begin(rod, solver.stage.base, &solver.stage.strains, within, known);
     // A base that is free is held until the start.
     solver.stage.matrix.hold_base(true);
+    solver.holds_passages = true;
     let found = iterate(mechanics, solver);
     solver.stage.matrix.hold_base(!loads.has_free_base);
+    solver.holds_passages = false;
     found
 }
 

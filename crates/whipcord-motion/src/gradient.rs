@@ -99,6 +99,13 @@ impl Simulation {
                 advice: "use the model `cosserat`, or differences",
             });
         }
+        if self.solver.friction.is_some() {
+            return Err(MotionError::Unsupported {
+                path: "cables.friction".to_owned(),
+                what: "gradients over a motion with friction of cables",
+                advice: "leave the friction out, or use differences",
+            });
+        }
         if self.options.has_free_base {
             return Err(MotionError::Unsupported {
                 path: "motion.base".to_owned(),

@@ -58,7 +58,7 @@ impl Room {
         column: &mut [Twist],
     ) {
         let Self { pulls, gradient, .. } = self;
-        let tension = |of: usize| if of == cable { 1.0 } else { 0.0 };
+        let tension = |of: usize| if rod.chords[of].cable == cable { 1.0 } else { 0.0 };
         chords::gradient(rod, strains, poses, tension, pulls, gradient);
         for (q, (pull, strain)) in gradient.iter().zip(strains).enumerate() {
             let (e, k) = (q / POINTS, q % POINTS);
@@ -186,7 +186,8 @@ impl Lengths {
             *end = scheme.end(*start, *strain);
         }
         pose::nodes(rod, stage.base, strains, poses);
-        let tension = |of: usize| if of == cable { 1.0 / scheme.place } else { 0.0 };
+        let tension =
+            |of: usize| if rod.chords[of].cable == cable { 1.0 / scheme.place } else { 0.0 };
         chords::gradient(rod, strains, poses, tension, pulls, gradient);
         let mut length = chords::length(rod, cable, poses);
         for (q, gradient) in gradient.iter().enumerate() {

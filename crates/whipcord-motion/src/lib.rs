@@ -21,6 +21,7 @@ mod elimination;
 mod energy;
 mod equilibrium;
 mod error;
+mod friction;
 mod gradient;
 mod impact;
 mod iteration;

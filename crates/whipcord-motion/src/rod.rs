@@ -30,6 +30,8 @@ pub(crate) struct Rod {
     pub crossings: Vec<Crossing>,
     /// Straight pieces of the cables from disk to disk, cable by cable from the base on; empty where cables are continuous.
     pub chords: Vec<Chord>,
+    /// The first passage of each cable among those of all: of its chords, or of the points that it passes.
+    pub first_passages: Vec<usize>,
     /// For each element the number of the first one behind the disk before it, where cables are straight; its own where they are continuous.
     pub span_starts: Vec<usize>,
     /// Whether a section has any damping.
@@ -123,6 +125,7 @@ impl Rod {
             cables: Vec::new(),
             crossings: Vec::new(),
             chords: Vec::new(),
+            first_passages: Vec::new(),
             span_starts: Vec::new(),
             is_damped: false,
         };
@@ -141,6 +144,14 @@ impl Rod {
             rod.lay_straight_cables(robot);
         } else {
             rod.lay_cables(robot, &ends);
+        }
+        let mut count = 0;
+        for i in 0..rod.cables.len() {
+            rod.first_passages.push(count);
+            count += match is_straight {
+                true => rod.chords.iter().filter(|chord| chord.cable == i).count(),
+                false => POINTS * rod.cables[i].elements,
+            };
         }
         Ok(rod)
     }
@@ -280,6 +291,15 @@ impl Rod {
         }
     }
 
+    /// The cable of each passage.
+    pub fn cables_of_passages(&self) -> Vec<usize> {
+        if self.has_chords() {
+            return self.chords.iter().map(|chord| chord.cable).collect();
+        }
+        let cables = self.cables.iter().enumerate();
+        cables.flat_map(|(i, cable)| core::iter::repeat_n(i, POINTS * cable.elements)).collect()
+    }
+
     /// Whether cables run straight from disk to disk.
     pub fn has_chords(&self) -> bool {
         !self.chords.is_empty()
@@ -303,11 +323,12 @@ impl Rod {
 /// What has no dynamics here.
 fn refuse_unsupported(robot: &Robot) -> Result<(), MotionError> {
     let refuse = |path: String, what, advice| Err(MotionError::Unsupported { path, what, advice });
-    if let Some(i) = robot.cables().iter().position(whipcord::Cable::has_friction) {
+    let rubs = robot.cables().iter().any(whipcord::Cable::has_friction);
+    if let Some(i) = robot.motors().iter().position(|motor| rubs && motor.dynamics.is_some()) {
         return refuse(
-            format!("cables[{i}].friction"),
-            "friction of a cable",
-            "leave the friction out, or use the statics with steps of actuation",
+            format!("motors[{i}].inertia"),
+            "a motor with inertia beside cables with friction",
+            "leave out the friction, or the inertia and the gains of the motor",
         );
     }
     let plays = |motor: &whipcord::Motor| motor.dynamics.is_some() && motor.backlash > 0.0;

@@ -58,6 +58,8 @@ pub(crate) struct Stage {
     pub start: Vec<Twist>,
     /// Tension of each cable in N.
     pub tensions: Vec<f64>,
+    /// Tension of each passage in N where cables have friction; empty where they have none.
+    pub passages: Vec<f64>,
     /// Whether the work of each cable stays in the robot: of motors with inertia.
     pub is_internal: Vec<bool>,
     /// What acts on each node.
@@ -152,6 +154,7 @@ impl Stage {
             strain_history: twists(points),
             start: twists(points),
             tensions: vec![0.0; rod.cables.len()],
+            passages: Vec::new(),
             is_internal: vec![false; rod.cables.len()],
             loads: vec![NodeLoad::default(); nodes],
             potential: twists(points),
@@ -205,15 +208,20 @@ impl Stage {
 
     /// Finds what straight cables exert on the strains, eq. (27): all of them, or those alone whose work is `external`. Poses must be those of the strains.
     pub fn find_cable_forces(&mut self, rod: &Rod, external: bool) {
-        let Self { strains, poses, pulls, potential, tensions, is_internal, .. } = self;
-        let tension =
-            |cable: usize| if external && is_internal[cable] { 0.0 } else { tensions[cable] };
+        let Self { strains, poses, pulls, potential, tensions, passages, is_internal, .. } = self;
+        let tension = |k: usize| {
+            let cable = rod.chords[k].cable;
+            let is_left_out = external && is_internal[cable];
+            let tension = passages.get(k).copied().unwrap_or(tensions[cable]);
+            if is_left_out { 0.0 } else { tension }
+        };
         chords::gradient(rod, strains, poses, tension, pulls, potential);
     }
 
     /// Adds to residual and matrix how straight cables change their pull with the displacements of the nodes, eq. (28).
     fn link_nodes(&mut self, rod: &Rod, scheme: &Scheme, fresh: bool) {
-        let Self { poses, lack, shifts, residual, matrix, tensions, velocities, .. } = self;
+        let Self { poses, lack, shifts, residual, matrix, tensions, passages, velocities, .. } =
+            self;
         pose::displacements(rod, poses, lack, |node, turn, shift| {
             let back = poses[node].rotation.conjugate();
             shifts[node] = Twist { linear: back.rotate(shift), angular: back.rotate(turn) };
@@ -221,8 +229,12 @@ impl Stage {
         if fresh {
             matrix.links.fill(Default::default());
         }
-        for chord in rod.chords.iter().filter(|chord| tensions[chord.cable] != 0.0) {
-            let stiffness = chord.stiffness(poses, tensions[chord.cable]);
+        for (k, chord) in rod.chords.iter().enumerate() {
+            let tension = passages.get(k).copied().unwrap_or(tensions[chord.cable]);
+            if tension == 0.0 {
+                continue;
+            }
+            let stiffness = chord.stiffness(poses, tension);
             for (i, &row) in chord.nodes.iter().enumerate() {
                 for (j, &column) in chord.nodes.iter().enumerate() {
                     residual[row] = residual[row] + stiffness[i][j].apply(&shifts[column]);
@@ -256,7 +268,7 @@ impl Stage {
             ..
         } = self;
         let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
-        let tension = |cable: usize| tensions[cable];
+        let tension = |k: usize| tensions[rod.chords[k].cable];
         for (a, pull) in pulls.iter_mut().enumerate() {
             *pull = Wrench { force: -force(a), moment: Vec3::ZERO };
         }
@@ -291,6 +303,15 @@ impl Stage {
         }
     }
 
+    /// Tension in N of a continuous cable at a point that it passes.
+    #[inline]
+    pub fn tension_at(&self, rod: &Rod, cable: usize, point: usize) -> f64 {
+        match self.passages.is_empty() {
+            true => self.tensions[cable],
+            false => self.passages[rod.first_passages[cable] + point],
+        }
+    }
+
     /// Velocity and its slope at a point of an element.
     #[inline]
     pub fn at_point(nodes: &[Twist], e: usize, k: usize, h: f64) -> (Twist, Twist) {
@@ -319,8 +340,11 @@ impl Stage {
         }
         let count = rod.cables.len();
         for i in 0..if rod.has_chords() { 0 } else { count } {
-            let tension = self.tensions[i];
-            if e >= rod.cables[i].elements || tension == 0.0 {
+            if e >= rod.cables[i].elements {
+                continue;
+            }
+            let tension = self.tension_at(rod, i, q);
+            if tension == 0.0 {
                 continue;
             }
             let crossing = &rod.crossings[q * count + i];

@@ -27,7 +27,7 @@ use whipcord_study::table::{Align, Table};
 /// Computes the motion of the Cosserat rod with its masses from [motion]: duration, steps, method, commands and loads
 /// over time, drag, a moving base, and the damping of [backbone.damping]. The folder gets motion.json (all states),
 /// motion.csv (a row for each state: tip, cables, energies) and poses.csv (a row for each node of each state).
-/// The summary is in mm, all else in SI units. Cables run along their routing, or straight from disk to disk with --model cosserat-disks. Friction of cables and movable objects are refused.
+/// The summary is in mm, all else in SI units. Cables run along their routing, or straight from disk to disk with --model cosserat-disks, with friction where they have some. Friction of the backbone and movable objects are refused.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// Robot file, or - for standard input

@@ -13,6 +13,7 @@ mod contact;
 mod drives;
 mod energy;
 mod free;
+mod friction;
 mod gradient;
 mod invariance;
 mod lengths;
