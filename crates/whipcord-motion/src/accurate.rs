@@ -3,9 +3,11 @@
 use whipcord_numerics::Twist;
 
 use crate::energy::Power;
+use crate::free_base::{FreeBase, exponent_rate};
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::rod::Rod;
-use crate::stage::{FreeBase, Scheme, Stage, exponent_rate};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 use crate::state::State;
 
 pub(crate) const STAGES: usize = 5;

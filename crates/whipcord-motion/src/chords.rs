@@ -9,17 +9,7 @@ use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 use crate::block::{Block, skew_times, times_skew};
 use crate::elimination::Pair;
 use crate::pose;
-use crate::rod::Rod;
-
-/// A straight piece of a cable between two disks, or from a disk to an anchor.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Chord {
-    pub cable: usize,
-    /// The nodes of its ends, the first of them nearer the base.
-    pub nodes: [usize; 2],
-    /// Its ends in the cross-sections of these nodes in m.
-    pub holes: [Vec3; 2],
-}
+use crate::rod::{Chord, Rod};
 
 /// A chord in a shape.
 struct Posed {
@@ -32,9 +22,8 @@ struct Posed {
 
 impl Chord {
     fn at(&self, poses: &[Pose]) -> Posed {
-        let ends = self.nodes.map(|node| poses[node]);
-        let levers = [0, 1].map(|i| ends[i].rotation.rotate(self.holes[i]));
-        let way = ends[1].position + levers[1] - ends[0].position - levers[0];
+        let levers = [0, 1].map(|i| poses[self.nodes[i]].rotation.rotate(self.holes[i]));
+        let way = self.way(poses);
         let length = way.norm();
         Posed { along: way * (1.0 / length), length, levers }
     }
@@ -42,11 +31,6 @@ impl Chord {
     /// Its direction from the base on.
     pub fn direction(&self, poses: &[Pose]) -> Vec3 {
         self.at(poses).along
-    }
-
-    /// Its length in m.
-    pub fn length(&self, poses: &[Pose]) -> f64 {
-        self.at(poses).length
     }
 
     /// Adds the gradient, by the places and turns of the nodes, of its direction times a vector across it.
@@ -91,16 +75,10 @@ impl Chord {
     }
 }
 
-/// Length in m of a cable.
-pub(crate) fn length(rod: &Rod, cable: usize, poses: &[Pose]) -> f64 {
-    let of_cable = rod.chords.iter().filter(|chord| chord.cable == cable);
-    of_cable.map(|chord| chord.at(poses).length).sum()
-}
-
 /// The sum of lengths times tensions in J, where each chord has its tension by its number.
 pub(crate) fn work(rod: &Rod, poses: &[Pose], tension: impl Fn(usize) -> f64) -> f64 {
     let chords = rod.chords.iter().enumerate();
-    chords.map(|(k, chord)| tension(k) * chord.at(poses).length).sum()
+    chords.map(|(k, chord)| tension(k) * chord.way(poses).norm()).sum()
 }
 
 /// Adds the gradient of the lengths, times tensions, by the places of the nodes and by their turns about themselves.

@@ -10,7 +10,8 @@ use crate::element::{NODES, POINTS};
 use crate::loads::NodeLoad;
 use crate::pose;
 use crate::rod::Rod;
-use crate::stage::{Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 use crate::surroundings::{Near, Posed, Station, Surroundings};
 
 /// A part of the robot near an obstacle, and the force between them.

@@ -7,8 +7,10 @@ use crate::element::POINTS;
 use crate::iteration::Mechanics;
 use crate::loads::NodeLoads;
 use crate::pose;
+use crate::pull::Pull;
 use crate::rod::Rod;
-use crate::stage::{Pull, Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 
 /// Kinetic energy, energy of the strains and potential of gravity in J.
 pub(crate) fn energies(

@@ -11,7 +11,7 @@ use crate::friction::tensions_of_answer;
 use crate::iteration::{Mechanics, Solver};
 use crate::options::LoadCourse;
 use crate::rod::Rod;
-use crate::stage::Scheme;
+use crate::scheme::Scheme;
 
 /// Iterations at most.
 const MOST: usize = 60;

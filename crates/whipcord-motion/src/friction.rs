@@ -10,8 +10,10 @@ use crate::block::{dot, transposed_bracket};
 use crate::chords;
 use crate::element::{POINTS, add_to_nodes};
 use crate::pose;
+use crate::pull::Pull;
 use crate::rod::Rod;
-use crate::stage::{Pull, Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 
 /// The holes of a robot in motion, and room for their equations.
 #[derive(Clone, Debug)]
@@ -299,7 +301,7 @@ fn angle(a: Vec3, b: Vec3) -> f64 {
 /// Length in m of a passage.
 fn length(rod: &Rod, p: usize, cable: usize, strains: &[Twist], poses: &[Pose]) -> f64 {
     if rod.has_chords() {
-        return rod.chords[p].length(poses);
+        return rod.chords[p].way(poses).norm();
     }
     let q = p - rod.first_passages[cable];
     rod.points[q].weight * rod.crossings[q * rod.cables.len() + cable].tangent(&strains[q]).norm()

@@ -12,8 +12,8 @@ use crate::iteration::Mechanics;
 use crate::options::{Initial, Method};
 use crate::parts::RHO;
 use crate::pose;
+use crate::scheme::Scheme;
 use crate::simulation::Simulation;
-use crate::stage::Scheme;
 use crate::state::State;
 
 /// A motion in steps, with what its gradients need.

@@ -9,8 +9,10 @@ use crate::chords;
 use crate::drives::{Drives, MotorWork};
 use crate::element::{POINTS, add_to_nodes};
 use crate::pose;
+use crate::pull::Pull;
 use crate::rod::Rod;
-use crate::stage::{Pull, Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 
 /// The cables that are driven by their lengths.
 #[derive(Clone, Debug, Default)]
@@ -189,7 +191,7 @@ impl Lengths {
         let tension =
             |of: usize| if rod.chords[of].cable == cable { 1.0 / scheme.place } else { 0.0 };
         chords::gradient(rod, strains, poses, tension, pulls, gradient);
-        let mut length = chords::length(rod, cable, poses);
+        let mut length = rod.straight_length(cable, poses);
         for (q, gradient) in gradient.iter().enumerate() {
             let (e, k) = (q / POINTS, q % POINTS);
             length += dot(gradient, &stage.lack[q]);

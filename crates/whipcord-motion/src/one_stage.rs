@@ -4,8 +4,8 @@ use whipcord_numerics::Twist;
 
 use crate::coefficients::OneStage;
 use crate::energy::Power;
+use crate::free_base::FreeBase;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
-use crate::stage::FreeBase;
 use crate::state::State;
 
 impl OneStage {

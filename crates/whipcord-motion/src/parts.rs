@@ -10,8 +10,8 @@ use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::lengths::Lengths;
 use crate::options::Method;
 use crate::pose;
+use crate::scheme::Scheme;
 use crate::simulation::Simulation;
-use crate::stage::Scheme;
 use crate::state::{CableMotion, MotorMotion, State};
 
 /// ρ of [`Method::Robust`].
@@ -422,7 +422,7 @@ impl Simulation {
             let commanded = self.command(commands, i, time, false);
             let line = self.rod.cables[i];
             let length = self.rod.cable_length(i, &self.next.strains, &self.solver.stage.poses);
-            let tension = if self.solver.friction.is_some() {
+            let tension = if by_length && self.solver.friction.is_some() {
                 self.next.holes.base[i]
             } else if by_length {
                 let stage = self.solver.stage.tensions[i];

@@ -6,12 +6,10 @@ use whipcord::{Disks, Loads, ModelKind, Robot, SolveError, straight_passages};
 use whipcord_numerics::{GAUSS_2, Mat3, Pose, Twist, Vec3};
 
 use crate::block::Block;
-use crate::chords::{self, Chord};
-use crate::element::{LOBATTO, PLACES, POINTS};
+use crate::element::{self, LOBATTO, PLACES, POINTS};
 use crate::error::MotionError;
 use crate::mesh;
 use crate::options::{Damping, MotionOptions};
-use crate::pose;
 
 /// A robot in quadratic elements. Element `e` has the nodes `2e`, `2e + 1` and `2e + 2`, and the points `2e` and `2e + 1`.
 #[derive(Clone, Debug)]
@@ -91,6 +89,25 @@ impl Crossing {
     #[inline]
     pub fn tangent(&self, strain: &Twist) -> Vec3 {
         strain.linear + strain.angular.cross(self.offset) + self.slope
+    }
+}
+
+/// A straight piece of a cable between two disks, or from a disk to an anchor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    pub cable: usize,
+    /// The nodes of its ends, the first of them nearer the base.
+    pub nodes: [usize; 2],
+    /// Its ends in the cross-sections of these nodes in m.
+    pub holes: [Vec3; 2],
+}
+
+impl Chord {
+    /// From its first end to the second, where the nodes have these poses.
+    #[inline]
+    pub fn way(&self, poses: &[Pose]) -> Vec3 {
+        let [near, far] = [0, 1].map(|i| poses[self.nodes[i]].transform(self.holes[i]));
+        far - near
     }
 }
 
@@ -275,11 +292,13 @@ impl Rod {
             let [start, end] = [pair[0], pair[1]].map(|s| self.node_at(s) / POINTS);
             self.span_starts[start..end].fill(start);
         }
-        let mut poses = vec![Pose::IDENTITY; self.nodes.len()];
-        let rest: Vec<Twist> = self.points.iter().map(|point| point.rest).collect();
-        pose::nodes(self, Pose::IDENTITY, &rest, &mut poses);
+        let mut poses = vec![Pose::IDENTITY];
+        for (&h, points) in self.lengths.iter().zip(self.points.chunks_exact(POINTS)) {
+            let rest = [points[0].rest, points[1].rest];
+            poses.extend(element::poses(poses[poses.len() - 1], &rest, h));
+        }
         for i in 0..robot.cables().len() {
-            let rest_length = chords::length(self, i, &poses);
+            let rest_length = self.straight_length(i, &poses);
             let of_cable = self.chords.iter().filter(|chord| chord.cable == i);
             let elements = of_cable.map(|chord| chord.nodes[1] / POINTS).max().unwrap_or(0);
             self.cables.push(CableLine {
@@ -289,6 +308,12 @@ impl Rod {
                 pretension: robot.pretension(i),
             });
         }
+    }
+
+    /// Length in m of a straight cable where the nodes have these poses.
+    pub fn straight_length(&self, cable: usize, poses: &[Pose]) -> f64 {
+        let of_cable = self.chords.iter().filter(|chord| chord.cable == cable);
+        of_cable.map(|chord| chord.way(poses).norm()).sum()
     }
 
     /// The cable of each passage.
@@ -308,7 +333,7 @@ impl Rod {
     /// Length in m of a cable for these strains, which give the nodes these poses.
     pub fn cable_length(&self, cable: usize, strains: &[Twist], poses: &[Pose]) -> f64 {
         if self.has_chords() {
-            return chords::length(self, cable, poses);
+            return self.straight_length(cable, poses);
         }
         let count = self.cables.len();
         (0..POINTS * self.cables[cable].elements)

@@ -7,41 +7,12 @@ use crate::block::{Block, dot, skew_times, times_skew, transposed_bracket};
 use crate::chords;
 use crate::element::{NODES, POINTS, SHAPES, SLOPES, add_to_nodes};
 use crate::elimination::Elimination;
+use crate::free_base::FreeBase;
 use crate::loads::{NodeLoad, NodeLoads};
 use crate::pose;
-use crate::rod::{Crossing, Rod};
-
-/// Which equations a stage has.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Scheme {
-    /// `g`: velocities and strains are those of the history plus this time in s times their rates.
-    pub g: f64,
-    /// What the change of a velocity times the mass is multiplied by: `1/g`, or 0 in statics.
-    pub inertia: f64,
-    /// What the change of a strain times the damping is multiplied by: `1/g`, or 0 in statics.
-    pub damping: f64,
-    /// Where the stage lies between the start (0) and the end (1) of the step; the end is extrapolated.
-    pub place: f64,
-    /// Whether tensions and dead forces act by the discrete gradients of lengths and heights from the start to the end of the step.
-    pub conserves: bool,
-}
-
-impl Scheme {
-    /// A stage that lies at the end of its step.
-    pub const fn at_end(g: f64) -> Self {
-        Self { g, inertia: 1.0 / g, damping: 1.0 / g, place: 1.0, conserves: false }
-    }
-
-    /// The strain at the end of the step, from those at its start and at the stage.
-    #[inline]
-    pub fn end(&self, start: Twist, strain: Twist) -> Twist {
-        start + (strain - start) * (1.0 / self.place)
-    }
-
-    /// Equilibrium: velocities are displacements.
-    pub const STATICS: Self =
-        Self { g: 1.0, inertia: 0.0, damping: 0.0, place: 1.0, conserves: false };
-}
+use crate::pull::Pull;
+use crate::rod::Rod;
+use crate::scheme::Scheme;
 
 /// Unknowns, history, residual and linearisation of a stage.
 #[derive(Clone, Debug)]
@@ -502,41 +473,6 @@ impl Stage {
     }
 }
 
-/// The pose of a free base at a stage: `start exp(θ)` with `θ = history + g dexp⁻¹(V)`, eq. (29).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FreeBase {
-    /// Pose at the start of the step.
-    pub start: Pose,
-    pub history: Twist,
-    pub g: f64,
-}
-
-impl FreeBase {
-    /// `θ`.
-    pub fn exponent(&self, velocity: Twist) -> Twist {
-        /// The exponent of a step is far below 1: each time it is known to a tenth of the difference before.
-        const TIMES: usize = 12;
-        let mut exponent = self.history + velocity * self.g;
-        for _ in 0..TIMES {
-            exponent = self.history + exponent_rate(exponent, velocity) * self.g;
-        }
-        exponent
-    }
-
-    /// The pose.
-    pub fn pose(&self, velocity: Twist) -> Pose {
-        self.start * Pose::exp(self.exponent(velocity))
-    }
-}
-
-/// The rate of θ for which `exp(θ)` has the velocity V in its own frame: `dexp⁻¹(−θ) V`, by its series up to the fourth order.
-pub(crate) fn exponent_rate(exponent: Twist, velocity: Twist) -> Twist {
-    let first = exponent.bracket(velocity);
-    let second = exponent.bracket(first);
-    let fourth = exponent.bracket(exponent.bracket(second));
-    velocity + first * 0.5 + second * (1.0 / 12.0) - fourth * (1.0 / 720.0)
-}
-
 /// `E⁻¹`, with `E = I + g ad_V`.
 struct Transport {
     turn: Vec3,
@@ -575,55 +511,6 @@ impl Transport {
     fn matrix(&self) -> Mat3 {
         let a = self.turn;
         (Mat3::outer(a, a) - Mat3::skew(a)).plus_identity() * self.scale
-    }
-}
-
-/// How a cable pulls at a section.
-pub(crate) struct Pull {
-    /// `t`.
-    direction: Vec3,
-    /// `∂t/∂p′`.
-    change: Mat3,
-}
-
-impl Pull {
-    #[inline]
-    pub fn new(crossing: &Crossing, strain: &Twist, start: &Twist, scheme: &Scheme) -> Self {
-        if !scheme.conserves {
-            let tangent = crossing.tangent(strain);
-            let inverse = 1.0 / tangent.norm();
-            let direction = tangent * inverse;
-            let change = (Mat3::IDENTITY - Mat3::outer(direction, direction)) * inverse;
-            return Self { direction, change };
-        }
-        // (a + b)/(|a| + |b|) of the tangents at start and end, eq. (16).
-        let before = crossing.tangent(start);
-        let end = scheme.end(*start, *strain);
-        let after = crossing.tangent(&end);
-        let (from, to) = (before.norm(), after.norm());
-        let inverse = 1.0 / (from + to);
-        let direction = (before + after) * inverse;
-        let change = (Mat3::IDENTITY - Mat3::outer(direction, after * (1.0 / to)))
-            * (inverse / scheme.place);
-        Self { direction, change }
-    }
-
-    /// `(t, r × t)`.
-    #[inline]
-    pub fn wrench(&self, crossing: &Crossing) -> Twist {
-        Twist { linear: self.direction, angular: crossing.offset.cross(self.direction) }
-    }
-
-    /// Adds `τ JᵀPJ` with `J = [I, −r̂]`.
-    #[inline]
-    fn add_stiffness(&self, crossing: &Crossing, tension: f64, stiffness: &mut Block) {
-        let p = self.change * tension;
-        let r = crossing.offset;
-        let right = times_skew(&p, r);
-        stiffness.a += p;
-        stiffness.b += -right;
-        stiffness.c += skew_times(r, &p);
-        stiffness.d += -skew_times(r, &right);
     }
 }
 

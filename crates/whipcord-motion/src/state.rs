@@ -169,7 +169,7 @@ impl State {
         self.poses.last().copied().unwrap_or_default()
     }
 
-    /// Tension in N of each passage of a cable from the base on; empty where no cable has friction.
+    /// Tension in N of each passage of a cable from the base on, as it acted in the last step; empty where no cable has friction.
     #[must_use]
     pub fn passage_tensions(&self, cable: usize) -> &[f64] {
         match (self.first_passages.get(cable), self.first_passages.get(cable + 1)) {

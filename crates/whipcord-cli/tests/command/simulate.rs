@@ -308,3 +308,23 @@ fn a_film_may_be_webm() {
     assert!(said.contains("install ffmpeg") && said.contains(".png"), "{said}");
     assert!(fail(2, &["simulate", ARM, "--out", &out, "--film", "swing.gif"]).contains("webm"));
 }
+
+/// With friction the tension falls from hole to hole while the cable is pulled, and the summary has what is lost.
+#[test]
+fn a_cable_with_friction_loses_tension_on_its_way() {
+    let ramp = "motion.commands=[{ cable = \"left\", tension = [[0, 0], [\"0.1 s\", \"3 N\"]] }]";
+    let mut args = vec!["simulate", ARM, "--set", "motion.duration=\"0.1 s\"", "--set", ramp];
+    args.extend(["--set", "cables.left.friction=0.4", "--json"]);
+    for model in ["cosserat", "cosserat-disks"] {
+        let args = [&args[..], &["--model", model]].concat();
+        let json: Value = serde_json::from_str(&succeed(&args)).unwrap();
+        let last = json["states"].as_array().unwrap().last().unwrap();
+        let cable = &last["cables"][0];
+        assert!((number(&cable["tension"]) - 3.0).abs() < 1e-9);
+        let along: Vec<f64> =
+            cable["passage_tensions"].as_array().unwrap().iter().map(number).collect();
+        assert!(along.len() >= 6 && along[0] > along[along.len() - 1] + 0.01, "{along:?}");
+        assert!(along.windows(2).all(|pair| pair[1] <= pair[0] + 1e-9), "{along:?}");
+        assert!(number(&last["energy"]["dissipated"]) > 0.0);
+    }
+}
