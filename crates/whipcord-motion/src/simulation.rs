@@ -76,7 +76,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`MotionError`] where the case does not fit the robot, the robot has no mass or no stiffness, a part of robot or case has no dynamics
-    /// here (friction, movable objects), or there is no equilibrium to start from.
+    /// here (friction of the backbone, movable objects), or there is no equilibrium to start from.
     pub fn new(robot: &Robot, case: &Case, options: MotionOptions) -> Result<Self, MotionError> {
         let commands = Commands::of_case(robot, case);
         Self::with_commands(robot, case, &commands, options)
