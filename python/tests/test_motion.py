@@ -337,3 +337,34 @@ def test_a_motor_with_inertia_overshoots_and_goes_on_from_where_it_was() -> None
     assert on.motor_velocity[0, 0] == pytest.approx(motion.motor_velocity[-1, 0])
     assert on.motor_integral[0, 0] == pytest.approx(motion.motor_integral[-1, 0])
     assert {"position:m", "rate:m", "effort:m"} <= set(motion._columns())
+
+
+def test_cables_straight_between_disks_and_with_friction(arm: whipcord.Case, tmp_path: Path) -> None:
+    ramp = {"left": [(0, 0), (0.1, 3)]}
+    smooth = arm.simulate(0.1, tension=ramp, initial="rest")
+    straight = arm.simulate(0.1, tension=ramp, initial="rest", model="cosserat-disks")
+    assert 1e-6 < np.linalg.norm(smooth.tip[-1] - straight.tip[-1]) < 5e-3
+    frequencies = [arm.modes(1, model=model).frequency[0] for model in (None, "cosserat-disks")]
+    assert frequencies[0] == pytest.approx(frequencies[1], rel=0.05)
+    text = Path(ARM).read_text().replace('name = "left"', 'name = "left"\nfriction = 0.4')
+    (tmp_path / "rubs.toml").write_text(text)
+    rubs = whipcord.load(tmp_path / "rubs.toml").simulate(0.1, tension=ramp, initial="rest", model="cosserat-disks")
+    assert abs(rubs.tip[-1, 0]) < abs(straight.tip[-1, 0])
+    assert rubs.energy["dissipated"][-1] > 0
+    with pytest.raises(InputError, match="friction"):
+        whipcord.load(tmp_path / "rubs.toml").modes()
+
+
+def test_a_free_base(arm: whipcord.Case) -> None:
+    free = whipcord.Simulation(arm, base={"free": True}, initial="rest", tension={"left": 0.0})
+    start = free.position.copy()
+    for _ in range(10):
+        free.step(0.01)
+    fallen = free.position - start
+    # Gravity pulls from the base to the tip.
+    np.testing.assert_allclose(fallen[:, 2], 0.5 * 9.81 * 0.01, atol=1e-9)
+    np.testing.assert_allclose(free.momentum[:2], 0, atol=1e-12)
+    np.testing.assert_allclose(free.angular_momentum, 0, atol=1e-9)
+    np.testing.assert_allclose(free.base_wrench, 0)
+    with pytest.raises(InputError, match=r"motion\.base"):
+        free.linearize()

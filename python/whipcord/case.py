@@ -592,6 +592,7 @@ class Case(Description):
         *,
         step: Quantity | None = None,
         every: Quantity | None = None,
+        model: Literal["cosserat", "cosserat-disks"] | None = None,
         method: str | None = None,
         tolerance: Quantity | None = None,
         initial: str | State | Motion | None = None,
@@ -617,6 +618,8 @@ class Case(Description):
             Length of a step in s; by default 10 ms.
         every
             Time in s between two states of the result; by default a step.
+        model
+            How cables run: ``"cosserat"``, along their routing (default), or ``"cosserat-disks"``, straight from disk to disk.
         method
             ``"accurate"``, ``"energy"`` or ``"robust"``.
         tolerance
@@ -632,7 +635,7 @@ class Case(Description):
             Viscous drag of the surroundings on the backbone in N·s/m², ``across`` and ``along`` it; one value is that of both.
         base
             How the base moves: ``velocity`` in m/s along and ``angular_velocity`` in rad/s about its own axes, each three values, rows or functions
-            as for ``tension``; or ``csv``, the path of a table with its poses over time.
+            as for ``tension``; ``csv``, the path of a table with its poses over time; or ``free``, True where nothing holds it.
         tension
             Tensions in N over time: one for each cable in order, None for a cable that keeps its command, or by their names. Each is a value;
             rows of times in s and values, with straight lines between them and a jump at a time that is there twice; or a function
@@ -672,6 +675,7 @@ class Case(Description):
             timeout,
             step=step,
             every=every,
+            model=model,
             method=method,
             tolerance=tolerance,
             initial=initial,
@@ -686,7 +690,9 @@ class Case(Description):
         )
 
     @suggests
-    def modes(self, count: int = 6, *, time: Quantity | None = None) -> Modes:
+    def modes(
+        self, count: int = 6, *, time: Quantity | None = None, model: Literal["cosserat", "cosserat-disks"] | None = None
+    ) -> Modes:
         """Natural frequencies, damping ratios and shapes of the vibrations about the equilibrium of the case.
 
         Parameters
@@ -695,6 +701,8 @@ class Case(Description):
             How many, from the lowest frequency on.
         time
             Time in s whose commands and loads of ``[motion]`` act; by default those of the case.
+        model
+            How cables run: ``"cosserat"``, along their routing (default), or ``"cosserat-disks"``, straight from disk to disk.
 
         Examples
         --------
@@ -702,7 +710,7 @@ class Case(Description):
         >>> bool(abs(modes.frequency[1] / modes.frequency[0] - 1) < 1e-6)
         True
         """
-        return simulating.modes(self, count, time)
+        return simulating.modes(self, count, time, model)
 
     @suggests
     def linearize(self) -> Linearized:

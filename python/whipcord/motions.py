@@ -94,7 +94,7 @@ class Motions:
     method
         ``"accurate"`` or ``"robust"``; steps with cables that are driven by their lengths are taken by ``"robust"``. ``"energy"`` has
         motions but no gradients.
-    initial, elements, damping, drag, base, loads
+    model, initial, elements, damping, drag, base, loads
         As for :meth:`whipcord.Case.simulate`; courses over time are values or rows.
 
     Examples
@@ -122,6 +122,7 @@ class Motions:
         dt: Quantity,
         *,
         actuation: Actuation = "tension",
+        model: Literal["cosserat", "cosserat-disks"] | None = None,
         method: str | None = None,
         initial: str | State | Motion | None = None,
         elements: int | None = None,
@@ -136,6 +137,7 @@ class Motions:
         step = step_length(dt)
         setup = setup_of(
             case,
+            model=model,
             method=method,
             initial=initial,
             elements=elements,

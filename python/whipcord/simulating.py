@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -284,7 +284,7 @@ class Simulation:
     case
         Robot, loads and base, and the commands to start from. What ``[motion]`` of its file says holds, too: its commands stay in
         force until :meth:`step` gets others.
-    method, tolerance, initial, elements, damping, drag, base, tension, shortening, motors, loads
+    model, method, tolerance, initial, elements, damping, drag, base, tension, shortening, motors, loads
         As for :meth:`whipcord.Case.simulate`; commands are values or rows of times and values.
 
     Examples
@@ -309,6 +309,7 @@ class Simulation:
         self,
         case: Case,
         *,
+        model: Literal["cosserat", "cosserat-disks"] | None = None,
         method: str | None = None,
         tolerance: Quantity | None = None,
         initial: str | State | Motion | None = None,
@@ -323,6 +324,7 @@ class Simulation:
     ) -> None:
         setup = setup_of(
             case,
+            model=model,
             method=method,
             tolerance=tolerance,
             initial=initial,
@@ -465,6 +467,11 @@ class Simulation:
         return np.array(self._inner.momentum())
 
     @property
+    def angular_momentum(self) -> Array:
+        """(3,) angular momentum in kg·m²/s about the origin of the world."""
+        return np.array(self._inner.angular_momentum())
+
+    @property
     def base_wrench(self) -> Array:
         """(6,) force in N and moment in N·m about the base that the base exerts on robot and cables, in the world."""
         return np.array(self._inner.base_wrench())
@@ -507,10 +514,11 @@ def simulate(
     raise failed
 
 
-def modes(case: Case, count: int, time: Quantity | None) -> Modes:
+def modes(case: Case, count: int, time: Quantity | None, model: str | None) -> Modes:
     """See :meth:`whipcord.Case.modes`."""
     at = None if time is None else in_si(time, "time", "time")
-    return Modes(**_core.modes(case._setup, _count(count), at))
+    setup = case._setup if model is None else setup_of(case, model=model)
+    return Modes(**_core.modes(setup, _count(count), at))
 
 
 def step_length(dt: Quantity) -> float:
@@ -534,6 +542,7 @@ def setup_of(
     duration: Quantity | None = None,
     step: Quantity | None = None,
     every: Quantity | None = None,
+    model: str | None = None,
     method: str | None = None,
     tolerance: Quantity | None = None,
     initial: str | State | Motion | None = None,
@@ -552,6 +561,7 @@ def setup_of(
     given = {
         "duration": positive(duration, "duration", "time"),
         "step": positive(step, "step", "time"),
+        "model": model,
         "method": method,
         "tolerance": positive(tolerance, "tolerance", "length"),
         "initial": initial if initial is None or isinstance(initial, str) else _kept(initial),
@@ -577,7 +587,7 @@ def setup_of(
         motion["commands"] = commands
     if base is not None:
         motion["base"] = {
-            key: value if isinstance(value, str) else [times.of(of, f"base: {key}") for of in value]
+            key: value if isinstance(value, (str, bool)) else [times.of(of, f"base: {key}") for of in value]
             for key, value in plain(base).items()
         }
     if loads is not None:

@@ -3,9 +3,11 @@
 use whipcord_numerics::Twist;
 
 use crate::energy::Power;
+use crate::free_base::{FreeBase, exponent_rate};
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::rod::Rod;
-use crate::stage::{Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 use crate::state::State;
 
 pub(crate) const STAGES: usize = 5;
@@ -35,6 +37,8 @@ const PREDICTED: [(usize, usize, f64); STAGES] =
 pub(crate) struct Accurate {
     velocities: [Vec<Twist>; STAGES],
     strains: [Vec<Twist>; STAGES],
+    /// Of the exponent of the pose of a free base.
+    base: [Twist; STAGES],
     /// Difference of the strains at the end to those of the embedded method.
     pub error: Vec<Twist>,
 }
@@ -45,6 +49,7 @@ impl Accurate {
         Self {
             velocities: list(rod.nodes.len()),
             strains: list(rod.points.len()),
+            base: [Twist::default(); STAGES],
             error: vec![Twist::default(); rod.points.len()],
         }
     }
@@ -60,7 +65,7 @@ impl Accurate {
         control: &Control,
         tensions: impl Fn(f64, &mut [f64]),
     ) -> Result<Power, Stalled> {
-        let Mechanics { rod, loads } = mechanics;
+        let loads = mechanics.loads;
         let scheme = Scheme::at_end(GAMMA * h);
         solver.is_linearised = false;
         let mut work = Power::default();
@@ -99,12 +104,23 @@ impl Accurate {
                 let (a, b) = (&self.strains[first], &self.strains[second]);
                 predict(&mut stage.strains, &stage.strain_history, a, b);
             }
-            stage.move_base(loads, from.base, from.time, C[i] * h);
+            let weighted = self.base.iter().zip(&A[i][..i]);
+            let history = weighted.fold(Twist::default(), |sum, (rate, a)| sum + *rate * (h * a));
+            if loads.has_free_base {
+                stage.free_base = Some(FreeBase { start: from.base, history, g: scheme.g });
+            } else {
+                stage.move_base(loads, from.base, from.time, C[i] * h);
+            }
             solver.solve(mechanics, &scheme, control)?;
-            let stage = &solver.stage;
+            let stage = &mut solver.stage;
+            if let Some(free) = stage.free_base {
+                let velocity = stage.velocities[0];
+                stage.base = free.pose(velocity);
+                self.base[i] = exponent_rate(free.exponent(velocity), velocity);
+            }
             rates(&mut self.velocities[i], &stage.velocities, &stage.velocity_history, scheme.g);
             rates(&mut self.strains[i], &stage.strains, &stage.strain_history, scheme.g);
-            work.add(h * A[STAGES - 1][i], &Power::at(rod, stage, &scheme, solver.drag));
+            work.add(h * A[STAGES - 1][i], &Power::at(mechanics, stage, &scheme, solver.drag));
         }
         for (q, error) in self.error.iter_mut().enumerate() {
             *error = Twist::default();

@@ -8,8 +8,10 @@ use crate::block::dot;
 use crate::element::{POINTS, add_to_nodes};
 use crate::iteration::{Mechanics, Solver};
 use crate::pose;
+use crate::pull::Pull;
 use crate::rod::Rod;
-use crate::stage::{Pull, Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 
 /// Corrections of dead loads at most.
 const MOST_CORRECTIONS: usize = 60;

@@ -20,6 +20,17 @@ impl Simulation {
         })
     }
 
+    /// Angular momentum in kg·m²/s about the origin of the world.
+    #[must_use]
+    pub fn angular_momentum(&self) -> Vec3 {
+        let nodes = self.rod.nodes.iter().zip(&self.state.velocities).zip(&self.state.poses);
+        nodes.fold(Vec3::ZERO, |sum, ((node, velocity), pose)| {
+            let momentum = pose.rotation.rotate(velocity.linear) * node.mass;
+            let spin = node.inertia.scale(velocity.angular);
+            sum + pose.position.cross(momentum) + pose.rotation.rotate(spin)
+        })
+    }
+
     /// The lowest natural vibrations about the shape of the state, which should be an equilibrium, from the lowest squared frequency on.
     /// Cables that commands drive by their lengths and that are taut are held at these; the others keep their tensions.
     ///
@@ -28,6 +39,8 @@ impl Simulation {
     /// [`MotionError::Unsupported`] where the robot touches an obstacle.
     pub fn modes(&mut self, commands: &Commands, count: usize) -> Result<Vec<Mode>, MotionError> {
         commands.check(&self.robot)?;
+        self.refuse_free_base("natural vibrations of a robot whose base is free")?;
+        self.refuse_friction("natural vibrations of a robot whose cables have friction")?;
         self.refuse_contact("natural vibrations of a robot that touches an obstacle")?;
         self.take_stage();
         let is_held =
@@ -57,12 +70,30 @@ impl Simulation {
     /// # Errors
     /// [`MotionError::Unsupported`] where the robot touches an obstacle: its motion is not smooth there.
     pub fn linearize(&mut self) -> Result<Linearized, MotionError> {
+        self.refuse_free_base("the linearisation of a motion with a free base")?;
+        self.refuse_friction("the linearisation of a motion with friction of cables")?;
         self.refuse_contact("the linearisation of a motion in contact")?;
         self.take_stage();
         let Self { rod, loads, solver, state, .. } = self;
         let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();
         let mut rates = Rates::new(rod, loads, solver, state.time);
         Ok(rates.linearized(&state.velocities, &state.strains, &tensions))
+    }
+
+    fn refuse_free_base(&self, what: &'static str) -> Result<(), MotionError> {
+        if !self.options.has_free_base {
+            return Ok(());
+        }
+        let advice = "hold the base: leave out `free` in [motion.base]";
+        Err(MotionError::Unsupported { path: "motion.base.free".to_owned(), what, advice })
+    }
+
+    fn refuse_friction(&self, what: &'static str) -> Result<(), MotionError> {
+        if self.solver.friction.is_none() {
+            return Ok(());
+        }
+        let advice = "leave the friction out: whether cables stick or slide decides";
+        Err(MotionError::Unsupported { path: "cables.friction".to_owned(), what, advice })
     }
 
     fn refuse_contact(&self, what: &'static str) -> Result<(), MotionError> {
@@ -86,6 +117,7 @@ impl Simulation {
         for (tension, cable) in stage.tensions.iter_mut().zip(&state.cables) {
             *tension = cable.tension;
         }
+        stage.passages.clone_from(&state.holes.tensions);
         loads.at(state.time, &mut stage.loads);
         // What obstacles push with is a load of the state.
         for contact in &state.contacts {
@@ -94,9 +126,12 @@ impl Simulation {
     }
 
     /// Force in N and moment about the base in N·m that the base exerts on robot and cables, in the world: the cables leave the robot through the base.
-    /// What is fixed to the base itself has its weight here, but no inertia.
+    /// What is fixed to the base itself has its weight here, but no inertia. A base that is free exerts nothing.
     #[must_use]
     pub fn base_wrench(&mut self) -> Wrench {
+        if self.options.has_free_base {
+            return Wrench::default();
+        }
         self.take_stage();
         let Self { rod, loads, solver, state, base, .. } = self;
         let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();

@@ -1,7 +1,7 @@
 //! Coefficients of the methods with one stage a step: the midpoint rule with discrete gradients, and the generalised-α method for equations of first order
 //! (Jansen, Whiting and Hulbert, Comput. Methods Appl. Mech. Engrg. 190, 2000).
 
-use crate::stage::Scheme;
+use crate::scheme::Scheme;
 use crate::state::State;
 
 /// Rates of a step say nothing of one that is longer by more than this: they are those of faster vibrations.

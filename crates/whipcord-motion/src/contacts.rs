@@ -10,7 +10,8 @@ use crate::element::{NODES, POINTS};
 use crate::loads::NodeLoad;
 use crate::pose;
 use crate::rod::Rod;
-use crate::stage::{Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 use crate::surroundings::{Near, Posed, Station, Surroundings};
 
 /// A part of the robot near an obstacle, and the force between them.
@@ -225,7 +226,7 @@ impl Contacts {
             *out = *lack * (1.0 / scheme.place);
         }
         let Self { poses, lack, shifts, .. } = self;
-        pose::displacements(rod, poses, lack, |node, shift| shifts[node] = shift);
+        pose::displacements(rod, poses, lack, |node, _, shift| shifts[node] = shift);
     }
 
     /// Fills column and row of a line of a contact; returns its gap or slip at the end of the step with what its strains lack.

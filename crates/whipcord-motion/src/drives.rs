@@ -5,7 +5,7 @@ use whipcord::{Motor, MotorDynamics, Robot};
 
 use crate::coefficients::OneStage;
 use crate::commands::Commands;
-use crate::stage::Scheme;
+use crate::scheme::Scheme;
 use crate::state::MotorMotion;
 
 /// The motors with inertia of a robot, in one stage.

@@ -1,5 +1,5 @@
-//! Block elimination of the linear system of a stage: the middle nodes element by element, then a block-tridiagonal system of the ends. The node
-//! at the base is held.
+//! Block elimination of the linear system of a stage: the middle nodes element by element, then the ends within spans of elements whose ends are linked, then a
+//! block-tridiagonal system of the ends of spans.
 
 use whipcord_numerics::Twist;
 
@@ -9,141 +9,194 @@ use crate::element::NODES;
 /// The matrix of one element: `[a][b]` are the rows of node `a` and the columns of node `b`.
 pub(crate) type ElementMatrix = [[Block; NODES]; NODES];
 
-/// The matrix in elements, and its factors in their place.
+/// The matrix in elements with links between their ends, and its factors.
+///
+/// The middle of each element is eliminated first, then the ends within each span from its start on, and at last the starts of the spans from base to tip. Where nothing
+/// links ends beyond an element, each element is a span of its own.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Elimination {
-    /// Matrices of the elements, whose sum is the matrix of all nodes.
+    /// Matrices of the elements, whose sum with the links is the matrix of all nodes.
     pub elements: Vec<ElementMatrix>,
-    /// Of each element, behind the factorisation.
-    factors: Vec<Factors>,
+    /// What links the right end of each element with the start of its span beside the elements: rows and columns of both in this order. Empty where nothing does.
+    pub links: Vec<Pair>,
+    /// For each element the number of the element whose left end is the start of its span.
+    span_starts: Vec<usize>,
+    /// Whether the base is held: its rows and columns are left out.
+    holds_base: bool,
+    /// The nodes in the order in which they are eliminated.
+    pivots: Vec<Pivot>,
 }
 
-/// What is left of an element.
+/// A node that is eliminated from the rows of its neighbours.
 #[derive(Clone, Copy, Debug, Default)]
-struct Factors {
-    /// Inverse of the middle's block.
-    middle: Block,
-    /// The rows of both ends in the column of the middle, times that inverse.
-    to_ends: [Block; 2],
-    /// Inverse of the block of the right end, after all that comes before.
-    end: Block,
-    /// The row of the right end in the column of the left one, times the inverse of that one's block.
-    from_left: Block,
+struct Pivot {
+    node: usize,
+    /// The nodes that it was connected with when it was eliminated.
+    neighbours: [Option<usize>; 2],
+    inverse: Block,
+    /// Its row in their columns.
+    rows: [Block; 2],
+    /// Their rows in its column, times the inverse.
+    multipliers: [Block; 2],
 }
+
+/// What connects two nodes, rows and columns of both.
+pub(crate) type Pair = [[Block; 2]; 2];
 
 /// The matrix cannot be factored: a block of this node is singular.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SingularNode;
 
+impl Pivot {
+    /// Eliminates a node with this block from both neighbours, whose blocks and connections are `pair`; `rows` is its row in their columns and `columns` their
+    /// rows in its column.
+    #[inline]
+    fn new(
+        node: usize,
+        neighbours: [Option<usize>; 2],
+        block: &Block,
+        [rows, columns]: Pair,
+        pair: &mut Pair,
+    ) -> Result<Self, SingularNode> {
+        let inverse = block.inverse().ok_or(SingularNode)?;
+        let mut multipliers = [Block::default(); 2];
+        for i in 0..2 {
+            if neighbours[i].is_none() {
+                continue;
+            }
+            multipliers[i] = columns[i].times(&inverse);
+            for j in 0..2 {
+                if neighbours[j].is_some() {
+                    pair[i][j].subtract_product(&multipliers[i], &rows[j]);
+                }
+            }
+        }
+        Ok(Self { node, neighbours, inverse, rows, multipliers })
+    }
+}
+
 impl Elimination {
-    pub fn new(elements: usize) -> Self {
+    /// A matrix for elements whose spans start at the left ends of these elements. With `is_linked` there may be links.
+    pub fn new(span_starts: &[usize], is_linked: bool, holds_base: bool) -> Self {
+        let elements = span_starts.len();
         Self {
             elements: vec![ElementMatrix::default(); elements],
-            factors: vec![Factors::default(); elements],
+            links: vec![Pair::default(); if is_linked { elements } else { 0 }],
+            span_starts: span_starts.to_vec(),
+            holds_base,
+            pivots: Vec::with_capacity(2 * elements + 1),
         }
+    }
+
+    /// Holds the base from now on, or lets it go.
+    pub const fn hold_base(&mut self, holds: bool) {
+        self.holds_base = holds;
+    }
+
+    /// Whether the base is held.
+    pub const fn holds_base(&self) -> bool {
+        self.holds_base
     }
 
     /// Factors the matrix.
     pub fn factor(&mut self) -> Result<(), SingularNode> {
-        let mut left: Option<Block> = None;
-        for e in 0..self.elements.len() {
-            let matrix = &mut self.elements[e];
-            let factors = &mut self.factors[e];
-            factors.middle = matrix[1][1].inverse().ok_or(SingularNode)?;
-            for (row, end) in [(0, 0), (2, 1)] {
-                // Nothing is eliminated from the row of the base, which is held.
-                if row == 0 && e == 0 {
-                    continue;
-                }
-                let multiplier = matrix[row][1].times(&factors.middle);
-                for column in [0, 2] {
-                    if column == 0 && e == 0 {
-                        continue;
-                    }
-                    let above = matrix[1][column];
-                    matrix[row][column].subtract_product(&multiplier, &above);
-                }
-                factors.to_ends[end] = multiplier;
+        let Self { elements, links, span_starts, holds_base, pivots } = self;
+        let free = |node: usize| (node > 0 || !*holds_base).then_some(node);
+        pivots.clear();
+        // Of the end that is reached, after all that comes before its span.
+        let mut reached: Option<Block> = None;
+        // The span up to the end that is reached.
+        let mut span = Pair::default();
+        let zero = Block::default();
+        for (e, matrix) in elements.iter().enumerate() {
+            let [left, middle, right] = [2 * e, 2 * e + 1, 2 * e + 2];
+            let mut pair = [[matrix[0][0], matrix[0][2]], [matrix[2][0], matrix[2][2]]];
+            let around = [[matrix[1][0], matrix[1][2]], [matrix[0][1], matrix[2][1]]];
+            let ends = [free(left), Some(right)];
+            pivots.push(Pivot::new(middle, ends, &matrix[1][1], around, &mut pair)?);
+            let start = 2 * span_starts[e];
+            if start == left {
+                span = pair;
+            } else {
+                let block = span[1][1].plus(&pair[0][0]);
+                let around = [[span[1][0], pair[0][1]], [span[0][1], pair[1][0]]];
+                let mut longer = [[span[0][0], zero], [zero, pair[1][1]]];
+                let ends = [free(start), Some(right)];
+                pivots.push(Pivot::new(left, ends, &block, around, &mut longer)?);
+                span = longer;
             }
-            let mut pivot = matrix[2][2];
-            if let Some(before) = left {
-                // The block of the left end is the sum of both elements that meet there.
-                let inverse = before.plus(&matrix[0][0]).inverse().ok_or(SingularNode)?;
-                self.factors[e - 1].end = inverse;
-                let matrix = &self.elements[e];
-                let multiplier = matrix[2][0].times(&inverse);
-                pivot.subtract_product(&multiplier, &matrix[0][2]);
-                self.factors[e].from_left = multiplier;
+            if let Some(link) = links.get(e) {
+                for (of_span, of_link) in
+                    span.as_flattened_mut().iter_mut().zip(link.as_flattened())
+                {
+                    *of_span = of_span.plus(of_link);
+                }
             }
-            left = Some(pivot);
+            if span_starts.get(e + 1).is_some_and(|next| *next != e + 1) {
+                continue;
+            }
+            let mut end = span;
+            if let Some(start) = free(start) {
+                let block = reached.map_or(span[0][0], |before| before.plus(&span[0][0]));
+                let around = [[zero, span[0][1]], [zero, span[1][0]]];
+                pivots.push(Pivot::new(start, [None, Some(right)], &block, around, &mut end)?);
+            }
+            reached = Some(end[1][1]);
         }
-        if let (Some(last), Some(factors)) = (left, self.factors.last_mut()) {
-            factors.end = last.inverse().ok_or(SingularNode)?;
+        if let Some(block) = reached {
+            let around = [[zero; 2]; 2];
+            let tip = 2 * elements.len();
+            pivots.push(Pivot::new(tip, [None, None], &block, around, &mut span)?);
         }
         Ok(())
     }
 
-    /// Overwrites a right-hand side, one twist for each node, by the solution; that of the base is zero.
+    /// Overwrites a right-hand side, one twist for each node, by the solution; that of a base that is held is zero.
     pub fn solve(&self, x: &mut [Twist]) {
-        let less = |a: Twist, b: Twist| a - b;
-        x[0] = Twist::default();
-        for (e, factors) in self.factors.iter().enumerate() {
-            let middle = x[2 * e + 1];
-            if e > 0 {
-                x[2 * e] = less(x[2 * e], factors.to_ends[0].apply(&middle));
-            }
-            x[2 * e + 2] = less(x[2 * e + 2], factors.to_ends[1].apply(&middle));
-            if e > 0 {
-                let left = x[2 * e];
-                x[2 * e + 2] = less(x[2 * e + 2], factors.from_left.apply(&left));
+        if self.holds_base {
+            x[0] = Twist::default();
+        }
+        for pivot in &self.pivots {
+            let known = x[pivot.node];
+            for (neighbour, multiplier) in pivot.neighbours.into_iter().zip(&pivot.multipliers) {
+                if let Some(k) = neighbour {
+                    x[k] = x[k] - multiplier.apply(&known);
+                }
             }
         }
-        for (e, factors) in self.factors.iter().enumerate().rev() {
-            let mut right = x[2 * e + 2];
-            if let Some(next) = self.elements.get(e + 1) {
-                right = less(right, next[0][2].apply(&x[2 * e + 4]));
+        for pivot in self.pivots.iter().rev() {
+            let mut sum = x[pivot.node];
+            for (neighbour, row) in pivot.neighbours.into_iter().zip(&pivot.rows) {
+                if let Some(k) = neighbour {
+                    sum = sum - row.apply(&x[k]);
+                }
             }
-            x[2 * e + 2] = factors.end.apply(&right);
-        }
-        for (e, factors) in self.factors.iter().enumerate() {
-            let matrix = &self.elements[e];
-            let mut middle = less(x[2 * e + 1], matrix[1][2].apply(&x[2 * e + 2]));
-            if e > 0 {
-                middle = less(middle, matrix[1][0].apply(&x[2 * e]));
-            }
-            x[2 * e + 1] = factors.middle.apply(&middle);
+            x[pivot.node] = pivot.inverse.apply(&sum);
         }
     }
 
     /// The same with the transposed matrix: first with that of the upper factor, then with that of the lower one.
     pub fn solve_transposed(&self, x: &mut [Twist]) {
-        x[0] = Twist::default();
-        for (e, factors) in self.factors.iter().enumerate() {
-            x[2 * e + 1] = factors.middle.apply_transposed(&x[2 * e + 1]);
+        if self.holds_base {
+            x[0] = Twist::default();
         }
-        for (e, factors) in self.factors.iter().enumerate() {
-            let matrix = &self.elements[e];
-            let mut right = x[2 * e + 2] - matrix[1][2].apply_transposed(&x[2 * e + 1]);
-            if let Some(next) = self.elements.get(e + 1) {
-                right = right - next[1][0].apply_transposed(&x[2 * e + 3]);
-            }
-            if e > 0 {
-                right = right - matrix[0][2].apply_transposed(&x[2 * e]);
-            }
-            x[2 * e + 2] = factors.end.apply_transposed(&right);
-        }
-        for (e, factors) in self.factors.iter().enumerate().rev() {
-            let right = x[2 * e + 2];
-            if e > 0 {
-                x[2 * e] = x[2 * e] - factors.from_left.apply_transposed(&right);
+        for pivot in &self.pivots {
+            let known = pivot.inverse.apply_transposed(&x[pivot.node]);
+            x[pivot.node] = known;
+            for (neighbour, row) in pivot.neighbours.into_iter().zip(&pivot.rows) {
+                if let Some(k) = neighbour {
+                    x[k] = x[k] - row.apply_transposed(&known);
+                }
             }
         }
-        for (e, factors) in self.factors.iter().enumerate() {
-            let mut middle = x[2 * e + 1] - factors.to_ends[1].apply_transposed(&x[2 * e + 2]);
-            if e > 0 {
-                middle = middle - factors.to_ends[0].apply_transposed(&x[2 * e]);
+        for pivot in self.pivots.iter().rev() {
+            let mut sum = x[pivot.node];
+            for (neighbour, multiplier) in pivot.neighbours.into_iter().zip(&pivot.multipliers) {
+                if let Some(k) = neighbour {
+                    sum = sum - multiplier.apply_transposed(&x[k]);
+                }
             }
-            x[2 * e + 1] = middle;
+            x[pivot.node] = sum;
         }
     }
 }
@@ -174,8 +227,21 @@ mod tests {
     /// Against dense elimination with pivots.
     #[test]
     fn it_solves_what_dense_elimination_solves() {
-        for elements in [1, 2, 5] {
-            let mut elimination = Elimination::new(elements);
+        let own: [usize; 5] = core::array::from_fn(|e| e);
+        let cases: [(&[usize], bool); 6] = [
+            (&own[..1], true),
+            (&own[..2], true),
+            (&own, true),
+            (&own, false),
+            // Links over two and three elements.
+            (&[0, 0, 2, 2, 2, 5], true),
+            (&[0, 0, 2, 2, 2, 5], false),
+        ];
+        for (starts, holds_base) in cases {
+            let elements = starts.len();
+            let is_linked = starts.iter().enumerate().any(|(e, start)| *start != e);
+            let mut elimination = Elimination::new(starts, is_linked, holds_base);
+            let held = usize::from(holds_base);
             let mut k = 0;
             let mut mat = |diagonal: f64| {
                 k += 9;
@@ -191,22 +257,34 @@ mod tests {
                     }
                 }
             }
-            let n = 12 * elements;
+            for link in elimination.links.iter_mut().flat_map(|link| link.as_flattened_mut()) {
+                *link = Block { a: mat(0.0), b: mat(0.0), c: mat(0.0), d: mat(0.0) };
+            }
+            let n = 12 * elements + 6 * (1 - held);
             let mut dense = vec![0.0; n * n];
+            let mut add = |row: usize, column: usize, block: &Block| {
+                if row < held || column < held {
+                    return;
+                }
+                let block = flat(block);
+                for i in 0..6 {
+                    for j in 0..6 {
+                        dense[(6 * (row - held) + i) * n + 6 * (column - held) + j] += block[i][j];
+                    }
+                }
+            };
             for (e, matrix) in elimination.elements.iter().enumerate() {
                 for a in 0..NODES {
                     for b in 0..NODES {
-                        let (row, column) = (2 * e + a, 2 * e + b);
-                        if row == 0 || column == 0 {
-                            continue;
-                        }
-                        let block = flat(&matrix[a][b]);
-                        for i in 0..6 {
-                            for j in 0..6 {
-                                dense[(6 * (row - 1) + i) * n + 6 * (column - 1) + j] +=
-                                    block[i][j];
-                            }
-                        }
+                        add(2 * e + a, 2 * e + b, &matrix[a][b]);
+                    }
+                }
+            }
+            for (e, link) in elimination.links.iter().enumerate() {
+                let ends = [2 * starts[e], 2 * e + 2];
+                for a in 0..2 {
+                    for b in 0..2 {
+                        add(ends[a], ends[b], &link[a][b]);
                     }
                 }
             }
@@ -222,7 +300,7 @@ mod tests {
                     angular: Vec3::new(entry(i + 2), entry(i + 5), entry(i + 4)),
                 })
                 .collect();
-            let right: Vec<f64> = x[1..]
+            let right: Vec<f64> = x[held..]
                 .iter()
                 .flat_map(|t| [t.linear.to_array(), t.angular.to_array()].concat())
                 .collect();
@@ -238,10 +316,10 @@ mod tests {
             lu.factor(n, &transposed).unwrap();
             lu.solve(&mut c);
             for (x, expected) in [(x, b), (of_transposed, c)] {
-                let got = x[1..]
+                let got = x[held..]
                     .iter()
                     .flat_map(|t| [t.linear.to_array(), t.angular.to_array()].concat());
-                assert_eq!(x[0], Twist::default());
+                assert!(!holds_base || x[0] == Twist::default());
                 for (got, expected) in got.zip(expected) {
                     assert!((got - expected).abs() < 1e-12, "{elements}: {got} {expected}");
                 }

@@ -3,9 +3,14 @@
 use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::block::dot;
+use crate::element::POINTS;
+use crate::iteration::Mechanics;
 use crate::loads::NodeLoads;
+use crate::pose;
+use crate::pull::Pull;
 use crate::rod::Rod;
-use crate::stage::{Pull, Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 
 /// Kinetic energy, energy of the strains and potential of gravity in J.
 pub(crate) fn energies(
@@ -16,7 +21,9 @@ pub(crate) fn energies(
     poses: &[Pose],
 ) -> [f64; 3] {
     let mut energies = [0.0; 3];
-    for ((node, velocity), pose) in rod.nodes.iter().zip(velocities).zip(poses).skip(1) {
+    for ((node, velocity), pose) in
+        rod.nodes.iter().zip(velocities).zip(poses).skip(loads.first_free())
+    {
         let turning = node.inertia.scale(velocity.angular).dot(velocity.angular);
         energies[0] += 0.5 * (node.mass * velocity.linear.norm_squared() + turning);
         energies[2] -= node.mass * loads.gravity.dot(pose.position);
@@ -31,7 +38,7 @@ pub(crate) fn energies(
 /// Powers in W.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Power {
-    /// Of the cables on the rod, but for those of motors with inertia.
+    /// Of the cables on the rod, but for those of motors with inertia and for straight ones that act by the gradients of their lengths.
     pub cables: f64,
     /// Of loads other than gravity; without dead forces that act by the gradients of their heights.
     pub loads: f64,
@@ -45,9 +52,21 @@ pub(crate) struct Power {
 
 impl Power {
     /// Powers at a stage that is solved.
-    pub fn at(rod: &Rod, stage: &Stage, scheme: &Scheme, drag: Vec3) -> Self {
-        let base = dot(&stage.base_force, &stage.velocities[0]);
-        let mut power = Self { base, ..Self::default() };
+    pub fn at(
+        Mechanics { rod, loads }: Mechanics<'_>,
+        stage: &mut Stage,
+        scheme: &Scheme,
+        drag: Vec3,
+    ) -> Self {
+        let is_gradient = rod.has_chords() && !scheme.conserves;
+        if is_gradient {
+            pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
+            stage.find_cable_forces(rod, true);
+        }
+        let mut power = Self::default();
+        if !loads.has_free_base {
+            power.base = dot(&stage.base_force, &stage.velocities[0]);
+        }
         let count = rod.cables.len();
         for (q, point) in rod.points.iter().enumerate() {
             let strain = stage.strains[q];
@@ -55,10 +74,19 @@ impl Power {
             if rod.is_damped {
                 power.dissipated += point.weight * dot(&point.damping.apply(&rate), &rate);
             }
+            if rod.has_chords() {
+                // What acts by the gradient of lengths over a step is counted by the lengths.
+                if is_gradient {
+                    power.cables -= dot(&stage.potential[q], &rate);
+                }
+                continue;
+            }
             for (i, cable) in rod.cables.iter().enumerate() {
-                let tension = stage.tensions[i];
-                let ends = q >= crate::element::POINTS * cable.elements;
-                if ends || tension == 0.0 || stage.is_internal[i] {
+                if q >= POINTS * cable.elements || stage.is_internal[i] {
+                    continue;
+                }
+                let tension = stage.tension_at(rod, i, q);
+                if tension == 0.0 {
                     continue;
                 }
                 let crossing = &rod.crossings[q * count + i];
@@ -66,7 +94,7 @@ impl Power {
                 power.cables -= point.weight * tension * dot(&pull, &rate);
             }
         }
-        for a in 1..rod.nodes.len() {
+        for a in loads.first_free()..rod.nodes.len() {
             let (load, velocity, node) = (&stage.loads[a], &stage.velocities[a], &rod.nodes[a]);
             let turn = stage.poses[a].rotation.conjugate();
             let resistance = drag * node.share;

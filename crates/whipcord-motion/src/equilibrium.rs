@@ -1,16 +1,17 @@
 //! The equilibrium that a motion starts from: that of the statics, made exact in the elements.
 
 use whipcord::{
-    Case, DistributedLoad, Loads, Model, PointLoad, Profile, Robot, Stations, cosserat,
+    Case, DistributedLoad, Loads, Model, ModelKind, PointLoad, Profile, Robot, Stations,
 };
 use whipcord_numerics::{GAUSS_2, Pose, Twist};
 
 use crate::element::POINTS;
 use crate::error::MotionError;
+use crate::friction::tensions_of_answer;
 use crate::iteration::{Mechanics, Solver};
 use crate::options::LoadCourse;
 use crate::rod::Rod;
-use crate::stage::Scheme;
+use crate::scheme::Scheme;
 
 /// Iterations at most.
 const MOST: usize = 60;
@@ -33,8 +34,9 @@ pub(crate) fn find(
 ) -> Result<(), MotionError> {
     let Mechanics { rod, loads } = mechanics;
     let stations: Vec<f64> = rod.nodes.iter().map(|node| node.arc_length).collect();
-    let options = cosserat::Options { stations: Stations::At(stations), ..Default::default() };
-    let mut prepared = Model::Cosserat(options).prepare(robot, &statics.loads)?;
+    let model = if rod.has_chords() { ModelKind::CosseratDisks } else { ModelKind::Cosserat };
+    let model = Model::new(model, Stations::At(stations), Default::default());
+    let mut prepared = model.prepare(robot, &statics.loads)?;
     let solution = prepared.solve_to_the_end(statics).map_err(|(_, error)| error)?;
     let back = statics.base.inverse();
     let poses: Vec<Pose> = solution.shape.poses.iter().map(|pose| back * *pose).collect();
@@ -42,11 +44,25 @@ pub(crate) fn find(
     for (tension, cable) in solver.stage.tensions.iter_mut().zip(&solution.cables) {
         *tension = cable.tension.unwrap_or(*tension);
     }
+    if solver.friction.is_some() {
+        solver.stage.passages = tensions_of_answer(rod, robot, &solution);
+    }
     loads.at(0.0, &mut solver.stage.loads);
     let known = (solution.contacts.as_slice(), statics.base);
     let within = NEAR * rod.length;
     solver.contacts.base = solver.stage.base;
     solver.contacts.begin(rod, solver.stage.base, &solver.stage.strains, within, known);
+    // A base that is free is held until the start.
+    solver.stage.matrix.hold_base(true);
+    solver.holds_passages = true;
+    let found = iterate(mechanics, solver);
+    solver.stage.matrix.hold_base(!loads.has_free_base);
+    solver.holds_passages = false;
+    found
+}
+
+/// Newton's method for the equilibrium in the elements.
+fn iterate(mechanics: Mechanics<'_>, solver: &mut Solver) -> Result<(), MotionError> {
     let mut change = f64::INFINITY;
     for _ in 0..MOST {
         let stage = &mut solver.stage;

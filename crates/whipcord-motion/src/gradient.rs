@@ -12,8 +12,8 @@ use crate::iteration::Mechanics;
 use crate::options::{Initial, Method};
 use crate::parts::RHO;
 use crate::pose;
+use crate::scheme::Scheme;
 use crate::simulation::Simulation;
-use crate::stage::Scheme;
 use crate::state::State;
 
 /// A motion in steps, with what its gradients need.
@@ -90,6 +90,27 @@ impl Simulation {
                 path: "motion.method".to_owned(),
                 what: "gradients over a motion by the method `energy`",
                 advice: "use the method `accurate` or `robust`",
+            });
+        }
+        if self.rod.has_chords() {
+            return Err(MotionError::Unsupported {
+                path: "motion.model".to_owned(),
+                what: "gradients over a motion with cables straight between disks",
+                advice: "use the model `cosserat`, or differences",
+            });
+        }
+        if self.solver.friction.is_some() {
+            return Err(MotionError::Unsupported {
+                path: "cables.friction".to_owned(),
+                what: "gradients over a motion with friction of cables",
+                advice: "leave the friction out, or use differences",
+            });
+        }
+        if self.options.has_free_base {
+            return Err(MotionError::Unsupported {
+                path: "motion.base".to_owned(),
+                what: "gradients over a motion with a free base",
+                advice: "hold the base, or use differences",
             });
         }
         if self.solver.contacts.surroundings.is_some() {
@@ -230,8 +251,8 @@ impl Simulation {
         let of = |list: &[Vec3], a: usize| list.get(a).map_or(Vec3::ZERO, |of| back.rotate(*of));
         let wrench =
             |a: usize| Wrench { force: of(&seed.positions, a), moment: of(&seed.turns, a) };
-        pose::work_gradient(rod, &state.strains, &stage.poses, wrench, &mut stage.dead);
-        for (of, by) in costate.strains.iter_mut().zip(&stage.dead) {
+        pose::work_gradient(rod, &state.strains, &stage.poses, wrench, &mut stage.potential);
+        for (of, by) in costate.strains.iter_mut().zip(&stage.potential) {
             *of = *of + *by;
         }
     }

@@ -4,11 +4,13 @@ use whipcord_numerics::Vec3;
 
 use crate::contacts::Contacts;
 use crate::drives::Drives;
+use crate::friction::Friction;
 use crate::lengths::Lengths;
 use crate::loads::NodeLoads;
 use crate::pose;
 use crate::rod::Rod;
-use crate::stage::{Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 use crate::surroundings::Surroundings;
 use crate::unilateral::Unilateral;
 
@@ -42,6 +44,10 @@ pub(crate) struct Solver {
     pub stage: Stage,
     pub lengths: Lengths,
     pub contacts: Contacts,
+    /// Of cables with friction; in an equilibrium to start from their tensions are known.
+    pub friction: Option<Friction>,
+    /// Whether the tensions of passages stay what they are.
+    pub holds_passages: bool,
     unilateral: Unilateral,
     /// Drag in N·s/m² along the axes of the sections.
     pub drag: Vec3,
@@ -61,11 +67,19 @@ const SLOW: f64 = 0.3;
 const ROUNDING: f64 = 1e-9;
 
 impl Solver {
-    pub fn new(rod: &Rod, drives: Drives, drag: Vec3, surroundings: Option<Surroundings>) -> Self {
+    pub fn new(
+        rod: &Rod,
+        drives: Drives,
+        drag: Vec3,
+        surroundings: Option<Surroundings>,
+        friction: Option<Friction>,
+    ) -> Self {
         Self {
             stage: Stage::new(rod),
             lengths: Lengths::new(rod, drives),
             contacts: Contacts::new(rod, surroundings),
+            friction,
+            holds_passages: false,
             unilateral: Unilateral::new(rod),
             drag,
             is_linearised: false,
@@ -122,7 +136,9 @@ impl Solver {
 
     /// Whether cables are driven by their lengths or obstacles are near.
     pub fn has_inequalities(&self) -> bool {
-        !(self.lengths.cables.is_empty() && self.contacts.list.is_empty())
+        !(self.lengths.cables.is_empty()
+            && self.contacts.list.is_empty()
+            && self.friction.is_none())
     }
 
     /// One iteration; the size of its change.
@@ -135,7 +151,10 @@ impl Solver {
         let Mechanics { rod, loads } = mechanics;
         let stage = &mut self.stage;
         let touches = !self.contacts.list.is_empty();
-        if loads.any_dead || touches {
+        if let Some(base) = stage.free_base {
+            stage.base = base.pose(stage.velocities[0]);
+        }
+        if loads.any_dead || touches || rod.has_chords() {
             pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
             if scheme.conserves {
                 stage.find_conserving_forces(rod, loads.gravity, scheme);
@@ -158,7 +177,10 @@ impl Solver {
             *change = *change * -1.0;
         }
         if touches || !self.lengths.cables.is_empty() {
-            self.unilateral.solve(rod, scheme, stage, &self.lengths, &mut self.contacts)?;
+            self.unilateral.solve(rod, scheme, stage, &mut self.lengths, &mut self.contacts)?;
+        }
+        if let Some(friction) = self.friction.as_mut().filter(|_| !self.holds_passages) {
+            friction.solve(rod, scheme, stage).ok()?;
         }
         stage.advance(rod);
         Some(stage.size_of_change(rod, scheme))

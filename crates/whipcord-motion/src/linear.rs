@@ -7,7 +7,8 @@ use crate::iteration::Solver;
 use crate::loads::NodeLoads;
 use crate::pose;
 use crate::rod::Rod;
-use crate::stage::{PointTangent, Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::{PointTangent, Stage};
 
 /// `ẋ ≈ f + A (x − x₀) + B (τ − τ₀)` about a state `x₀`.
 ///

@@ -39,6 +39,8 @@ pub(crate) struct NodeLoads {
     /// Loads over time.
     varying: Vec<(Vec<NodeLoad>, Course)>,
     base: Option<BaseMotion>,
+    /// Whether nothing holds the base.
+    pub has_free_base: bool,
     /// Whether any dead load or gravity acts, whose direction in the section depends on the pose.
     pub any_dead: bool,
 }
@@ -50,11 +52,12 @@ impl NodeLoads {
             case.base.rotation.conjugate() * loads.to_world(case.base.rotation)
         };
         let gravity = turn(&case.loads).rotate(case.loads.gravity.unwrap_or_default());
-        let constant = gather(rod, &case.loads, turn(&case.loads));
+        let is_free = options.has_free_base;
+        let constant = gather(rod, &case.loads, turn(&case.loads), is_free);
         let varying: Vec<_> = options
             .loads
             .iter()
-            .map(|of| (gather(rod, &of.loads, turn(&of.loads)), of.factor.clone()))
+            .map(|of| (gather(rod, &of.loads, turn(&of.loads), is_free), of.factor.clone()))
             .collect();
         let is_dead = |loads: &[NodeLoad]| {
             loads.iter().any(|load| load.force != Vec3::ZERO || load.moment != Vec3::ZERO)
@@ -62,12 +65,14 @@ impl NodeLoads {
         let any_dead = gravity != Vec3::ZERO
             || is_dead(&constant)
             || varying.iter().any(|(loads, _)| is_dead(loads));
-        Self { gravity, constant, varying, base: options.base.clone(), any_dead }
+        let base = options.base.clone();
+        Self { gravity, constant, varying, base, has_free_base: is_free, any_dead }
     }
 
     /// Has other loads act in place of those of the case; gravity stays.
     pub fn set_constant(&mut self, rod: &Rod, loads: &Loads, base: UnitQuaternion) {
-        self.constant = gather(rod, loads, base.conjugate() * loads.to_world(base));
+        let turn = base.conjugate() * loads.to_world(base);
+        self.constant = gather(rod, loads, turn, self.has_free_base);
         self.any_dead |=
             self.constant.iter().any(|of| of.force != Vec3::ZERO || of.moment != Vec3::ZERO);
     }
@@ -81,6 +86,11 @@ impl NodeLoads {
                 load.add(factor, varying);
             }
         }
+    }
+
+    /// The first node that moves by the forces on it.
+    pub fn first_free(&self) -> usize {
+        usize::from(!self.has_free_base)
     }
 
     /// Velocity of the base in its frame at a time, before any jump at that time.
@@ -120,7 +130,7 @@ impl NodeLoads {
 }
 
 /// Shares loads out to the nodes: point loads to the nearest, distributed ones by the rule of the masses.
-fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion) -> Vec<NodeLoad> {
+fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion, has_free_base: bool) -> Vec<NodeLoad> {
     let mut nodes = vec![NodeLoad::default(); rod.nodes.len()];
     let mut apply = |node: usize, force: Vec3, moment: Vec3, follower: bool| {
         let load = &mut nodes[node];
@@ -154,7 +164,9 @@ fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion) -> Vec<NodeLoad> {
             }
         }
     }
-    // What acts on the clamped base moves nothing.
-    nodes[0] = NodeLoad::default();
+    // What acts on a base that is held moves nothing.
+    if !has_free_base {
+        nodes[0] = NodeLoad::default();
+    }
     nodes
 }

@@ -9,11 +9,12 @@ use crate::options::MotionOptions;
 const NEAR: f64 = 1e-9;
 
 /// Arc lengths in m of the ends of the elements: at the ends of the backbone and of cables, at corners of routings, where loads act and the
-/// cross-section changes; disks are at ends or in the middle of elements.
+/// cross-section changes; disks are at ends or in the middle of elements, always at ends where cables `turn_at_disks`.
 pub(crate) fn element_ends(
     robot: &Robot,
     loads: &[&Loads],
     least: usize,
+    turn_at_disks: bool,
 ) -> Result<Vec<f64>, MotionError> {
     let length = robot.backbone().length;
     let mut ends = vec![0.0, length];
@@ -29,8 +30,8 @@ pub(crate) fn element_ends(
     }
     let mut places: Vec<(f64, bool)> = ends.into_iter().map(|s| (s, true)).collect();
     if robot.has_disks() {
-        let (uneven, disks) = (has_values_at_disks(robot), &robot.disks().arc_lengths);
-        places.extend(disks.iter().map(|&s| (s, uneven)));
+        let are_ends = turn_at_disks || has_values_at_disks(robot);
+        places.extend(robot.disks().arc_lengths.iter().map(|&s| (s, are_ends)));
     }
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Of places that are one, an end remains an end.

@@ -11,7 +11,8 @@ use crate::lengths::Lengths;
 use crate::loads::NodeLoads;
 use crate::pose;
 use crate::rod::Rod;
-use crate::stage::{Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 use crate::state::State;
 
 /// A natural vibration.

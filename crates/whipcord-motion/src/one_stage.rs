@@ -4,6 +4,7 @@ use whipcord_numerics::Twist;
 
 use crate::coefficients::OneStage;
 use crate::energy::Power;
+use crate::free_base::FreeBase;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::state::State;
 
@@ -18,7 +19,7 @@ impl OneStage {
         h: f64,
         control: &Control,
     ) -> Result<Power, Stalled> {
-        let Mechanics { rod, loads } = mechanics;
+        let loads = mechanics.loads;
         let scheme = self.scheme(h);
         solver.is_linearised = false;
         let carried = self.carried(h);
@@ -36,11 +37,20 @@ impl OneStage {
         along(&mut stage.strain_history, &from.strains, &from.strain_rates, carried);
         along(&mut stage.velocities, &from.velocities, &from.velocity_rates, ahead);
         along(&mut stage.strains, &from.strains, &from.strain_rates, ahead);
-        stage.move_base(loads, from.base, from.time, self.place * h);
+        // The pose of a free base goes by the trapezoidal rule.
+        let half = |part: f64| {
+            let g = 0.5 * part * h;
+            FreeBase { start: from.base, history: from.velocities[0] * g, g }
+        };
+        if loads.has_free_base {
+            stage.free_base = Some(half(self.place));
+        } else {
+            stage.move_base(loads, from.base, from.time, self.place * h);
+        }
         solver.solve(mechanics, &scheme, control)?;
-        let stage = &solver.stage;
+        let stage = &mut solver.stage;
         let mut work = Power::default();
-        let power = Power::at(rod, stage, &scheme, solver.drag);
+        let power = Power::at(mechanics, stage, &scheme, solver.drag);
         work.add(h, &Power { contacts: solver.contacts.power(stage), ..power });
         let end = |to: &mut [Twist],
                    to_rates: &mut [Twist],
@@ -75,6 +85,9 @@ impl OneStage {
             &stage.strains,
             &stage.strain_history,
         );
+        if loads.has_free_base {
+            to.base = half(1.0).pose(to.velocities[0]);
+        }
         Ok(work)
     }
 }

@@ -1,6 +1,6 @@
 //! How a motion is computed.
 
-use whipcord::Loads;
+use whipcord::{Loads, ModelKind};
 use whipcord_numerics::{Pose, Twist};
 
 use crate::course::Course;
@@ -164,6 +164,8 @@ impl Default for BaseMotion {
 /// Options of a motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionOptions {
+    /// How cables run: [`ModelKind::Cosserat`], along their routing, or [`ModelKind::CosseratDisks`], straight from disk to disk. No other model has a motion.
+    pub model: ModelKind,
     /// How the equations are integrated.
     pub method: Method,
     /// Error in m that a step may have, as estimated; steps are divided until they meet it. `None` takes each step as it is.
@@ -181,12 +183,16 @@ pub struct MotionOptions {
     pub loads: Vec<LoadCourse>,
     /// Motion of the base; `None` is a base at rest. [`Method::Energy`] takes none.
     pub base: Option<BaseMotion>,
+    /// Whether the base is free: nothing holds it from the start on. Drives of cables ride on it. [`Method::Energy`] takes no free base.
+    pub has_free_base: bool,
     /// Change of the strains (times the length of the backbone where it is one of curvature) at which the iteration of a step of
     /// 10 ms or more ends; less in shorter steps. [`Method::Energy`] iterates down to rounding instead.
     pub iteration_tolerance: f64,
 }
 
 impl MotionOptions {
+    /// The models that have a motion.
+    pub const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
     /// The default of [`Self::elements`].
     pub const ELEMENTS: usize = 6;
     /// The greatest number of elements.
@@ -219,7 +225,21 @@ impl MotionOptions {
             }
         }
         self.damping.check()?;
-        if self.base.is_some() && self.method == Method::Energy {
+        if !Self::MODELS.contains(&self.model) {
+            return Err(MotionError::Unsupported {
+                path: "motion.model".to_owned(),
+                what: "a model without dynamics",
+                advice: "use `cosserat` or `cosserat-disks`",
+            });
+        }
+        if self.base.is_some() && self.has_free_base {
+            return Err(MotionError::Unsupported {
+                path: "motion.base".to_owned(),
+                what: "a base that is free and led as well",
+                advice: "leave out the motion of the base, or hold it",
+            });
+        }
+        if (self.base.is_some() || self.has_free_base) && self.method == Method::Energy {
             return Err(MotionError::Unsupported {
                 path: "motion.base".to_owned(),
                 what: "a base that moves, with the method `energy`",
@@ -299,6 +319,7 @@ fn check_matrix(matrix: &[[f64; 6]; 6]) -> Result<(), MotionError> {
 impl Default for MotionOptions {
     fn default() -> Self {
         Self {
+            model: ModelKind::Cosserat,
             method: Method::default(),
             tolerance: None,
             initial: Initial::default(),
@@ -307,6 +328,7 @@ impl Default for MotionOptions {
             drag: Drag::default(),
             loads: Vec::new(),
             base: None,
+            has_free_base: false,
             iteration_tolerance: 1e-7,
         }
     }

@@ -10,8 +10,8 @@ use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::lengths::Lengths;
 use crate::options::Method;
 use crate::pose;
+use crate::scheme::Scheme;
 use crate::simulation::Simulation;
-use crate::stage::Scheme;
 use crate::state::{CableMotion, MotorMotion, State};
 
 /// ρ of [`Method::Robust`].
@@ -158,7 +158,11 @@ impl Simulation {
         self.set_lengths(commands, self.state.time + h);
         self.solver.lengths.motor_work = MotorWork::default();
         let by_length = !self.solver.lengths.cables.is_empty();
-        let method = if by_length { Method::Robust } else { self.options.method };
+        let method = if by_length || self.solver.friction.is_some() {
+            Method::Robust
+        } else {
+            self.options.method
+        };
         self.next.copy_from(&self.state);
         (self.solver.iterations, self.solver.factorisations) = (0, 0);
         let (error, taken) = match self.solver.contacts.surroundings {
@@ -219,6 +223,7 @@ impl Simulation {
         let tensions = |time: f64, out: &mut [f64]| commands.tensions_at(time, out);
         let work = accurate.step(Mechanics { rod, loads }, solver, state, h, &control, tensions)?;
         next.velocities.copy_from_slice(&solver.stage.velocities);
+        next.base = solver.stage.base;
         next.strains.copy_from_slice(&solver.stage.strains);
         let (velocity_rates, strain_rates) = accurate.rates();
         next.velocity_rates.copy_from_slice(velocity_rates);
@@ -255,6 +260,7 @@ impl Simulation {
             this.set_lengths(commands, end);
             let time = scheme.time(this.state.time, h);
             this.set_tensions(commands, time);
+            this.begin_friction(commands, time, end);
             if touches {
                 this.look_for_contacts(h);
             }
@@ -272,10 +278,11 @@ impl Simulation {
                 }
                 this.set_tensions(commands, time);
             };
-            let Self { solver, next, .. } = this;
+            let Self { solver, next, .. } = &mut *this;
             let Lengths { drives, motor_work, .. } = &mut solver.lengths;
             *motor_work = drives.finish(&mut next.motors, &scheme, h, &solver.stage.tensions);
             drives.write_efforts(commands, end, &mut next.motors);
+            let work = this.end_friction(work, &scheme.scheme(h));
             this.finish(commands, end, &work, scheme.scheme(h).place);
             let keeps_rates = scheme.uses_rates() && this.next.contacts.is_empty();
             this.next.rates_of = if keeps_rates { h.max(this.state.rates_of) } else { h };
@@ -297,6 +304,36 @@ impl Simulation {
         }
         pose::nodes(rod, solver.stage.base, &next.strains, &mut solver.stage.poses);
         Ok(pose::displacement(rod, &solver.stage.poses, &accurate.error))
+    }
+
+    /// Puts the holes where the state before a step has them, and gives them their commands.
+    fn begin_friction(&mut self, commands: &Commands, time: f64, end: f64) {
+        let Some(mut friction) = self.solver.friction.take() else { return };
+        friction.holes.go_back_to(&self.state.holes);
+        for i in 0..self.rod.cables.len() {
+            if self.is_by_length(commands, i) {
+                let line = &self.rod.cables[i];
+                let shortening = self.command(commands, i, end, false);
+                let wound_up = line.compliance * line.pretension;
+                friction.holes.command_length(i, line.rest_length - shortening - wound_up);
+            } else {
+                let tension = commands.cables[i].course().before(time).max(0.0);
+                friction.holes.command_tension(i, tension);
+            }
+        }
+        self.solver.stage.passages.clear();
+        self.solver.stage.passages.extend_from_slice(friction.holes.tensions());
+        self.solver.friction = Some(friction);
+    }
+
+    /// Writes what the holes remember of a step that is solved, and counts what friction took: the drives have given it beside what the rod got.
+    fn end_friction(&mut self, work: Power, scheme: &Scheme) -> Power {
+        let Self { rod, solver, next, .. } = self;
+        let Solver { stage, friction: Some(friction), .. } = solver else { return work };
+        friction.measure(rod, scheme, stage);
+        let (memory, lost) = friction.holes.end_step();
+        next.holes = memory;
+        Power { cables: work.cables + lost, dissipated: work.dissipated + lost, ..work }
     }
 
     /// Looks for obstacles that the robot may touch in a step of length `h` from its state: as far as it may come in that time.
@@ -348,7 +385,8 @@ impl Simulation {
         for i in 0..self.rod.cables.len() {
             let is_internal = self.moving_motor(commands, i).is_some();
             self.solver.stage.is_internal[i] = is_internal;
-            if self.is_by_length(commands, i) {
+            // Cables with friction have their lengths in the equations of the holes.
+            if self.is_by_length(commands, i) && self.solver.friction.is_none() {
                 let shortening =
                     if is_internal { 0.0 } else { self.command(commands, i, time, false) };
                 self.solver.lengths.cables.push(i);
@@ -373,12 +411,20 @@ impl Simulation {
     /// solver.
     pub(crate) fn finish(&mut self, commands: &Commands, time: f64, work: &Power, place: f64) {
         let mut stretch = 0.0;
+        let Self { rod, loads, solver, state, next, .. } = &mut *self;
+        if !loads.has_free_base {
+            next.base = loads.base_pose(state.base, state.time, time - state.time);
+            next.velocities[0] = loads.base_velocity(time);
+        }
+        pose::nodes(rod, next.base, &next.strains, &mut solver.stage.poses);
         for i in 0..self.rod.cables.len() {
             let by_length = self.is_by_length(commands, i);
             let commanded = self.command(commands, i, time, false);
             let line = self.rod.cables[i];
-            let length = self.rod.cable_length(i, &self.next.strains);
-            let tension = if by_length {
+            let length = self.rod.cable_length(i, &self.next.strains, &self.solver.stage.poses);
+            let tension = if by_length && self.solver.friction.is_some() {
+                self.next.holes.base[i]
+            } else if by_length {
                 let stage = self.solver.stage.tensions[i];
                 Lengths::end_tension(self.state.cables[i].tension, stage, place)
             } else {
@@ -399,12 +445,9 @@ impl Simulation {
         }
         self.finish_motors(commands, time);
         let Self { rod, loads, solver, state, next, base, .. } = self;
-        let poses = &mut solver.stage.poses;
-        next.base = loads.base_pose(state.base, state.time, time - state.time);
-        next.velocities[0] = loads.base_velocity(time);
-        pose::nodes(rod, next.base, &next.strains, poses);
+        let poses = &solver.stage.poses;
         let parts = energies(rod, loads, &next.velocities, &next.strains, poses);
-        for (out, pose) in next.poses.iter_mut().zip(&*poses) {
+        for (out, pose) in next.poses.iter_mut().zip(poses) {
             *out = *base * *pose;
         }
         let energy = &mut next.energy;
@@ -424,6 +467,12 @@ impl Simulation {
             energy.loads += ends
                 .map(|((to, from), load)| load.force.dot(back.rotate(to.position - from.position)))
                 .sum::<f64>();
+            if rod.has_chords() {
+                let lengths = next.cables.iter().zip(&state.cables).zip(&solver.stage.tensions);
+                energy.cables -= lengths
+                    .map(|((to, from), tension)| tension * (to.length - from.length))
+                    .sum::<f64>();
+            }
         }
         next.time = time;
         // Behind a jump of a length the rates of the first step are those of an impact, which do not last.

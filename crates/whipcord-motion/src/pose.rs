@@ -82,16 +82,16 @@ fn transposed_exponential(exponent: &Twist, wrench: &Twist) -> Twist {
 /// The greatest displacement of a node for small changes of the strains.
 pub(crate) fn displacement(rod: &Rod, poses: &[Pose], changes: &[Twist]) -> f64 {
     let mut greatest = 0.0_f64;
-    displacements(rod, poses, changes, |_, shift| greatest = greatest.max(shift.norm()));
+    displacements(rod, poses, changes, |_, _, shift| greatest = greatest.max(shift.norm()));
     greatest
 }
 
-/// The displacement of each node beyond the base for small changes of the strains, in the order of their numbers.
+/// How each node beyond the base turns and moves for small changes of the strains, in the order of their numbers.
 pub(crate) fn displacements(
     rod: &Rod,
     poses: &[Pose],
     changes: &[Twist],
-    mut found: impl FnMut(usize, Vec3),
+    mut found: impl FnMut(usize, Vec3, Vec3),
 ) {
     let (mut turn, mut shift) = (Vec3::ZERO, Vec3::ZERO);
     for e in 0..rod.elements() {
@@ -105,7 +105,7 @@ pub(crate) fn displacements(
             shift += (turn + half * 0.5).cross(arm)
                 + to.rotation.rotate(change.linear) * (0.5 * rod.lengths[e]);
             turn += half;
-            found(q + 1, shift);
+            found(q + 1, turn, shift);
         }
     }
 }

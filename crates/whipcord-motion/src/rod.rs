@@ -2,11 +2,11 @@
 
 use whipcord::robot::StiffnessMatrix;
 use whipcord::section::section_stiffness;
-use whipcord::{Disks, Loads, Robot, SolveError};
-use whipcord_numerics::{GAUSS_2, Mat3, Twist, Vec3};
+use whipcord::{Disks, Loads, ModelKind, Robot, SolveError, straight_passages};
+use whipcord_numerics::{GAUSS_2, Mat3, Pose, Twist, Vec3};
 
 use crate::block::Block;
-use crate::element::{LOBATTO, PLACES, POINTS};
+use crate::element::{self, LOBATTO, PLACES, POINTS};
 use crate::error::MotionError;
 use crate::mesh;
 use crate::options::{Damping, MotionOptions};
@@ -26,6 +26,12 @@ pub(crate) struct Rod {
     pub cables: Vec<CableLine>,
     /// Where each cable crosses the section of each point: that of cable `i` at point `q` is number `q · cables + i`.
     pub crossings: Vec<Crossing>,
+    /// Straight pieces of the cables from disk to disk, cable by cable from the base on; empty where cables are continuous.
+    pub chords: Vec<Chord>,
+    /// The first passage of each cable among those of all: of its chords, or of the points that it passes.
+    pub first_passages: Vec<usize>,
+    /// For each element the number of the first one behind the disk before it, where cables are straight; its own where they are continuous.
+    pub span_starts: Vec<usize>,
     /// Whether a section has any damping.
     pub is_damped: bool,
 }
@@ -86,6 +92,25 @@ impl Crossing {
     }
 }
 
+/// A straight piece of a cable between two disks, or from a disk to an anchor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chord {
+    pub cable: usize,
+    /// The nodes of its ends, the first of them nearer the base.
+    pub nodes: [usize; 2],
+    /// Its ends in the cross-sections of these nodes in m.
+    pub holes: [Vec3; 2],
+}
+
+impl Chord {
+    /// From its first end to the second, where the nodes have these poses.
+    #[inline]
+    pub fn way(&self, poses: &[Pose]) -> Vec3 {
+        let [near, far] = [0, 1].map(|i| poses[self.nodes[i]].transform(self.holes[i]));
+        far - near
+    }
+}
+
 /// A backbone that does not shear or stretch gets this stiffness, times its greatest bending stiffness over the square of its length.
 const HELD: f64 = 1e8;
 
@@ -99,7 +124,14 @@ impl Rod {
         options: &MotionOptions,
     ) -> Result<Self, MotionError> {
         refuse_unsupported(robot)?;
-        let ends = mesh::element_ends(robot, loads, options.elements)?;
+        let is_straight = options.model == ModelKind::CosseratDisks;
+        if is_straight && !robot.has_disks() {
+            return Err(MotionError::Missing {
+                path: "disks".to_owned(),
+                advice: "add [disks], for example with `count = 10`, or use the model `cosserat`, whose cables run in channels",
+            });
+        }
+        let ends = mesh::element_ends(robot, loads, options.elements, is_straight)?;
         let length = robot.backbone().length;
         let lengths: Vec<f64> = ends.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let mut rod = Self {
@@ -109,6 +141,9 @@ impl Rod {
             lengths,
             cables: Vec::new(),
             crossings: Vec::new(),
+            chords: Vec::new(),
+            first_passages: Vec::new(),
+            span_starts: Vec::new(),
             is_damped: false,
         };
         for (e, &start) in ends[..ends.len() - 1].iter().enumerate() {
@@ -121,7 +156,20 @@ impl Rod {
             let node = rod.node_at(mass.at);
             rod.nodes[node].mass += mass.mass;
         }
-        rod.lay_cables(robot, &ends);
+        rod.span_starts = (0..rod.elements()).collect();
+        if is_straight {
+            rod.lay_straight_cables(robot);
+        } else {
+            rod.lay_cables(robot, &ends);
+        }
+        let mut count = 0;
+        for i in 0..rod.cables.len() {
+            rod.first_passages.push(count);
+            count += match is_straight {
+                true => rod.chords.iter().filter(|chord| chord.cable == i).count(),
+                false => POINTS * rod.cables[i].elements,
+            };
+        }
         Ok(rod)
     }
 
@@ -225,8 +273,68 @@ impl Rod {
         }
     }
 
-    /// Length in m of a cable for these strains.
-    pub fn cable_length(&self, cable: usize, strains: &[Twist]) -> f64 {
+    /// Lays the cables straight from disk to disk.
+    fn lay_straight_cables(&mut self, robot: &Robot) {
+        let spans = straight_passages(robot);
+        let disks = &robot.disks().arc_lengths;
+        for i in 0..robot.cables().len() {
+            for (disks, passages) in disks.windows(2).zip(&spans) {
+                let Some(passage) = passages.iter().find(|of| of.cable == i) else { continue };
+                let end = disks[0] + passage.reach * (disks[1] - disks[0]);
+                self.chords.push(Chord {
+                    cable: i,
+                    nodes: [self.node_at(disks[0]), self.node_at(end)],
+                    holes: [passage.near, passage.far],
+                });
+            }
+        }
+        for pair in disks.windows(2) {
+            let [start, end] = [pair[0], pair[1]].map(|s| self.node_at(s) / POINTS);
+            self.span_starts[start..end].fill(start);
+        }
+        let mut poses = vec![Pose::IDENTITY];
+        for (&h, points) in self.lengths.iter().zip(self.points.chunks_exact(POINTS)) {
+            let rest = [points[0].rest, points[1].rest];
+            poses.extend(element::poses(poses[poses.len() - 1], &rest, h));
+        }
+        for i in 0..robot.cables().len() {
+            let rest_length = self.straight_length(i, &poses);
+            let of_cable = self.chords.iter().filter(|chord| chord.cable == i);
+            let elements = of_cable.map(|chord| chord.nodes[1] / POINTS).max().unwrap_or(0);
+            self.cables.push(CableLine {
+                elements,
+                rest_length,
+                compliance: robot.cable_compliance(i, rest_length),
+                pretension: robot.pretension(i),
+            });
+        }
+    }
+
+    /// Length in m of a straight cable where the nodes have these poses.
+    pub fn straight_length(&self, cable: usize, poses: &[Pose]) -> f64 {
+        let of_cable = self.chords.iter().filter(|chord| chord.cable == cable);
+        of_cable.map(|chord| chord.way(poses).norm()).sum()
+    }
+
+    /// The cable of each passage.
+    pub fn cables_of_passages(&self) -> Vec<usize> {
+        if self.has_chords() {
+            return self.chords.iter().map(|chord| chord.cable).collect();
+        }
+        let cables = self.cables.iter().enumerate();
+        cables.flat_map(|(i, cable)| core::iter::repeat_n(i, POINTS * cable.elements)).collect()
+    }
+
+    /// Whether cables run straight from disk to disk.
+    pub fn has_chords(&self) -> bool {
+        !self.chords.is_empty()
+    }
+
+    /// Length in m of a cable for these strains, which give the nodes these poses.
+    pub fn cable_length(&self, cable: usize, strains: &[Twist], poses: &[Pose]) -> f64 {
+        if self.has_chords() {
+            return self.straight_length(cable, poses);
+        }
         let count = self.cables.len();
         (0..POINTS * self.cables[cable].elements)
             .map(|q| {
@@ -240,11 +348,12 @@ impl Rod {
 /// What has no dynamics here.
 fn refuse_unsupported(robot: &Robot) -> Result<(), MotionError> {
     let refuse = |path: String, what, advice| Err(MotionError::Unsupported { path, what, advice });
-    if let Some(i) = robot.cables().iter().position(whipcord::Cable::has_friction) {
+    let rubs = robot.cables().iter().any(whipcord::Cable::has_friction);
+    if let Some(i) = robot.motors().iter().position(|motor| rubs && motor.dynamics.is_some()) {
         return refuse(
-            format!("cables[{i}].friction"),
-            "friction of a cable",
-            "leave the friction out, or use the statics with steps of actuation",
+            format!("motors[{i}].inertia"),
+            "a motor with inertia beside cables with friction",
+            "leave out the friction, or the inertia and the gains of the motor",
         );
     }
     let plays = |motor: &whipcord::Motor| motor.dynamics.is_some() && motor.backlash > 0.0;

@@ -9,9 +9,11 @@ use crate::drives::Drives;
 use crate::energy::Power;
 use crate::equilibrium;
 use crate::error::{MotionError, count};
+use crate::friction::Friction;
 use crate::iteration::{Mechanics, Solver};
 use crate::loads::NodeLoads;
 use crate::options::{Initial, MotionOptions, Start};
+use crate::pose;
 use crate::rod::Rod;
 use crate::state::{CableMotion, MotorMotion, State};
 use crate::surroundings::Surroundings;
@@ -74,7 +76,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`MotionError`] where the case does not fit the robot, the robot has no mass or no stiffness, a part of robot or case has no dynamics
-    /// here (friction, movable objects), or there is no equilibrium to start from.
+    /// here (friction of the backbone, movable objects), or there is no equilibrium to start from.
     pub fn new(robot: &Robot, case: &Case, options: MotionOptions) -> Result<Self, MotionError> {
         let commands = Commands::of_case(robot, case);
         Self::with_commands(robot, case, &commands, options)
@@ -103,7 +105,24 @@ impl Simulation {
         let loads = NodeLoads::new(&rod, case, &options);
         let drag = Vec3::new(options.drag.across, options.drag.across, options.drag.along);
         let surroundings = Surroundings::new(robot, &rod, case)?;
-        let solver = Solver::new(&rod, Drives::new(robot), drag, surroundings);
+        if options.has_free_base && surroundings.is_some() {
+            return Err(MotionError::Unsupported {
+                path: "motion.base.free".to_owned(),
+                what: "a free base among obstacles",
+                advice: "remove the obstacles, or hold the base",
+            });
+        }
+        let friction = Friction::new(robot, &rod);
+        refuse_with_friction(&friction, &options, &surroundings)?;
+        let holes = friction.as_ref().map(|friction| friction.holes.memory()).unwrap_or_default();
+        let mut first_passages = Vec::new();
+        if friction.is_some() {
+            first_passages.clone_from(&rod.first_passages);
+            first_passages.push(holes.tensions.len());
+        }
+        let solver = Solver::new(&rod, Drives::new(robot), drag, surroundings, friction);
+        let mut solver = solver;
+        solver.stage.matrix.hold_base(!options.has_free_base);
         let state = State {
             velocities: vec![Twist::default(); rod.nodes.len()],
             strains: rod.points.iter().map(|point| point.rest).collect(),
@@ -111,6 +130,8 @@ impl Simulation {
             strain_rates: vec![Twist::default(); rod.points.len()],
             poses: vec![Pose::IDENTITY; rod.nodes.len()],
             cables: vec![CableMotion::default(); rod.cables.len()],
+            holes,
+            first_passages,
             motor_outputs: vec![0.0; robot.motors().len()],
             motors: vec![MotorMotion::default(); robot.motors().len()],
             commanded: vec![f64::NAN; rod.cables.len()],
@@ -157,6 +178,8 @@ impl Simulation {
         count("cables", state.cables.len(), self.rod.cables.len())?;
         count("motors", state.motor_outputs.len(), self.state.motor_outputs.len())?;
         count("motors", state.motors.len(), self.state.motors.len())?;
+        let passages = |of: &State| of.holes.tensions.len();
+        count("passages of cables", passages(state), passages(&self.state))?;
         self.state.copy_from(state);
         Ok(())
     }
@@ -343,9 +366,19 @@ impl Simulation {
                 let statics = self.statics(case, commands)?;
                 let Self { robot, rod, loads, solver, .. } = self;
                 equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;
+                if let Some(friction) = &solver.friction {
+                    let stage = &mut solver.stage;
+                    pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
+                    let lengths = friction.lengths(rod, &stage.strains, &stage.poses);
+                    let (passages, base) = (stage.passages.clone(), stage.tensions.clone());
+                    self.next.holes = friction.holes.memory_at(&lengths, passages, base);
+                }
                 self.put_motors_in_equilibrium()?;
             }
-            Initial::Rest => self.solver.stage.tensions.fill(0.0),
+            Initial::Rest => {
+                self.solver.stage.tensions.fill(0.0);
+                self.solver.stage.passages.clone_from(&self.next.holes.tensions);
+            }
             Initial::State(start) => self.start_from(start, commands)?,
         }
         self.next.strains.copy_from_slice(&self.solver.stage.strains);
@@ -367,4 +400,27 @@ impl Simulation {
         core::mem::swap(&mut self.state, &mut self.next);
         Ok(())
     }
+}
+
+/// What has no dynamics beside friction of cables.
+fn refuse_with_friction(
+    friction: &Option<Friction>,
+    options: &MotionOptions,
+    surroundings: &Option<Surroundings>,
+) -> Result<(), MotionError> {
+    if friction.is_none() {
+        return Ok(());
+    }
+    let refuse = |path: &str, what, advice| {
+        Err(MotionError::Unsupported { path: path.to_owned(), what, advice })
+    };
+    if surroundings.is_some() {
+        let advice = "remove the obstacles, or leave the friction out";
+        return refuse("obstacles", "obstacles of a robot whose cables have friction", advice);
+    }
+    if matches!(options.initial, Initial::State(_)) {
+        let advice = "start from the equilibrium or from rest";
+        return refuse("motion.initial", "a state to start from, without its passages", advice);
+    }
+    Ok(())
 }

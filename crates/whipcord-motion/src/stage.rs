@@ -4,43 +4,15 @@ use whipcord::Wrench;
 use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 
 use crate::block::{Block, dot, skew_times, times_skew, transposed_bracket};
+use crate::chords;
 use crate::element::{NODES, POINTS, SHAPES, SLOPES, add_to_nodes};
 use crate::elimination::Elimination;
+use crate::free_base::FreeBase;
 use crate::loads::{NodeLoad, NodeLoads};
 use crate::pose;
-use crate::rod::{Crossing, Rod};
-
-/// Which equations a stage has.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Scheme {
-    /// `g`: velocities and strains are those of the history plus this time in s times their rates.
-    pub g: f64,
-    /// What the change of a velocity times the mass is multiplied by: `1/g`, or 0 in statics.
-    pub inertia: f64,
-    /// What the change of a strain times the damping is multiplied by: `1/g`, or 0 in statics.
-    pub damping: f64,
-    /// Where the stage lies between the start (0) and the end (1) of the step; the end is extrapolated.
-    pub place: f64,
-    /// Whether tensions and dead forces act by the discrete gradients of lengths and heights from the start to the end of the step.
-    pub conserves: bool,
-}
-
-impl Scheme {
-    /// A stage that lies at the end of its step.
-    pub const fn at_end(g: f64) -> Self {
-        Self { g, inertia: 1.0 / g, damping: 1.0 / g, place: 1.0, conserves: false }
-    }
-
-    /// The strain at the end of the step, from those at its start and at the stage.
-    #[inline]
-    pub fn end(&self, start: Twist, strain: Twist) -> Twist {
-        start + (strain - start) * (1.0 / self.place)
-    }
-
-    /// Equilibrium: velocities are displacements.
-    pub const STATICS: Self =
-        Self { g: 1.0, inertia: 0.0, damping: 0.0, place: 1.0, conserves: false };
-}
+use crate::pull::Pull;
+use crate::rod::Rod;
+use crate::scheme::Scheme;
 
 /// Unknowns, history, residual and linearisation of a stage.
 #[derive(Clone, Debug)]
@@ -57,14 +29,23 @@ pub(crate) struct Stage {
     pub start: Vec<Twist>,
     /// Tension of each cable in N.
     pub tensions: Vec<f64>,
+    /// Tension of each passage in N where cables have friction; empty where they have none.
+    pub passages: Vec<f64>,
     /// Whether the work of each cable stays in the robot: of motors with inertia.
     pub is_internal: Vec<bool>,
     /// What acts on each node.
     pub loads: Vec<NodeLoad>,
-    /// Force on the strain of each point, times its weight, by dead forces that act by the gradient of their heights.
-    pub dead: Vec<Twist>,
+    /// Force against the strain of each point, times its weight, of what acts by the gradient of a potential: of straight cables and, where the scheme
+    /// conserves, of dead forces.
+    pub potential: Vec<Twist>,
+    /// The gradient of that potential by the places and turns of the nodes.
+    pulls: Vec<Wrench>,
+    /// How far the sections of the nodes will still move, in their frames, since strains lack something.
+    shifts: Vec<Twist>,
     /// Pose of the base, in its frame at the start of the motion.
     pub base: Pose,
+    /// How that pose follows from the velocity where the base is free.
+    pub free_base: Option<FreeBase>,
     /// Force and moment of the base on the node there, as the equations were evaluated last.
     pub base_force: Twist,
     /// Pose of each node, in the frame of the base at the start of the motion.
@@ -144,10 +125,14 @@ impl Stage {
             strain_history: twists(points),
             start: twists(points),
             tensions: vec![0.0; rod.cables.len()],
+            passages: Vec::new(),
             is_internal: vec![false; rod.cables.len()],
             loads: vec![NodeLoad::default(); nodes],
-            dead: twists(points),
+            potential: twists(points),
+            pulls: vec![Wrench::default(); nodes],
+            shifts: twists(nodes),
             base: Pose::IDENTITY,
+            free_base: None,
             base_force: Twist::default(),
             poses: vec![Pose::IDENTITY; nodes],
             other_poses: vec![Pose::IDENTITY; nodes],
@@ -155,7 +140,7 @@ impl Stage {
             residual: twists(nodes),
             lack: twists(points),
             change: twists(points),
-            matrix: Elimination::new(rod.elements()),
+            matrix: Elimination::new(&rod.span_starts, rod.has_chords(), true),
             tangents: vec![PointTangent::default(); points],
         };
         pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
@@ -172,6 +157,9 @@ impl Stage {
     /// Evaluates the residual; with `fresh` the linearisation as well. Poses and loads must be those of the strains.
     pub fn assemble(&mut self, rod: &Rod, scheme: &Scheme, gravity: Vec3, drag: Vec3, fresh: bool) {
         self.residual.fill(Twist::default());
+        if rod.has_chords() && !scheme.conserves {
+            self.find_cable_forces(rod, false);
+        }
         for e in 0..rod.elements() {
             if fresh {
                 self.matrix.elements[e] = Default::default();
@@ -181,28 +169,90 @@ impl Stage {
             }
         }
         self.base_force = self.residual[0];
-        for a in 1..rod.nodes.len() {
+        for a in usize::from(self.matrix.holds_base())..rod.nodes.len() {
             self.add_node(rod, scheme, a, gravity, drag, fresh);
+        }
+        if rod.has_chords() {
+            self.link_nodes(rod, scheme, fresh);
         }
     }
 
-    /// Finds the forces on the strains of dead forces and gravity whose work in the step is exactly that of the heights at its start and end: the
-    /// gradient in the middle, corrected along the change of the strains (Gonzalez, *Time integration and discrete Hamiltonian systems*,
+    /// Finds what straight cables exert on the strains, eq. (27): all of them, or those alone whose work is `external`. Poses must be those of the strains.
+    pub fn find_cable_forces(&mut self, rod: &Rod, external: bool) {
+        let Self { strains, poses, pulls, potential, tensions, passages, is_internal, .. } = self;
+        let tension = |k: usize| {
+            let cable = rod.chords[k].cable;
+            let is_left_out = external && is_internal[cable];
+            let tension = passages.get(k).copied().unwrap_or(tensions[cable]);
+            if is_left_out { 0.0 } else { tension }
+        };
+        chords::gradient(rod, strains, poses, tension, pulls, potential);
+    }
+
+    /// Adds to residual and matrix how straight cables change their pull with the displacements of the nodes, eq. (28).
+    fn link_nodes(&mut self, rod: &Rod, scheme: &Scheme, fresh: bool) {
+        let Self { poses, lack, shifts, residual, matrix, tensions, passages, velocities, .. } =
+            self;
+        pose::displacements(rod, poses, lack, |node, turn, shift| {
+            let back = poses[node].rotation.conjugate();
+            shifts[node] = Twist { linear: back.rotate(shift), angular: back.rotate(turn) };
+        });
+        if fresh {
+            matrix.links.fill(Default::default());
+        }
+        for (k, chord) in rod.chords.iter().enumerate() {
+            let tension = passages.get(k).copied().unwrap_or(tensions[chord.cable]);
+            if tension == 0.0 {
+                continue;
+            }
+            let stiffness = chord.stiffness(poses, tension);
+            for (i, &row) in chord.nodes.iter().enumerate() {
+                for (j, &column) in chord.nodes.iter().enumerate() {
+                    residual[row] = residual[row] + stiffness[i][j].apply(&shifts[column]);
+                    if fresh {
+                        let link = &mut matrix.links[chord.nodes[1] / POINTS - 1];
+                        let moved = Transport::new(&velocities[column], scheme.g).block(scheme.g);
+                        link[i][j].add_scaled(1.0, &stiffness[i][j].times(&moved));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Finds the forces on the strains of dead forces, gravity and straight cables whose work in the step is exactly that of the heights and lengths at its start
+    /// and end: the gradient in the middle, corrected along the change of the strains (Gonzalez, *Time integration and discrete Hamiltonian systems*,
     /// J. Nonlinear Sci. 6, 1996), eq. (18). Poses must be those of the strains.
     pub fn find_conserving_forces(&mut self, rod: &Rod, gravity: Vec3, scheme: &Scheme) {
         /// Below this squared change the correction, of third order in it, is less than rounding.
         const LEAST_CHANGE: f64 = 1e-12;
-        let Self { base, loads, dead, poses, other_poses, end, start, strains, .. } = self;
+        let Self {
+            base,
+            loads,
+            potential,
+            pulls,
+            poses,
+            other_poses,
+            end,
+            start,
+            strains,
+            tensions,
+            ..
+        } = self;
         let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
-        let of_node = |a: usize| Wrench { force: force(a), moment: Vec3::ZERO };
-        pose::work_gradient(rod, strains, poses, of_node, dead);
+        let tension = |k: usize| tensions[rod.chords[k].cable];
+        for (a, pull) in pulls.iter_mut().enumerate() {
+            *pull = Wrench { force: -force(a), moment: Vec3::ZERO };
+        }
+        chords::add_node_gradient(rod, poses, tension, pulls);
+        pose::work_gradient(rod, strains, poses, |a| pulls[a], potential);
+        let level = |poses: &[Pose]| chords::work(rod, poses, tension) - pose::work(poses, force);
         pose::nodes(rod, *base, start, other_poses);
-        let mut work = -pose::work(other_poses, force);
+        let mut work = -level(other_poses);
         for ((end, start), strain) in end.iter_mut().zip(&*start).zip(&*strains) {
             *end = scheme.end(*start, *strain);
         }
         pose::nodes(rod, *base, end, other_poses);
-        work += pose::work(other_poses, force);
+        work += level(other_poses);
         let squared = rod.length * rod.length;
         let scaled = |change: Twist, weight: f64| Twist {
             linear: change.linear * weight,
@@ -211,7 +261,7 @@ impl Stage {
         let mut size = 0.0;
         for (q, point) in rod.points.iter().enumerate() {
             let change = end[q] - start[q];
-            work -= dot(&dead[q], &change);
+            work -= dot(&potential[q], &change);
             size += dot(&change, &scaled(change, point.weight)) / rod.length;
         }
         if size < LEAST_CHANGE {
@@ -219,7 +269,17 @@ impl Stage {
         }
         for (q, point) in rod.points.iter().enumerate() {
             let change = end[q] - start[q];
-            dead[q] = dead[q] + scaled(change, point.weight) * (work / (size * rod.length));
+            potential[q] =
+                potential[q] + scaled(change, point.weight) * (work / (size * rod.length));
+        }
+    }
+
+    /// Tension in N of a continuous cable at a point that it passes.
+    #[inline]
+    pub fn tension_at(&self, rod: &Rod, cable: usize, point: usize) -> f64 {
+        match self.passages.is_empty() {
+            true => self.tensions[cable],
+            false => self.passages[rod.first_passages[cable] + point],
         }
     }
 
@@ -245,17 +305,17 @@ impl Stage {
             let rate = (strain - self.strain_history[q]) * scheme.damping;
             wrench = wrench + point.damping.apply(&rate);
         }
-        if scheme.conserves {
-            wrench = wrench - self.dead[q] * (1.0 / point.weight);
-        }
         let mut stiffness = point.stiffness;
         if fresh && rod.is_damped {
             stiffness.add_scaled(scheme.damping, &point.damping);
         }
         let count = rod.cables.len();
-        for i in 0..count {
-            let tension = self.tensions[i];
-            if e >= rod.cables[i].elements || tension == 0.0 {
+        for i in 0..if rod.has_chords() { 0 } else { count } {
+            if e >= rod.cables[i].elements {
+                continue;
+            }
+            let tension = self.tension_at(rod, i, q);
+            if tension == 0.0 {
                 continue;
             }
             let crossing = &rod.crossings[q * count + i];
@@ -278,6 +338,10 @@ impl Stage {
             self.add_to_matrix(e, k, q, point.weight, h);
         }
         let tangent = &self.tangents[q];
+        // What acts by the gradient of a potential turns with the nodes, as their parts of the matrix say.
+        if scheme.conserves || rod.has_chords() {
+            wrench = wrench + self.potential[q] * (1.0 / point.weight);
+        }
         let along = wrench + tangent.wrench.apply(&lack);
         let across = transposed_bracket(&strain, &wrench) + tangent.turned.apply(&lack);
         add_to_nodes(&mut self.residual[2 * e..], &along, &across, point.weight, k, h);
@@ -365,7 +429,11 @@ impl Stage {
                     - Mat3::skew(moment) * g,
             };
             // To the element before the node, as its end or its middle.
-            let (e, local) = if a.is_multiple_of(2) { (a / 2 - 1, 2) } else { (a / 2, 1) };
+            let (e, local) = match a {
+                0 => (0, 0),
+                _ if a.is_multiple_of(2) => (a / 2 - 1, 2),
+                _ => (a / 2, 1),
+            };
             self.matrix.elements[e][local][local].add_scaled(1.0, &block);
         }
     }
@@ -431,60 +499,18 @@ impl Transport {
         Twist { linear: self.turned(b.linear - self.linear.cross(angular)), angular }
     }
 
+    /// `g E⁻¹`, which is what a change of the velocity of a section in rigid motion moves it by.
+    fn block(&self, g: f64) -> Block {
+        let diagonal = self.matrix() * g;
+        let upper = self.matrix() * skew_times(self.linear, &diagonal) * -1.0;
+        Block { a: diagonal, b: upper, c: Mat3::ZERO, d: diagonal }
+    }
+
     /// `Q`.
     #[inline]
     fn matrix(&self) -> Mat3 {
         let a = self.turn;
         (Mat3::outer(a, a) - Mat3::skew(a)).plus_identity() * self.scale
-    }
-}
-
-/// How a cable pulls at a section.
-pub(crate) struct Pull {
-    /// `t`.
-    direction: Vec3,
-    /// `∂t/∂p′`.
-    change: Mat3,
-}
-
-impl Pull {
-    #[inline]
-    pub fn new(crossing: &Crossing, strain: &Twist, start: &Twist, scheme: &Scheme) -> Self {
-        if !scheme.conserves {
-            let tangent = crossing.tangent(strain);
-            let inverse = 1.0 / tangent.norm();
-            let direction = tangent * inverse;
-            let change = (Mat3::IDENTITY - Mat3::outer(direction, direction)) * inverse;
-            return Self { direction, change };
-        }
-        // (a + b)/(|a| + |b|) of the tangents at start and end, eq. (16).
-        let before = crossing.tangent(start);
-        let end = scheme.end(*start, *strain);
-        let after = crossing.tangent(&end);
-        let (from, to) = (before.norm(), after.norm());
-        let inverse = 1.0 / (from + to);
-        let direction = (before + after) * inverse;
-        let change = (Mat3::IDENTITY - Mat3::outer(direction, after * (1.0 / to)))
-            * (inverse / scheme.place);
-        Self { direction, change }
-    }
-
-    /// `(t, r × t)`.
-    #[inline]
-    pub fn wrench(&self, crossing: &Crossing) -> Twist {
-        Twist { linear: self.direction, angular: crossing.offset.cross(self.direction) }
-    }
-
-    /// Adds `τ JᵀPJ` with `J = [I, −r̂]`.
-    #[inline]
-    fn add_stiffness(&self, crossing: &Crossing, tension: f64, stiffness: &mut Block) {
-        let p = self.change * tension;
-        let r = crossing.offset;
-        let right = times_skew(&p, r);
-        stiffness.a += p;
-        stiffness.b += -right;
-        stiffness.c += skew_times(r, &p);
-        stiffness.d += -skew_times(r, &right);
     }
 }
 

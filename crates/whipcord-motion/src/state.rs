@@ -1,5 +1,6 @@
 //! The state of a robot in motion.
 
+use whipcord::HoleMemory;
 use whipcord_numerics::{Pose, Twist};
 
 use crate::options::{Method, Start};
@@ -19,7 +20,7 @@ pub struct EnergyBalance {
     pub motors: f64,
     /// Energy that the stretch of the cables of these motors and of their drives holds.
     pub stretch: f64,
-    /// What the cables have given to the rod, but for those of motors with inertia.
+    /// What the cables have given to the rod and to the friction in their holes, but for those of motors with inertia.
     pub cables: f64,
     /// What the position loops of motors with inertia have given.
     pub control: f64,
@@ -29,7 +30,7 @@ pub struct EnergyBalance {
     pub base: f64,
     /// What obstacles have given in contact: negative, since impacts and friction take energy and obstacles do not move.
     pub contacts: f64,
-    /// What damping, drag and the friction of motors have taken.
+    /// What damping, drag and the friction of cables and motors have taken.
     pub dissipated: f64,
     /// The sum of energies at the start of the motion.
     pub initial: f64,
@@ -137,6 +138,8 @@ pub struct State {
     pub cables: Vec<CableMotion>,
     /// Where the robot touches the obstacles of its case, from the base on.
     pub contacts: Vec<whipcord::shape::Contact>,
+    /// The passages of cables with friction; empty where no cable has any.
+    pub holes: HoleMemory,
     /// Motion of the spool or drive of each motor, behind gear and backlash, in rad or m.
     pub motor_outputs: Vec<f64>,
     /// The motors.
@@ -153,6 +156,8 @@ pub struct State {
     pub(crate) impact_parts: usize,
     /// Impacts since the start of the step.
     pub(crate) impacts: usize,
+    /// Where the passages of each cable begin among those of all, and where the last one ends; empty without friction.
+    pub(crate) first_passages: Vec<usize>,
     /// What each cable was told last: a tension in N, or a shortening in m.
     pub(crate) commanded: Vec<f64>,
 }
@@ -162,6 +167,15 @@ impl State {
     #[must_use]
     pub fn tip(&self) -> Pose {
         self.poses.last().copied().unwrap_or_default()
+    }
+
+    /// Tension in N of each passage of a cable from the base on, as it acted in the last step; empty where no cable has friction.
+    #[must_use]
+    pub fn passage_tensions(&self, cable: usize) -> &[f64] {
+        match (self.first_passages.get(cable), self.first_passages.get(cable + 1)) {
+            (Some(&first), Some(&end)) => self.holes.tensions.get(first..end).unwrap_or_default(),
+            _ => &[],
+        }
     }
 
     /// What another motion needs to start where this state is.
@@ -188,6 +202,7 @@ impl State {
             has_rates,
             poses,
             cables,
+            holes,
             motor_outputs,
             motors,
             energy,
@@ -197,11 +212,14 @@ impl State {
             contacts,
             impact_parts,
             impacts,
+            first_passages,
             commanded,
         } = self;
+        first_passages.clone_from(&other.first_passages);
         (*rates_of, *without_rates) = (other.rates_of, other.without_rates);
         (*impact_parts, *impacts) = (other.impact_parts, other.impacts);
         contacts.clone_from(&other.contacts);
+        holes.clone_from(&other.holes);
         (*time, *base, *has_rates) = (other.time, other.base, other.has_rates);
         (*energy, *diagnostics) = (other.energy, other.diagnostics);
         velocities.clone_from(&other.velocities);

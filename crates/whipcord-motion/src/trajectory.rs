@@ -1,5 +1,7 @@
 //! A motion from its start to its end.
 
+use whipcord::ModelKind;
+
 use crate::commands::Commands;
 use crate::error::MotionError;
 use crate::simulation::Simulation;
@@ -8,6 +10,8 @@ use crate::state::State;
 /// The states of a motion at equal intervals of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
+    /// The model: how cables run.
+    pub model: ModelKind,
     /// Arc length of each node in m.
     pub arc_lengths: Vec<f64>,
     /// The state at the start, then one behind each interval.
@@ -53,6 +57,7 @@ impl Simulation {
         goes_on: &mut dyn FnMut(&State) -> bool,
     ) -> Result<(), MotionError> {
         *trajectory = Trajectory {
+            model: self.options().model,
             arc_lengths: self.arc_lengths().collect(),
             states: vec![self.state().clone()],
             ..Trajectory::default()

@@ -8,7 +8,8 @@ use crate::complementarity::Complementarity;
 use crate::contacts::Contacts;
 use crate::lengths::Lengths;
 use crate::rod::Rod;
-use crate::stage::{Scheme, Stage};
+use crate::scheme::Scheme;
+use crate::stage::Stage;
 
 /// The linear system of tensions and contact forces.
 #[derive(Clone, Debug, Default)]
@@ -60,7 +61,7 @@ impl Unilateral {
         rod: &Rod,
         scheme: &Scheme,
         stage: &mut Stage,
-        lengths: &Lengths,
+        lengths: &mut Lengths,
         contacts: &mut Contacts,
     ) -> Option<()> {
         let cables = lengths.cables.len();

@@ -24,12 +24,7 @@ const CHANNELS: usize = 3;
 /// [`PlotError`] without pictures, or where one cannot be drawn.
 pub fn film(frames: &[FilmFrame]) -> Result<Vec<u8>, PlotError> {
     let failed = |error: EncodingError| PlotError::Png(error.to_string());
-    let pictures = frames.iter().map(|frame| rgb(&frame.svg));
-    let pictures: Vec<Picture> = pictures.collect::<Result<_, _>>()?;
-    let largest = |size: fn(&Picture) -> u32| pictures.iter().map(size).max();
-    let (Some(width), Some(height)) = (largest(|of| of.width), largest(|of| of.height)) else {
-        return Err(PlotError::Empty { what: "the film".to_owned() });
-    };
+    let (pictures, [width, height]) = pictures(frames)?;
     let mut before = Vec::new();
     let count = u32::try_from(frames.len()).unwrap_or(u32::MAX);
     let mut bytes = Vec::new();
@@ -63,6 +58,39 @@ pub fn film(frames: &[FilmFrame]) -> Result<Vec<u8>, PlotError> {
     }
     writer.finish().map_err(failed)?;
     Ok(bytes)
+}
+
+/// The pixels of a film: red, green and blue of each, by rows. All pictures are of one size.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FilmPixels {
+    /// Width in px, which is even.
+    pub width: u32,
+    /// Height in px, which is even.
+    pub height: u32,
+    /// The pixels of each picture.
+    pub pictures: Vec<Vec<u8>>,
+}
+
+/// The pixels of a film for an encoder of another format, as large as the largest of its pictures and even: others have white to the right and below.
+///
+/// # Errors
+/// As [`film`].
+pub fn film_pixels(frames: &[FilmFrame]) -> Result<FilmPixels, PlotError> {
+    let (pictures, size) = pictures(frames)?;
+    let [width, height] = size.map(|size| size.next_multiple_of(2));
+    let pictures = pictures.iter().map(|picture| picture.on_white(width, height)).collect();
+    Ok(FilmPixels { width, height, pictures })
+}
+
+/// The pictures of a film, and the size of the largest.
+fn pictures(frames: &[FilmFrame]) -> Result<(Vec<Picture>, [u32; 2]), PlotError> {
+    let pictures = frames.iter().map(|frame| rgb(&frame.svg));
+    let pictures: Vec<Picture> = pictures.collect::<Result<_, _>>()?;
+    let largest = |size: fn(&Picture) -> u32| pictures.iter().map(size).max();
+    match (largest(|of| of.width), largest(|of| of.height)) {
+        (Some(width), Some(height)) => Ok((pictures, [width, height])),
+        _ => Err(PlotError::Empty { what: "the film".to_owned() }),
+    }
 }
 
 /// The pixels of a picture without their opacity: films are of whole pictures.
@@ -137,7 +165,12 @@ mod tests {
         let bytes = film(&[frame(2, 100), frame(9, 250), frame(9, 40)]).unwrap();
         let expected = [[0, 0, 40, 20, 100], [2, 5, 11, 6, 250], [0, 0, 1, 1, 40]];
         assert_eq!(pictures(&bytes), expected);
-        assert!(film(&[]).is_err());
+        assert!(film(&[]).is_err() && film_pixels(&[]).is_err());
+        let pixels = film_pixels(&[frame(2, 100), frame(9, 250)]).unwrap();
+        assert_eq!((pixels.width, pixels.height, pixels.pictures.len()), (40, 20, 2));
+        // Red in the second picture where the rectangle has moved, white in the first.
+        let at = 3 * (40 * 7 + 11);
+        assert_eq!([0, 1].map(|k: usize| pixels.pictures[k][at + 1]), [255, 0]);
         let svg = frame(2, 1).svg.replace("width=\"40\"", "width=\"41\"");
         let other = FilmFrame { svg, milliseconds: 1 };
         // Every picture has the size of the largest.

@@ -62,7 +62,7 @@ pub use distance::{DistanceSeries, distance_chart};
 pub use drafting::{DraftForm, DraftLayer, Drafting, Item as DraftItem};
 pub use ellipsoid::{Ellipsoid, Quantity};
 pub use error::PlotError;
-pub use film::{FilmFrame, film};
+pub use film::{FilmFrame, FilmPixels, film, film_pixels};
 pub use histogram::histogram_chart;
 pub use marker::Marker;
 pub use modes::{ModeLine, ModesFigure, modes_figure};

@@ -362,6 +362,11 @@ impl Simulation {
         self.lock().simulation.momentum().to_array()
     }
 
+    /// Angular momentum in kg·m²/s about the origin of the world.
+    fn angular_momentum(&self) -> [f64; 3] {
+        self.lock().simulation.angular_momentum().to_array()
+    }
+
     /// The method of the last step.
     #[getter]
     fn method(&self) -> &'static str {

@@ -6,9 +6,10 @@ use core::str::FromStr;
 use crate::case::Actuation;
 
 /// The models, by the names they have in files and on the command line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ModelKind {
     /// Cosserat rod with continuous cables.
+    #[default]
     Cosserat,
     /// Cosserat rod with cables that run straight from hole to hole.
     CosseratDisks,

@@ -10,7 +10,7 @@ use whipcord_motion::{Mode, Simulation};
 use whipcord_plot::{ModeLine, ModesFigure, modes_figure};
 
 use crate::inputs::{Settings, read_one};
-use crate::motion::failure;
+use crate::motion::{MotionModel, failure};
 use crate::warnings::Warnings;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
@@ -31,6 +31,8 @@ pub struct ModesArgs {
     file: PathBuf,
     #[command(flatten)]
     settings: Settings,
+    #[command(flatten)]
+    model: MotionModel,
     /// How many vibrations, from the lowest frequency on
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=200))]
     count: u16,
@@ -63,7 +65,8 @@ fn time(text: &str) -> Result<f64, String> {
 
 /// Computes the vibrations, writes the folder and returns what standard output shows.
 pub fn run(args: &ModesArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file, &args.settings)?;
+    let mut file = read_one(&args.file, &args.settings)?;
+    args.model.choose(&mut file);
     let warnings = file.warnings_in_motion();
     args.warnings.tell(&file, &warnings)?;
     let (commands, options) = file.motion.held_at(&file.robot, &file.case, args.time);
@@ -121,7 +124,8 @@ fn summary(
     modes: &[Mode],
     style: Style,
 ) -> String {
-    let mut text = format!("{}\nnatural vibrations of cosserat", style.heading(&file.title));
+    let mut text =
+        format!("{}\nnatural vibrations of {}", style.heading(&file.title), file.motion.model());
     if let Some(time) = args.time {
         text += &format!(" at {} s", number(time, 4));
     }

@@ -11,6 +11,7 @@ use whipcord_inverse::{
 use whipcord_io::{CaseFile, load_path, load_shape, reach_json, warnings_json};
 
 use crate::deadline;
+use crate::film;
 use crate::inputs::read_one;
 use crate::inverse::{RobotArguments, failure, solver};
 use crate::path_argument::path_ending_in;
@@ -75,8 +76,9 @@ pub struct ReachArgs {
     /// Draw the robot and the target, along a path the robot at some of its points; the name ends in .svg or .png
     #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["svg", "png"]))]
     plot: Option<PathBuf>,
-    /// Film of the robot along a path, as an animated PNG that browsers play, with the time of the path; the name ends in .png
-    #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["png"]))]
+    /// Film of the robot along a path, with the time of the path; the name ends in .png, for an animated PNG that browsers play, or in .webm,
+    /// which the program ffmpeg encodes
+    #[arg(long, value_name = "OUT", value_parser = path_ending_in(&film::ENDINGS))]
     film: Option<PathBuf>,
     /// File to write: for one target the robot file with the commands found; for a path its commands, as a table for
     /// [commands] if the name ends in .csv or .parquet, with all that --json prints if it ends in .json
@@ -140,6 +142,9 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
     let mut solver = solver(args.robot.by, &file, &model)?;
     if target.is_some() && args.film.is_some() {
         return Err(Failure::Input("error: --film is for a path".into()));
+    }
+    if let Some(path) = &args.film {
+        film::check(path)?;
     }
     let Some(target) = target else {
         let task = Task {

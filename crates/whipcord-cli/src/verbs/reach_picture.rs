@@ -5,9 +5,9 @@ use std::path::Path;
 use whipcord::{Model, Pose, Vec3};
 use whipcord_inverse::{Followed, PathPoint, Reached, Target};
 use whipcord_io::CaseFile;
-use whipcord_plot::{Acting, FigureOptions, FilmFrame, RobotView, film, label, robot_figure};
+use whipcord_plot::{Acting, FigureOptions, FilmFrame, RobotView, label, robot_figure};
 
-use crate::film::{AZIMUTH, FILM_WIDTH, durations, spread};
+use crate::film::{AZIMUTH, FILM_WIDTH, durations, encoded, spread};
 use crate::smooth::smooth;
 use whipcord_study::failure::Failure;
 use whipcord_study::files;
@@ -68,7 +68,7 @@ pub fn film_path(
         let svg = figure(path, at, &[(&followed.answers[k], time(&points[k]))], options)?;
         frames.push(FilmFrame { svg, milliseconds });
     }
-    film(&frames).map_err(|error| files::plot_failure(path, &error))
+    encoded(path, &frames)
 }
 
 fn time(point: &PathPoint) -> String {

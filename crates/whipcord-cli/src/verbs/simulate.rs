@@ -8,11 +8,12 @@ use whipcord_io::{
     warnings_json,
 };
 use whipcord_motion::{Simulation, State, Trajectory};
-use whipcord_plot::film;
 
 use super::simulate_picture::{charts, film_frames};
+use crate::film;
 use crate::inputs::{Settings, read_one};
-use crate::motion::failure;
+use crate::motion::{MotionModel, failure};
+use crate::path_argument::path_ending_in;
 use crate::warnings::Warnings;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
@@ -26,13 +27,15 @@ use whipcord_study::table::{Align, Table};
 /// Computes the motion of the Cosserat rod with its masses from [motion]: duration, steps, method, commands and loads
 /// over time, drag, a moving base, and the damping of [backbone.damping]. The folder gets motion.json (all states),
 /// motion.csv (a row for each state: tip, cables, energies) and poses.csv (a row for each node of each state).
-/// The summary is in mm, all else in SI units. Cables run as in the model cosserat. Friction of cables and movable objects are refused.
+/// The summary is in mm, all else in SI units. Cables run along their routing, or straight from disk to disk with --model cosserat-disks, with friction where they have some. Friction of the backbone and movable objects are refused.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
     /// Robot file, or - for standard input
     file: PathBuf,
     #[command(flatten)]
     settings: Settings,
+    #[command(flatten)]
+    model: MotionModel,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -48,9 +51,10 @@ pub struct SimulateArgs {
     /// Draw the tip, the tensions and the energies over time, to the folder as SVG and PNG
     #[arg(long, requires = "out")]
     plot: bool,
-    /// Write the motion to the folder as a film, film.png: an animated PNG, which browsers play
-    #[arg(long, requires = "out")]
-    film: bool,
+    /// Write the motion to the folder as a film, by default film.png: an animated PNG, which browsers play. A name that ends in
+    /// .webm is encoded by the program ffmpeg, which must be installed
+    #[arg(long, requires = "out", value_name = "NAME", num_args = 0..=1, default_missing_value = "film.png", value_parser = path_ending_in(&film::ENDINGS))]
+    film: Option<PathBuf>,
     /// Write the pictures of the film to the folder frames as well, as PNG
     #[arg(long, requires = "film")]
     frames: bool,
@@ -60,7 +64,11 @@ pub struct SimulateArgs {
 
 /// Simulates, writes the folder and returns what standard output shows.
 pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
-    let file = read_one(&args.file, &args.settings)?;
+    let mut file = read_one(&args.file, &args.settings)?;
+    args.model.choose(&mut file);
+    if let Some(name) = &args.film {
+        film::check(name)?;
+    }
     let warnings = file.warnings_in_motion();
     args.warnings.tell(&file, &warnings)?;
     let Some((every, steps, rows)) = file.motion.rows() else {
@@ -96,8 +104,10 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
             }
         }
         let pictures = if args.plot { charts(&file, &trajectory)? } else { Vec::new() };
-        let path = out.join("film.png");
-        let frames = if args.film { film_frames(&path, &file, &trajectory)? } else { Vec::new() };
+        let path = args.film.as_ref().map(|name| out.join(name));
+        let frames = path.as_ref().map(|path| film_frames(path, &file, &trajectory)).transpose()?;
+        let frames = frames.unwrap_or_default();
+        let film = path.map(|path| Ok((film::encoded(&path, &frames)?, path))).transpose()?;
         let folder = Folder::create(out)?;
         folder.write("motion.json", &format!("{json:#}\n"))?;
         folder.write_table("motion.csv", &table)?;
@@ -111,9 +121,8 @@ pub fn run(args: &SimulateArgs, style: Style) -> Result<String, Failure> {
         for (name, svg) in &pictures {
             folder.write_figure(name, svg)?;
         }
-        if args.film {
-            let bytes = film(&frames).map_err(|error| files::plot_failure(&path, &error))?;
-            files::write(&path, &bytes)?;
+        if let Some((bytes, path)) = &film {
+            files::write(path, bytes)?;
         }
         if args.frames {
             let folder = Folder::create(&out.join("frames"))?;
@@ -139,7 +148,7 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
         return text;
     };
     let method = last.diagnostics.method.name();
-    text += &format!("motion of cosserat, {method}\n\n");
+    text += &format!("motion of {}, {method}\n\n", trajectory.model);
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<9}")));
     };

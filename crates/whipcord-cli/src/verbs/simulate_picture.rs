@@ -124,8 +124,11 @@ fn picture(
         label: format!("{} s", number(state.time, 4)),
         shape: at(Stations::Equal(FINE_STATIONS).arc_lengths(&file.robot)),
         disks: at(Stations::Disks.arc_lengths(&file.robot)),
-        cables: CableCourse::Smooth,
-        style: ViewStyle::Model(ModelKind::Cosserat),
+        cables: match file.motion.model() {
+            ModelKind::CosseratDisks => CableCourse::HoleToHole,
+            _ => CableCourse::Smooth,
+        },
+        style: ViewStyle::Model(file.motion.model()),
     };
     let options = FigureOptions {
         loads: Acting::on(&file.case, &view.shape),

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::support::{Scratch, fail, succeed};
+use crate::support::{Scratch, command, fail, succeed};
 
 const ARM: &str = "examples/released-arm.toml";
 const SHORT: [&str; 2] = ["--set", "motion.duration=\"0.3 s\""];
@@ -99,11 +99,47 @@ fn the_methods_agree() {
 #[test]
 fn what_cannot_be_simulated_is_refused() {
     assert!(fail(2, &["simulate", "examples/three-cable-segment.toml"]).contains("[motion]"));
-    let rubbing = ["simulate", ARM, "--set", "cables[0].friction=0.2"];
+    let rubbing = ["modes", ARM, "--set", "cables[0].friction=0.2"];
     assert!(fail(2, &rubbing).contains("friction"));
     assert!(fail(2, &["simulate", ARM, "--plot"]).contains("--out"));
     let method = ["simulate", ARM, "--set", "motion.method=\"magic\""];
     assert!(fail(2, &method).contains("accurate"));
+}
+
+/// With cables straight from disk to disk the motion starts in the equilibrium of that model, and so it is marked in every output.
+#[test]
+fn cables_may_be_straight_between_disks() {
+    let value = |args: &[&str]| -> Value { serde_json::from_str(&succeed(args)).unwrap() };
+    let tip = |poses: &Value| {
+        let position = &poses.as_array().unwrap().last().unwrap()["position"];
+        [0, 1, 2].map(|i| number(&position[i]))
+    };
+    let off = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+    let straight = ["--model", "cosserat-disks"];
+    let motion =
+        ["simulate", ARM, "--set", "motion.duration=\"20 ms\"", "--set", "motion.elements=40"];
+    let of_file = ["--set", "motion.model=\"cosserat-disks\"", "--json"];
+    let moved = value(&[&motion[..], &straight, &["--json"]].concat());
+    assert_eq!(moved["model"], "cosserat-disks");
+    assert_eq!(moved["states"], value(&[&motion[..], &of_file].concat())["states"]);
+    let summary = succeed(&[&motion[..], &straight].concat());
+    assert!(summary.contains("motion of cosserat-disks, accurate"), "{summary}");
+    let held = ["solve", ARM, "--set", "cables.left.tension=\"4 N\"", "--json"];
+    let still = value(&[&held[..], &straight].concat());
+    let start = tip(&moved["states"][0]["poses"]);
+    let position = still["shape"]["position"].as_array().unwrap().last().unwrap();
+    let of_statics = [0, 1, 2].map(|i| number(&position[i]));
+    assert!(off(start, of_statics) < 1e-6 * 0.3, "{start:?} {of_statics:?}");
+    let smooth = value(&[&motion[..], &["--json"]].concat());
+    assert!(off(start, tip(&smooth["states"][0]["poses"])) > 1e-5);
+    let frequency = |args: &[&str]| {
+        let pulled = ["modes", ARM, "--set", "cables.left.tension=\"4 N\"", "--json"];
+        let modes = value(&[&pulled[..], args].concat());
+        number(&modes["modes"][0]["frequency"])
+    };
+    let (straight, smooth) = (frequency(&straight), frequency(&[]));
+    assert!(straight != smooth && (straight / smooth - 1.0).abs() < 0.05, "{straight} {smooth}");
+    fail(2, &[&motion[..], &["--model", "four-bar"]].concat());
 }
 
 #[test]
@@ -207,5 +243,88 @@ fn a_motor_with_inertia_follows_its_command() {
     for state in on["states"].as_array().unwrap() {
         let apart = number(&state["motors"][0]["position"]) - motor_of("position");
         assert!(apart.abs() < 2e-3, "{apart}");
+    }
+}
+
+/// A robot that nothing holds falls as a whole, and keeps the shape in which it was let go.
+#[test]
+fn a_free_base_falls() {
+    let json: Value = serde_json::from_str(&succeed(&[
+        "simulate",
+        ARM,
+        "--set",
+        "motion.duration=\"0.2 s\"",
+        "--set",
+        "motion.initial=\"rest\"",
+        "--set",
+        "motion.commands=[]",
+        "--set",
+        "motion.base.free=true",
+        "--json",
+    ]))
+    .unwrap();
+    let last = json["states"].as_array().unwrap().last().unwrap();
+    for (pose, start) in
+        last["poses"].as_array().unwrap().iter().zip(json["states"][0]["poses"].as_array().unwrap())
+    {
+        let z = |pose: &Value| number(&pose["position"][2]);
+        assert!((z(pose) - z(start) - 0.5 * 9.81 * 0.04).abs() < 1e-9, "{pose} {start}");
+    }
+    let led = ["simulate", ARM, "--set", "motion.base={ free = true, velocity = [0, 0, 1] }"];
+    assert!(fail(2, &led).contains("free"));
+}
+
+/// A film as WebM by ffmpeg, of the length of the motion; without it the message says what to do. Systems without ffmpeg pass over the first part.
+#[test]
+fn a_film_may_be_webm() {
+    let scratch = Scratch::new();
+    let out = scratch.file("out");
+    let duration = "motion.duration=\"60 ms\"";
+    let args = ["simulate", ARM, "--set", duration, "--out", &out, "--film", "swing.webm"];
+    let has = |program: &str| std::process::Command::new(program).arg("-version").output().is_ok();
+    if has("ffmpeg") && has("ffprobe") {
+        succeed(&args);
+        let film = scratch.path().join("out/swing.webm");
+        // The mark of EBML.
+        assert!(std::fs::read(&film).unwrap().starts_with(&[0x1a, 0x45, 0xdf, 0xa3]));
+        let probe = std::process::Command::new("ffprobe")
+            .args(["-v", "error", "-count_frames", "-show_entries"])
+            .arg("stream=codec_name,width,nb_read_frames:format=duration")
+            .args(["-of", "default=noprint_wrappers=1"])
+            .arg(&film)
+            .output()
+            .unwrap();
+        let said = String::from_utf8(probe.stdout).unwrap();
+        // Shown in 2 s, and its last picture for one more.
+        for entry in ["codec_name=vp9", "width=720", "nb_read_frames=75", "duration=3.0"] {
+            assert!(said.contains(entry), "{entry}: {said}");
+        }
+    } else {
+        eprintln!("no ffmpeg: WebM was not tried");
+    }
+    let nowhere = command(&args).env("PATH", scratch.path()).output().unwrap();
+    assert_eq!(nowhere.status.code(), Some(2));
+    let said = String::from_utf8(nowhere.stderr).unwrap();
+    assert!(said.contains("install ffmpeg") && said.contains(".png"), "{said}");
+    assert!(fail(2, &["simulate", ARM, "--out", &out, "--film", "swing.gif"]).contains("webm"));
+}
+
+/// With friction the tension falls from hole to hole while the cable is pulled, and the summary has what is lost.
+#[test]
+fn a_cable_with_friction_loses_tension_on_its_way() {
+    let ramp = "motion.commands=[{ cable = \"left\", tension = [[0, 0], [\"0.1 s\", \"3 N\"]] }]";
+    let mut args = vec!["simulate", ARM, "--set", "motion.duration=\"0.1 s\"", "--set", ramp];
+    args.extend(["--set", "cables.left.friction=0.4", "--json"]);
+    for model in ["cosserat", "cosserat-disks"] {
+        let args = [&args[..], &["--model", model]].concat();
+        let json: Value = serde_json::from_str(&succeed(&args)).unwrap();
+        let last = json["states"].as_array().unwrap().last().unwrap();
+        let cable = &last["cables"][0];
+        assert!((number(&cable["tension"]) - 3.0).abs() < 1e-9);
+        let along: Vec<f64> =
+            cable["passage_tensions"].as_array().unwrap().iter().map(number).collect();
+        assert!(along.len() >= 6 && along[0] > along[along.len() - 1] + 0.01, "{along:?}");
+        assert!(along.windows(2).all(|pair| pair[1] <= pair[0] + 1e-9), "{along:?}");
+        assert!(number(&last["energy"]["dissipated"]) > 0.0);
     }
 }

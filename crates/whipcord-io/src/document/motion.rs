@@ -1,6 +1,6 @@
 //! How a robot moves over time, as tables of a file.
 
-use whipcord::{LoadFrame, Loads, Robot, Twist};
+use whipcord::{LoadFrame, Loads, ModelKind, Robot, Twist};
 use whipcord_motion::{BaseMotion, Course, Damping, Drag, Initial, Method, Start};
 
 use super::describe::loads;
@@ -30,6 +30,7 @@ pub fn describe_motion(
     let mut table = Table::default();
     table.insert_some("duration", motion.duration);
     table.insert_some("step", motion.step);
+    table.insert_some("model", motion.model.map(ModelKind::name));
     table.insert_some("method", motion.method.map(Method::name));
     table.insert_some("tolerance", motion.tolerance);
     table.insert_some("initial", motion.initial.as_ref().map(initial));
@@ -44,6 +45,11 @@ pub fn describe_motion(
         let mut base = Table::default();
         base.insert("velocity", Item::List(velocity.iter().map(course).collect()));
         base.insert("angular_velocity", Item::List(angular_velocity.iter().map(course).collect()));
+        table.insert("base", base);
+    }
+    if motion.has_free_base {
+        let mut base = Table::default();
+        base.insert("free", true);
         table.insert("base", base);
     }
     if let Some(every) = motion.every {

@@ -43,7 +43,7 @@ pub fn modes_json(
         .collect::<Result<_, _>>()?;
     Ok(json!({
         "title": title,
-        "model": "cosserat",
+        "model": simulation.options().model.name(),
         "status": "converged",
         "version": env!("CARGO_PKG_VERSION"),
         "arc_length": numbers("arc_length", &arc_lengths)?,

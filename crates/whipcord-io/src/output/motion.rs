@@ -25,7 +25,7 @@ pub fn motion_json(
         .collect::<Result<_, _>>()?;
     Ok(json!({
         "title": title,
-        "model": "cosserat",
+        "model": trajectory.model.name(),
         "status": "converged",
         "arc_length": numbers("arc_length", &trajectory.arc_lengths)?,
         "version": env!("CARGO_PKG_VERSION"),
@@ -75,12 +75,17 @@ fn state(
         .enumerate()
         .map(|(i, (cable, of))| {
             let path = |name: &str| place(&format!("cables[{i}].{name}"));
-            Ok(json!({
+            let mut value = json!({
                 "name": cable.name,
                 "tension": number(|| path("tension"), of.tension)?,
                 "length": number(|| path("length"), of.length)?,
                 "slack": number(|| path("slack"), of.slack)?,
-            }))
+            });
+            let passages = state.passage_tensions(i);
+            if !passages.is_empty() {
+                value["passage_tensions"] = numbers(&path("passage_tensions"), passages)?;
+            }
+            Ok(value)
         })
         .collect::<Result<_, NonFinite>>()?;
     let motors: Vec<Value> = robot

@@ -1,5 +1,6 @@
 //! The tables `[motion]` and `[backbone.damping]`.
 
+use whipcord::ModelKind;
 use whipcord::robot::limits::{self, Range};
 use whipcord_motion::{Method, MotionOptions};
 
@@ -64,6 +65,12 @@ pub(super) static MOTION: Table = Table {
             Kind::Choice(&[Method::Accurate.name(), Method::Energy.name(), Method::Robust.name()]),
             r#""accurate""#,
             "How the equations are integrated: accurate (Runge-Kutta of order 4, the default), energy (midpoint rule that conserves the energy but for what is damped), or robust (generalised-alpha, damps vibrations too fast for the step). Cables that are driven by their lengths are always integrated by robust.",
+        ),
+        key(
+            "model",
+            Kind::Choice(&[ModelKind::Cosserat.name(), ModelKind::CosseratDisks.name()]),
+            r#""cosserat-disks""#,
+            "How cables run: cosserat, along their routing (default), or cosserat-disks, straight from disk to disk.",
         ),
         key(
             "tolerance",
@@ -152,8 +159,14 @@ static MOTION_DRAG: Table = Table {
 
 static MOTION_BASE: Table = Table {
     title: "[motion.base]",
-    doc: "How the base moves, from where [base] puts it: velocities over time, or a table of its poses. Methods accurate and robust take it.",
+    doc: "How the base moves, from where [base] puts it: velocities over time, a table of its poses, or freely. Methods accurate and robust take it.",
     keys: &[
+        key(
+            "free",
+            Kind::Flag,
+            "true",
+            "Whether nothing holds the base from the start on; false by default. The drives of the cables ride on it. The equilibrium to start from is that in which it is held.",
+        ),
         key(
             "velocity",
             Kind::Vector(&Kind::Either(&[SPEED, Kind::List(&SPEED_ROW, 1)]), 3),
@@ -174,7 +187,10 @@ static MOTION_BASE: Table = Table {
         ),
     ],
     rules: &[
-        Rule::AtLeastOne(&["velocity", "angular_velocity", "csv"]),
+        Rule::AtLeastOne(&["velocity", "angular_velocity", "csv", "free"]),
+        Rule::AtMostOne(&["free", "velocity"]),
+        Rule::AtMostOne(&["free", "angular_velocity"]),
+        Rule::AtMostOne(&["free", "csv"]),
         Rule::AtMostOne(&["velocity", "csv"]),
         Rule::AtMostOne(&["angular_velocity", "csv"]),
     ],

@@ -6,7 +6,7 @@ use crate::robot::{Robot, Routing};
 
 /// A cable's way from the hole of one disk to that of the next, in the frames of the disks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Passage {
+pub struct Passage {
     /// Number of the cable.
     pub cable: usize,
     /// Its hole in the disk nearer the base, in m.
@@ -19,6 +19,7 @@ pub(crate) struct Passage {
 
 impl Passage {
     /// Whether it ends before the next disk.
+    #[must_use]
     pub fn is_anchored_inside(&self) -> bool {
         self.reach < 1.0
     }
@@ -34,7 +35,8 @@ pub(crate) struct Anchor {
 }
 
 /// The cables' straight pieces between each two disks.
-pub(crate) fn passages(robot: &Robot) -> Vec<Vec<Passage>> {
+#[must_use]
+pub fn passages(robot: &Robot) -> Vec<Vec<Passage>> {
     let disks = robot.disks();
     let at = &disks.arc_lengths;
     let tolerance = 1e-10 * robot.backbone().length;

@@ -11,13 +11,16 @@ use crate::schema::EITHER_WAY;
 use crate::source::Sources;
 use crate::units::Dimension;
 
-/// Reads the table, for a base that is turned like this at the start; `None` where something is refused.
+/// Reads the table, for a base that is turned like this at the start; `None` for a base that is not led, and where something is refused.
 pub(super) fn base(
     table: &Fields,
     rotation: UnitQuaternion,
     sources: &mut Sources,
     reader: &mut Reader<'_>,
 ) -> Option<BaseMotion> {
+    if table.flag("free") {
+        return None;
+    }
     let Some(named) = table.text("csv") else {
         let velocity = courses(table, "velocity", Dimension::Speed, reader)?;
         let angular_velocity = courses(table, "angular_velocity", Dimension::AngularRate, reader)?;

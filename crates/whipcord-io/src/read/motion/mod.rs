@@ -6,7 +6,7 @@ mod initial;
 mod table;
 
 use whipcord::robot::limits::{FORCE, LENGTH, Range};
-use whipcord::{Case, LoadFrame, Loads, Robot, RobotError, UnitQuaternion};
+use whipcord::{Case, LoadFrame, Loads, ModelKind, Robot, RobotError, UnitQuaternion};
 use whipcord_motion::{
     BaseMotion, CableDrive, Commands, Course, Damping, Drag, Initial, LoadCourse, Method,
     MotionOptions,
@@ -35,6 +35,8 @@ pub struct Motion {
     pub step: Option<f64>,
     /// Time between two states of the output in s.
     pub every: Option<f64>,
+    /// How cables run.
+    pub model: Option<ModelKind>,
     /// How the equations are integrated.
     pub method: Option<Method>,
     /// Error in m that a step may have.
@@ -49,6 +51,8 @@ pub struct Motion {
     pub drag: Drag,
     /// How the base moves.
     pub base: Option<BaseMotion>,
+    /// Whether nothing holds the base.
+    pub has_free_base: bool,
     /// What cables are told over time: the number of each from 0.
     pub cables: Vec<(usize, CableCourse)>,
     /// What motors are told over time: the number of each from 0, and its angles in rad or travels in m.
@@ -72,10 +76,17 @@ impl Motion {
     /// The step where a file gives none, in s.
     pub const STEP: f64 = 0.01;
 
+    /// The model of the motion.
+    #[must_use]
+    pub fn model(&self) -> ModelKind {
+        self.model.unwrap_or(ModelKind::Cosserat)
+    }
+
     /// The options of the simulation.
     #[must_use]
     pub fn options(&self) -> MotionOptions {
         MotionOptions {
+            model: self.model(),
             method: self.method.unwrap_or_default(),
             tolerance: self.tolerance,
             initial: self.initial.clone().unwrap_or_default(),
@@ -84,6 +95,7 @@ impl Motion {
             drag: self.drag,
             loads: self.loads.clone(),
             base: self.base.clone(),
+            has_free_base: self.has_free_base,
             ..MotionOptions::default()
         }
     }
@@ -204,6 +216,7 @@ pub(crate) fn motion(
     motion.duration = reader.number(table, "motion", "duration", LENGTH_OF_TIME);
     motion.step = reader.number(table, "motion", "step", LENGTH_OF_TIME);
     motion.tolerance = reader.number(table, "motion", "tolerance", LENGTH);
+    motion.model = table.text("model").and_then(|name| name.parse().ok());
     motion.method = table.text("method").and_then(Method::named);
     motion.initial = initial::initial(table, sources, &mut reader);
     motion.elements = table.count("elements");
@@ -213,6 +226,7 @@ pub(crate) fn motion(
         let [across, along] = ["across", "along"].map(along);
         motion.drag = Drag { across, along };
     }
+    motion.has_free_base = table.table("base").is_some_and(|table| table.flag("free"));
     motion.base =
         table.table("base").and_then(|table| base::base(table, *base, sources, &mut reader));
     if let Some(output) = table.table("output") {

@@ -48,6 +48,11 @@ impl CondensedHoles {
         self.history.slip_states = slip_states;
     }
 
+    /// The same for the tension of every cable below the base.
+    pub fn set_base(&mut self, base: Vec<f64>) {
+        self.history.base = base;
+    }
+
     /// Tension of every passage in N.
     pub fn tensions(&self) -> &[f64] {
         &self.scratch.tensions

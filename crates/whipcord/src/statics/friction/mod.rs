@@ -10,6 +10,7 @@
 //! | `events` | where the holes slide and stop in a substep, by the linear response of the shape |
 //! | `substeps` | a step of actuation, divided where the linear response misses too much |
 //! | `condensed_holes` | the holes of a robot among obstacles, in the Newton's method of its contacts |
+//! | `moving_holes` | the holes of a robot in motion, whose time steps are the substeps |
 //! | `way` | the way of a step: its commands, its state, and where holes come to rest on it |
 //! | `trail` | the ends of the substeps, and where holes stop in between, for derivatives |
 //! | `standing` | how the cables stand in their holes there |
@@ -26,6 +27,7 @@ mod held;
 mod holes;
 mod law;
 mod linear_problem;
+mod moving_holes;
 mod newton;
 mod response;
 mod standing;
@@ -38,6 +40,7 @@ pub(crate) use carrying::{Carrying, Place};
 pub(crate) use condensed_holes::CondensedHoles;
 pub(crate) use held::{HeldHoles, HoleChange, HoleSource};
 pub(crate) use holes::{History, Holes, Slides};
+pub use moving_holes::{HoleFriction, HoleMemory};
 pub(crate) use newton::FrictionScratch;
 pub(crate) use response::{PassageResponse, Passages, Response};
 pub(crate) use substeps::{Course, step};

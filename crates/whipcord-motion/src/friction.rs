@@ -1,0 +1,339 @@
+//! Friction of cables: their tensions in all passages by the law of the holes, in every step of the iteration.
+//!
+//! Where cables are straight between disks a passage is a chord, and its near hole that of a disk. Where they are continuous a passage stands for one point of an
+//! element, and a hole for the way from point to point, on which the cable turns.
+
+use whipcord::{HoleFriction, Robot, Wrench};
+use whipcord_numerics::{GAUSS_2, Pose, Twist, Vec3};
+
+use crate::block::{dot, transposed_bracket};
+use crate::chords;
+use crate::element::{POINTS, add_to_nodes};
+use crate::pose;
+use crate::pull::Pull;
+use crate::rod::Rod;
+use crate::scheme::Scheme;
+use crate::stage::Stage;
+
+/// The holes of a robot in motion, and room for their equations.
+#[derive(Clone, Debug)]
+pub(crate) struct Friction {
+    pub holes: HoleFriction,
+    /// The shape at the end of a step.
+    strains: Vec<Twist>,
+    poses: Vec<Pose>,
+    pulls: Vec<Wrench>,
+    /// A gradient by the strains.
+    gradient: Vec<Twist>,
+    lengths: Vec<f64>,
+    turns: Vec<f64>,
+    /// What a tension of 1 N in each passage exerts on the nodes, then the velocities that it takes away.
+    columns: Vec<Vec<Twist>>,
+    /// What a change of the velocities adds to a length or an angle.
+    row: Vec<Twist>,
+    /// Rows of the response, by passage.
+    by_lengths: Vec<f64>,
+    by_turns: Vec<f64>,
+}
+
+/// The equations of the holes have no solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SingularHoles;
+
+impl Friction {
+    /// `None` for a robot whose cables have no friction.
+    pub fn new(robot: &Robot, rod: &Rod) -> Option<Self> {
+        if !robot.cables().iter().any(whipcord::Cable::has_friction) {
+            return None;
+        }
+        let (nodes, points) = (rod.nodes.len(), rod.points.len());
+        let rest: Vec<Twist> = rod.points.iter().map(|point| point.rest).collect();
+        let mut poses = vec![Pose::IDENTITY; nodes];
+        pose::nodes(rod, Pose::IDENTITY, &rest, &mut poses);
+        let cables = rod.cables_of_passages();
+        let lengths: Vec<f64> =
+            (0..cables.len()).map(|p| length(rod, p, cables[p], &rest, &poses)).collect();
+        let passages: Vec<(usize, f64)> = cables.into_iter().zip(lengths.iter().copied()).collect();
+        let lever = robot.routes().iter().map(|route| route.at(0.0).offset.norm());
+        let lever = lever.fold(1e-3 * rod.length, f64::max);
+        let bending = rod.points.iter().map(|point| point.stiffness.d.rows[0].x);
+        let bending = bending.fold(f64::INFINITY, f64::min);
+        let holes = HoleFriction::new(robot, &passages, lever * lever * rod.length / bending);
+        let count = passages.len();
+        Some(Self {
+            holes,
+            strains: rest,
+            poses,
+            pulls: vec![Wrench::default(); nodes],
+            gradient: vec![Twist::default(); points],
+            lengths,
+            turns: vec![0.0; count],
+            columns: vec![vec![Twist::default(); nodes]; count],
+            row: vec![Twist::default(); nodes],
+            by_lengths: vec![0.0; count * (count + 1)],
+            by_turns: vec![0.0; count * (count + 1)],
+        })
+    }
+
+    /// Lengths of all passages in a shape.
+    pub fn lengths(&self, rod: &Rod, strains: &[Twist], poses: &[Pose]) -> Vec<f64> {
+        let cables = rod.cables_of_passages();
+        (0..cables.len()).map(|p| length(rod, p, cables[p], strains, poses)).collect()
+    }
+
+    /// Changes the tensions in a step of the iteration of a stage, whose residual is already solved for; adds what they do to the velocities.
+    pub fn solve(
+        &mut self,
+        rod: &Rod,
+        scheme: &Scheme,
+        stage: &mut Stage,
+    ) -> Result<(), SingularHoles> {
+        self.measure(rod, scheme, stage);
+        let cables = rod.cables_of_passages();
+        let n = cables.len();
+        for (p, &cable) in cables.iter().enumerate() {
+            self.find_column(rod, scheme, stage, p, cable);
+        }
+        for (p, &cable) in cables.iter().enumerate() {
+            for is_turn in [false, true] {
+                self.gradient.fill(Twist::default());
+                match (rod.has_chords(), is_turn) {
+                    (true, false) => self.straight_length(rod, p),
+                    (true, true) => self.straight_turn(rod, p, cable),
+                    (false, false) => self.length_at_point(rod, p, cable),
+                    (false, true) => self.turn_at_point(rod, p, cable),
+                }
+                self.respond(rod, scheme, stage, p, n, is_turn);
+            }
+        }
+        let changes =
+            self.holes.changes(&self.by_lengths, &self.by_turns).ok_or(SingularHoles)?.to_vec();
+        self.holes.advance(&changes);
+        for (p, (&tension, before)) in
+            self.holes.tensions().iter().zip(&mut stage.passages).enumerate()
+        {
+            let change = tension - *before;
+            *before = tension;
+            for (x, y) in stage.residual.iter_mut().zip(&self.columns[p]) {
+                *x = *x - *y * change;
+            }
+        }
+        Ok(())
+    }
+
+    /// Measures lengths and angles at the end of the step as the stage has it now; what the equations of the holes leave, as a part of the length.
+    pub fn measure(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) -> f64 {
+        for ((end, start), strain) in self.strains.iter_mut().zip(&stage.start).zip(&stage.strains)
+        {
+            *end = scheme.end(*start, *strain);
+        }
+        pose::nodes(rod, stage.base, &self.strains, &mut self.poses);
+        let cables = rod.cables_of_passages();
+        for (p, &cable) in cables.iter().enumerate() {
+            self.lengths[p] = length(rod, p, cable, &self.strains, &self.poses);
+            self.turns[p] = if rod.has_chords() {
+                let [before, after] = self.directions(rod, p, cable);
+                angle(before, after)
+            } else {
+                self.turn(rod, p, cable, &self.strains)
+            };
+        }
+        self.holes.assess(&self.lengths, &self.turns)
+    }
+
+    /// What a tension of 1 N in a passage does to the velocities, against its pull.
+    fn find_column(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize, cable: usize) {
+        let Self { pulls, gradient, columns, .. } = self;
+        let column = &mut columns[p];
+        column.fill(Twist::default());
+        if rod.has_chords() {
+            let tension = |of: usize| if of == p { 1.0 } else { 0.0 };
+            chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
+            for (q, (pull, strain)) in gradient.iter().zip(&stage.strains).enumerate() {
+                let (e, k) = (q / POINTS, q % POINTS);
+                let across = transposed_bracket(strain, pull);
+                add_to_nodes(&mut column[2 * e..], pull, &across, 1.0, k, rod.lengths[e]);
+            }
+        } else {
+            let q = p - rod.first_passages[cable];
+            let (e, k) = (q / POINTS, q % POINTS);
+            let crossing = &rod.crossings[q * rod.cables.len() + cable];
+            let strain = &stage.strains[q];
+            let pull = Pull::new(crossing, strain, &stage.start[q], scheme).wrench(crossing);
+            let across = transposed_bracket(strain, &pull);
+            let weight = rod.points[q].weight;
+            add_to_nodes(&mut column[2 * e..], &pull, &across, weight, k, rod.lengths[e]);
+        }
+        stage.matrix.solve(column);
+    }
+
+    /// Writes how a quantity of the shape at the end of the step, with the gradient at hand, responds to the tensions and to the step that they leave.
+    fn respond(
+        &mut self,
+        rod: &Rod,
+        scheme: &Scheme,
+        stage: &Stage,
+        p: usize,
+        n: usize,
+        is_turn: bool,
+    ) {
+        let Self { gradient, row, columns, by_lengths, by_turns, .. } = self;
+        row.fill(Twist::default());
+        let mut left = 0.0;
+        for (q, gradient) in gradient.iter().enumerate() {
+            if *gradient == Twist::default() {
+                continue;
+            }
+            let gradient = *gradient * (1.0 / scheme.place);
+            let (e, k) = (q / POINTS, q % POINTS);
+            left += dot(&gradient, &stage.lack[q]);
+            let (slope, value) = stage.tangents[q].transposed_strain_change(&gradient);
+            add_to_nodes(&mut row[2 * e..], &slope, &value, 1.0, k, rod.lengths[e]);
+        }
+        let through = |x: &[Twist]| row.iter().zip(x).map(|(a, b)| dot(a, b)).sum::<f64>();
+        let out = if is_turn { by_turns } else { by_lengths };
+        let out = &mut out[p * (n + 1)..(p + 1) * (n + 1)];
+        for (out, column) in out.iter_mut().zip(columns.iter()) {
+            *out = -through(column);
+        }
+        out[n] = left + through(&stage.residual);
+    }
+
+    /// The gradient of the length of a continuous passage.
+    fn length_at_point(&mut self, rod: &Rod, p: usize, cable: usize) {
+        let q = p - rod.first_passages[cable];
+        let crossing = &rod.crossings[q * rod.cables.len() + cable];
+        let strain = &self.strains[q];
+        let pull = Pull::new(crossing, strain, strain, &Scheme::STATICS).wrench(crossing);
+        self.gradient[q] = pull * rod.points[q].weight;
+    }
+
+    /// The angle by which a continuous cable turns from the point before a passage to its own, or from the axis of the base.
+    fn turn(&self, rod: &Rod, p: usize, cable: usize, strains: &[Twist]) -> f64 {
+        let q = p - rod.first_passages[cable];
+        let tangent = |q: usize| rod.crossings[q * rod.cables.len() + cable].tangent(&strains[q]);
+        let [from, to] = GAUSS_2.nodes;
+        let (e, k) = (q / POINTS, q % POINTS);
+        let h = rod.lengths[e];
+        // How the section turns on the way, by the curvatures at both points.
+        let way = match (q, k) {
+            (0, _) => strains[0].angular * (from * h),
+            (_, 1) => (strains[q - 1].angular + strains[q].angular) * (0.5 * (to - from) * h),
+            _ => {
+                let before = rod.lengths[e - 1] * (1.0 - to);
+                strains[q - 1].angular * before + strains[q].angular * (from * h)
+            }
+        };
+        let turn = Pose::exp(Twist { linear: Vec3::ZERO, angular: way }).rotation;
+        let before = if q == 0 { Vec3::Z } else { tangent(q - 1) };
+        angle(before, turn.rotate(tangent(q)))
+    }
+
+    /// The gradient of that angle, by differences.
+    fn turn_at_point(&mut self, rod: &Rod, p: usize, cable: usize) {
+        let q = p - rod.first_passages[cable];
+        for point in q.saturating_sub(1)..=q {
+            let mut gradient = [0.0; 6];
+            for (i, entry) in gradient.iter_mut().enumerate() {
+                let step = if i < 3 { 1e-6 } else { 1e-6 / rod.length };
+                let kept = self.strains[point];
+                let mut at = |by: f64| {
+                    let part = match i {
+                        0..3 => &mut self.strains[point].linear,
+                        _ => &mut self.strains[point].angular,
+                    };
+                    part[i % 3] += by;
+                    let turn = self.turn(rod, p, cable, &self.strains);
+                    self.strains[point] = kept;
+                    turn
+                };
+                *entry = (at(step) - at(-step)) / (2.0 * step);
+            }
+            let [a, b, c, d, e, f] = gradient;
+            self.gradient[point] =
+                Twist { linear: Vec3::new(a, b, c), angular: Vec3::new(d, e, f) };
+        }
+    }
+
+    /// The gradient of the length of a chord.
+    fn straight_length(&mut self, rod: &Rod, p: usize) {
+        let Self { strains, poses, pulls, gradient, .. } = self;
+        let tension = |of: usize| if of == p { 1.0 } else { 0.0 };
+        chords::gradient(rod, strains, poses, tension, pulls, gradient);
+    }
+
+    /// Directions of a cable on both sides of the near hole of a chord.
+    fn directions(&self, rod: &Rod, p: usize, cable: usize) -> [Vec3; 2] {
+        let before = match p > rod.first_passages[cable] {
+            true => rod.chords[p - 1].direction(&self.poses),
+            false => self.poses[0].rotation.rotate(Vec3::Z),
+        };
+        [before, rod.chords[p].direction(&self.poses)]
+    }
+
+    /// The gradient of the angle at the near hole of a chord.
+    fn straight_turn(&mut self, rod: &Rod, p: usize, cable: usize) {
+        /// An angle so small, in rad, has no direction.
+        const STRAIGHT: f64 = 1e-9;
+        let [before, after] = self.directions(rod, p, cable);
+        let (sin, cos) = (before.cross(after).norm(), before.dot(after));
+        if sin < STRAIGHT {
+            return;
+        }
+        let Self { strains, poses, pulls, gradient, .. } = self;
+        pulls.fill(Wrench::default());
+        let mut add = |of: usize, own: Vec3, other: Vec3| {
+            let force = (own * cos - other) * (1.0 / sin);
+            rod.chords[of].add_for_direction(poses, force, pulls);
+        };
+        add(p, after, before);
+        if p > rod.first_passages[cable] {
+            add(p - 1, before, after);
+        }
+        pose::work_gradient(rod, strains, poses, |node| pulls[node], gradient);
+    }
+}
+
+fn angle(a: Vec3, b: Vec3) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
+}
+
+/// Length in m of a passage.
+fn length(rod: &Rod, p: usize, cable: usize, strains: &[Twist], poses: &[Pose]) -> f64 {
+    if rod.has_chords() {
+        return rod.chords[p].way(poses).norm();
+    }
+    let q = p - rod.first_passages[cable];
+    rod.points[q].weight * rod.crossings[q * rod.cables.len() + cable].tangent(&strains[q]).norm()
+}
+
+/// Tensions of all passages in an answer of the statics, straight between the middles of its spans.
+pub(crate) fn tensions_of_answer(
+    rod: &Rod,
+    robot: &Robot,
+    solution: &whipcord::Solution,
+) -> Vec<f64> {
+    let disks = &robot.disks().arc_lengths;
+    let cables = rod.cables_of_passages();
+    let of_passage = |(p, &cable): (usize, &usize)| {
+        let answer = &solution.cables[cable];
+        let spans = &answer.span_tensions;
+        let place = p - rod.first_passages[cable];
+        if spans.is_empty() {
+            return answer.tension.unwrap_or_default();
+        }
+        if rod.has_chords() {
+            return spans[place.min(spans.len() - 1)];
+        }
+        let (e, k) = (place / POINTS, place % POINTS);
+        let s = rod.nodes[2 * e].arc_length + GAUSS_2.nodes[k] * rod.lengths[e];
+        let middle = |i: usize| 0.5 * (disks[i] + disks[i + 1]);
+        let after = (0..spans.len()).position(|i| middle(i) >= s).unwrap_or(spans.len() - 1).max(1);
+        if spans.len() == 1 {
+            return spans[0];
+        }
+        let t = (s - middle(after - 1)) / (middle(after) - middle(after - 1));
+        spans[after - 1] + t * (spans[after] - spans[after - 1])
+    };
+    cables.iter().enumerate().map(of_passage).collect()
+}

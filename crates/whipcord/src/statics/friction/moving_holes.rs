@@ -1,0 +1,133 @@
+//! The friction of the cables of a robot whose motion is computed elsewhere, step by step in time.
+//!
+//! A time step is the substep of eq. (2) of `docs/theory/hole-friction.md`: each hole satisfies it from where the step before ended.
+
+use super::condensed_holes::CondensedHoles;
+use super::holes::Holes;
+use crate::robot::Robot;
+use crate::shape::SlipState;
+use crate::statics::command::Command;
+
+/// The cables of a robot in its holes: the tensions of all passages, each the piece of a cable from one hole to the next, for a motion in time steps.
+#[derive(Clone, Debug)]
+pub struct HoleFriction {
+    holes: Holes,
+    commands: Vec<Command>,
+    state: CondensedHoles,
+}
+
+/// What the holes remember from step to step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HoleMemory {
+    /// Tension of each passage in N.
+    pub tensions: Vec<f64>,
+    /// Length in m of the unstretched cable beyond the near hole of each passage.
+    pub beyond: Vec<f64>,
+    /// How the cable stands in the near hole of each passage.
+    pub slip_states: Vec<SlipState>,
+    /// Tension of each cable in N below the base.
+    pub base: Vec<f64>,
+}
+
+impl HoleFriction {
+    /// Of the passages of a robot, those of each cable from the base on: the cable of each and its length in m on the robot at rest. `compliance` is by how much in m a
+    /// tension of 1 N shortens a cable, as an order of magnitude.
+    #[must_use]
+    pub fn new(robot: &Robot, passages: &[(usize, f64)], compliance: f64) -> Self {
+        let holes =
+            Holes::new(robot, passages.iter().copied(), robot.backbone().length, compliance);
+        let commands = vec![Command::Tension(0.0); robot.cables().len()];
+        let mut state = CondensedHoles::default();
+        state.reset(&holes);
+        Self { holes, commands, state }
+    }
+
+    /// Commands a cable by its tension in N.
+    pub fn command_tension(&mut self, cable: usize, tension: f64) {
+        self.commands[cable] = Command::Tension(tension);
+    }
+
+    /// Commands a cable by the unstretched length in m that its drive leaves for the robot.
+    pub fn command_length(&mut self, cable: usize, target: f64) {
+        let compliance = self.holes.outside[cable];
+        self.commands[cable] = Command::Length { target, compliance };
+    }
+
+    /// Tension of each passage in N.
+    #[must_use]
+    pub fn tensions(&self) -> &[f64] {
+        self.state.tensions()
+    }
+
+    /// What the holes remember.
+    #[must_use]
+    pub fn memory(&self) -> HoleMemory {
+        let history = self.state.history();
+        HoleMemory {
+            tensions: history.tensions.clone(),
+            beyond: history.beyond.clone(),
+            slip_states: history.slip_states.clone(),
+            base: history.base.clone(),
+        }
+    }
+
+    /// What the holes remember of a robot at these lengths in m and tensions in N of the passages, with these tensions below the base.
+    #[must_use]
+    pub fn memory_at(&self, lengths: &[f64], tensions: Vec<f64>, base: Vec<f64>) -> HoleMemory {
+        let beyond = self.holes.beyond(lengths, &tensions);
+        let slip_states = vec![SlipState::Sticks; tensions.len()];
+        HoleMemory { tensions, beyond, slip_states, base }
+    }
+
+    /// Goes back to what the holes remembered at the start of a step.
+    pub fn go_back_to(&mut self, memory: &HoleMemory) {
+        let HoleMemory { tensions, beyond, slip_states, base } = memory.clone();
+        self.state.carry(tensions, beyond, slip_states);
+        self.state.set_base(base);
+    }
+
+    /// Takes over lengths in m and angles in rad of the passages, where the cables turn in the near holes of these: what the equations of the holes leave, as a part of the
+    /// length of the robot.
+    pub fn assess(&mut self, lengths: &[f64], turns: &[f64]) -> f64 {
+        let at = self.state.at_mut();
+        at.lengths.clear();
+        at.lengths.extend_from_slice(lengths);
+        at.turns.clear();
+        at.turns.extend_from_slice(turns);
+        self.state.assess(&self.holes, &self.commands)
+    }
+
+    /// How the tensions change in a step of Newton's method, by the response of lengths and angles: for each passage a row with one column for the tension of each passage
+    /// and a last one for what changes while the tensions stay. `None` where the equations of the holes are singular.
+    pub fn changes(&mut self, lengths: &[f64], turns: &[f64]) -> Option<&[f64]> {
+        self.state.linearise(&self.holes, &self.commands, |response, by_wrench| {
+            response.lengths.clear();
+            response.lengths.extend_from_slice(lengths);
+            response.turns.clear();
+            response.turns.extend_from_slice(turns);
+            by_wrench.clear();
+        })?;
+        self.state.columns().first().map(Vec::as_slice)
+    }
+
+    /// Changes the tensions.
+    pub fn advance(&mut self, changes: &[f64]) {
+        self.state.advance(changes, 1.0);
+    }
+
+    /// Ends a step at the state that was assessed last: what the holes remember then, and the work in J that friction has taken.
+    pub fn end_step(&mut self) -> (HoleMemory, f64) {
+        let before = self.state.history().beyond.clone();
+        self.state.keep(&self.holes, &self.commands);
+        let memory = self.memory();
+        let mut lost = 0.0;
+        for ((cable, place), p) in self.holes.all() {
+            let near = match place {
+                0 => memory.base[cable],
+                _ => memory.tensions[self.holes.of_cable[cable][place - 1]],
+            };
+            lost += (near - memory.tensions[p]) * (before[p] - memory.beyond[p]);
+        }
+        (memory, lost)
+    }
+}
