@@ -76,6 +76,6 @@ pub(crate) use self::rod::NoDerivatives;
 pub(crate) use self::sliding_holes::AnswerHoles;
 pub(crate) use self::spans::StraightSpan;
 pub(crate) use self::strands::{PLACES, Share, Strands};
-pub(crate) use self::tension_rates::{DrivenCables, TensionRates};
+pub(crate) use self::tension_rates::{DrivenCables, TensionRatesMemory};
 pub(crate) use self::tip_rates::{AnswerLists, Driven, TipRatesMemory};
 pub use crate::statics::hold::Hold;

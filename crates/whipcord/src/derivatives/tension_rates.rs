@@ -4,6 +4,7 @@
 use whipcord_numerics::Twist;
 
 use crate::robot::Robot;
+use crate::shape::Solution;
 use crate::statics::command::Command;
 use crate::statics::hold::{Critical, HeldCables, Hold, HoldScratch};
 
@@ -28,6 +29,17 @@ pub(crate) struct TensionRates {
     held: HeldCables,
     scratch: HoldScratch,
     tensions: Vec<f64>,
+}
+
+/// What a model keeps for the rates of an answer.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TensionRatesMemory {
+    /// The answer, found again.
+    pub answer: Option<Solution>,
+    pub rates: TensionRates,
+    /// The cables in their order, and which of them are taut.
+    pub order: Vec<usize>,
+    pub taut: Vec<bool>,
 }
 
 impl TensionRates {

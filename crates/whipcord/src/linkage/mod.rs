@@ -40,6 +40,7 @@ use whipcord_numerics::Pose;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case};
+use crate::derivatives::TensionRatesMemory;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
@@ -61,7 +62,6 @@ use loads::AppliedLoads;
 use motion::Coordinates;
 use statics::{Effort, Responder, Scratch};
 use task::{DeadMoments, Task};
-use tip_rates::TipRatesMemory;
 
 /// How a model is driven, and what it computes.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,7 +123,7 @@ pub struct Workspace {
     hold: HoldScratch,
     meter: Meter,
     friction: friction::Memory,
-    tip_rates: TipRatesMemory,
+    tip_rates: TensionRatesMemory,
 }
 
 impl Workspace {

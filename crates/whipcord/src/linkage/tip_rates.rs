@@ -6,19 +6,9 @@ use super::places::carried;
 use super::task::Right;
 use super::{Linkage, Workspace};
 use crate::case::Case;
-use crate::derivatives::{DrivenCables, Place, TensionRates};
+use crate::derivatives::{DrivenCables, Place, TensionRatesMemory};
 use crate::error::SolveError;
 use crate::shape::Solution;
-
-/// What is kept for it.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TipRatesMemory {
-    /// The answer, found again.
-    answer: Option<Solution>,
-    rates: TensionRates,
-    order: Vec<usize>,
-    taut: Vec<bool>,
-}
 
 impl Linkage {
     /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case: as
@@ -56,11 +46,11 @@ impl Linkage {
     fn rates_of_answer(
         &self,
         workspace: &mut Workspace,
-        memory: &mut TipRatesMemory,
+        memory: &mut TensionRatesMemory,
         out: &mut Vec<Twist>,
     ) -> Result<(), SolveError> {
         let Workspace { scratch, loads, commands, tensions, meter, .. } = workspace;
-        let TipRatesMemory { rates, order, taut, .. } = memory;
+        let TensionRatesMemory { rates, order, taut, .. } = memory;
         let cables = tensions.len();
         let task = self.task(loads, tensions, meter);
         let chain = &mut scratch.chain;
