@@ -114,15 +114,14 @@ impl Criteria {
         self.list.iter().all(|of| matches!(of.quantity, Quantity::Tension))
     }
 
+    /// Whether commands alone decide on the values, so that no answers are needed for them.
+    pub fn are_of_commands(&self, cases: &[Case]) -> bool {
+        self.are_of_tensions() && cases.iter().all(by_tension)
+    }
+
     /// How many solves the values of a robot are worth, beside those of its shapes.
     pub fn effort(&self) -> usize {
-        let of = |criterion: &Criterion| match criterion.quantity {
-            Quantity::Tension => 0,
-            Quantity::Clearance => 1,
-            Quantity::Stiffness { .. } => 3,
-            Quantity::Workspace => WORKSPACE_EFFORT,
-        };
-        self.list.iter().map(of).sum()
+        self.list.iter().map(effort).sum()
     }
 
     /// The greatest tension that is allowed in N, where one is.
@@ -142,13 +141,12 @@ impl Criteria {
         let mut values = Vec::new();
         match criterion.quantity {
             Quantity::Tension => {
-                for (case, solution) in cases.iter().zip(solutions) {
-                    let tensions = solution.cables.iter().zip(&case.commands);
-                    values.extend(
-                        tensions.map(|(cable, command)| {
-                            cable.tension.or(command.tension).unwrap_or(0.0)
-                        }),
-                    );
+                for (number, case) in cases.iter().enumerate() {
+                    let answered = |cable: usize| solutions.get(number)?.cables.get(cable)?.tension;
+                    let tensions = case.commands.iter().enumerate();
+                    let tensions = tensions
+                        .map(|(cable, command)| command.tension.or_else(|| answered(cable)));
+                    values.extend(tensions.map(|tension| tension.unwrap_or(0.0)));
                 }
             }
             Quantity::Clearance => {
@@ -248,43 +246,58 @@ impl Criteria {
         solutions: &[Solution],
     ) -> Result<Terms, DesignError> {
         let mut terms = Terms::default();
-        for (criterion, scale) in self.list.iter().zip(&self.scales) {
-            let values = self.values(criterion, robot, cases, solutions)?;
-            if let Some(weight) = criterion.weight {
-                let factor = weight.sqrt();
-                match criterion.quantity {
-                    Quantity::Tension => {
-                        let count = values.len().max(1) as f64;
-                        let factor = factor / (scale * count.sqrt());
-                        terms.objectives.extend(values.iter().map(|value| value * factor));
-                    }
-                    Quantity::Clearance => {
-                        let least = worst(criterion, &values);
-                        terms.objectives.push(factor * (1.0 - least / scale).max(0.0));
-                    }
-                    Quantity::Stiffness { .. } => {
-                        let count = values.len().max(1) as f64;
-                        let relative = |value: &f64| factor * scale / (value * count.sqrt());
-                        terms.objectives.extend(values.iter().map(relative));
-                    }
-                    Quantity::Workspace => {
-                        let relative = |value: &f64| factor * 2.0 * scale / (scale + value);
-                        terms.objectives.extend(values.iter().map(relative));
-                    }
+        for number in 0..self.list.len() {
+            let of = self.terms_of(number, robot, cases, solutions)?;
+            terms.objectives.extend(of.objectives);
+            terms.violations.extend(of.violations);
+        }
+        Ok(terms)
+    }
+
+    /// Those of one criterion.
+    fn terms_of(
+        &self,
+        number: usize,
+        robot: &Robot,
+        cases: &[Case],
+        solutions: &[Solution],
+    ) -> Result<Terms, DesignError> {
+        let (criterion, scale) = (&self.list[number], self.scales[number]);
+        let mut terms = Terms::default();
+        let values = self.values(criterion, robot, cases, solutions)?;
+        let count = values.len().max(1) as f64;
+        if let Some(weight) = criterion.weight {
+            let factor = weight.sqrt();
+            match criterion.quantity {
+                Quantity::Tension => {
+                    let factor = factor / (scale * count.sqrt());
+                    terms.objectives.extend(values.iter().map(|value| value * factor));
+                }
+                Quantity::Clearance => {
+                    let least = worst(criterion, &values);
+                    terms.objectives.push(factor * (1.0 - least / scale).max(0.0));
+                }
+                Quantity::Stiffness { .. } => {
+                    let relative = |value: &f64| factor * scale / (value * count.sqrt());
+                    terms.objectives.extend(values.iter().map(relative));
+                }
+                Quantity::Workspace => {
+                    let relative = |value: &f64| factor * 2.0 * scale / (scale + value);
+                    terms.objectives.extend(values.iter().map(relative));
                 }
             }
-            if let Some(limit) = criterion.limit {
-                terms.violations.extend(values.iter().map(|value| {
-                    SPARE
-                        + match criterion.quantity {
-                            Quantity::Tension => value / limit.max(1e-12 * scale) - 1.0,
-                            Quantity::Clearance => (limit - value) / scale,
-                            // By the compliance, which is smoother.
-                            Quantity::Stiffness { .. } => limit / value - 1.0,
-                            Quantity::Workspace => 1.0 - value / limit,
-                        }
-                }));
-            }
+        }
+        if let Some(limit) = criterion.limit {
+            terms.violations.extend(values.iter().map(|value| {
+                SPARE
+                    + match criterion.quantity {
+                        Quantity::Tension => value / limit.max(1e-12 * scale) - 1.0,
+                        Quantity::Clearance => (limit - value) / scale,
+                        // By the compliance, which is smoother.
+                        Quantity::Stiffness { .. } => limit / value - 1.0,
+                        Quantity::Workspace => 1.0 - value / limit,
+                    }
+            }));
         }
         if terms.objectives.iter().chain(&terms.violations).all(|value| value.is_finite()) {
             return Ok(terms);
@@ -294,16 +307,25 @@ impl Criteria {
         })
     }
 
-    /// What the criteria add to the cost of a search that compares robots, in m².
+    /// What the criteria add to the cost of a search that compares robots, in m²; of one that adds more than this, at least that much.
     pub fn cost(
         &self,
         robot: &Robot,
         cases: &[Case],
         solutions: &[Solution],
+        most: f64,
     ) -> Result<f64, DesignError> {
-        let terms = self.terms(robot, cases, solutions)?;
         let length = robot.backbone().length;
-        Ok(length * length * terms.cost())
+        let mut order: Vec<usize> = (0..self.list.len()).collect();
+        order.sort_by_key(|number| effort(&self.list[*number]));
+        let mut cost = 0.0;
+        for number in order {
+            cost += length * length * self.terms_of(number, robot, cases, solutions)?.cost();
+            if cost >= most {
+                break;
+            }
+        }
+        Ok(cost)
     }
 
     /// The values of a robot that was designed.
@@ -339,6 +361,16 @@ impl Terms {
 /// Whether a case gives tensions.
 pub(crate) fn by_tension(case: &Case) -> bool {
     case.commands.iter().all(|command| command.tension.is_some())
+}
+
+/// How many solves of whole shapes the values of a criterion are worth.
+const fn effort(criterion: &Criterion) -> usize {
+    match criterion.quantity {
+        Quantity::Tension => 0,
+        Quantity::Clearance => 1,
+        Quantity::Stiffness { .. } => 3,
+        Quantity::Workspace => WORKSPACE_EFFORT,
+    }
 }
 
 fn worst(criterion: &Criterion, values: &[f64]) -> f64 {

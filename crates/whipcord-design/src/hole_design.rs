@@ -162,7 +162,7 @@ pub(crate) fn search(
     let cost = costs.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
     let merit = match criteria {
         None => cost,
-        Some(criteria) => cost + criteria.cost(&robot, &cases, &solutions)?,
+        Some(criteria) => cost + criteria.cost(&robot, &cases, &solutions, f64::INFINITY)?,
     };
     let error = root_mean_square(goals, cost);
     // The proof holds for the robot only if its shape is the product of the spans.

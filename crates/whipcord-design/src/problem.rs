@@ -95,7 +95,7 @@ impl Default for DesignOptions {
             degree: 5,
             places: 37,
             starts: 6,
-            iterations: 60,
+            iterations: 200,
             seed: 1,
             shape_tolerance: 0.01,
         }
@@ -118,16 +118,46 @@ pub enum Known {
         /// Those that ended as near as the best.
         agree: usize,
     },
-    /// Least squares spent its steps.
+    /// Least squares did not converge from the best start.
     Unconverged {
         /// Starts with an answer.
         starts: usize,
+        /// Why not.
+        reason: Unconverged,
     },
     /// The number of cables: this many at least, by the rank of the bending moments.
     AtLeast {
         /// The bound.
         cables: usize,
     },
+}
+
+/// Why least squares did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unconverged {
+    /// This many steps were spent while the error still fell.
+    Steps(usize),
+    /// No step lowers the error, though the derivatives promise it.
+    Stalled,
+    /// The model has no answer beyond.
+    Refused,
+    /// A constraint could not be kept.
+    Constraints,
+}
+
+impl Unconverged {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> String {
+        match self {
+            Self::Steps(steps) => format!(
+                "its {steps} steps were spent while the error still fell, so that design.iterations or design.starts may be raised"
+            ),
+            Self::Stalled => "no step lowers the error, although the derivatives promise it, as at a slack cable or a contact".to_owned(),
+            Self::Refused => "the model has no answer for what comes nearer".to_owned(),
+            Self::Constraints => "not all constraints could be kept".to_owned(),
+        }
+    }
 }
 
 impl Known {
@@ -173,10 +203,10 @@ impl fmt::Display for Known {
                 f,
                 "not proven: no small change comes nearer, and {agree} of {starts} starts ended as near; it may not be the best of all"
             ),
-            Self::Unconverged { starts } => write!(
-                f,
-                "not proven: the best found from {starts} starts, when the steps were spent"
-            ),
+            Self::Unconverged { starts, reason } => {
+                let from = if *starts == 1 { "one start" } else { &format!("{starts} starts") };
+                write!(f, "not proven: the best found from {from}; {}", reason.words())
+            }
             Self::AtLeast { cables } => write!(
                 f,
                 "the bending moments of the targets have rank {cables}: fewer cables cannot make them, up to the tolerance"

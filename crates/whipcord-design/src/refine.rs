@@ -10,7 +10,7 @@ use whipcord_numerics::random::SplitMix64;
 use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
-use crate::residuals::{Bounded, Problem, RefineOptions};
+use crate::residuals::{Bounded, Ending, Problem, RefineOptions};
 use crate::unknown::{Unknown, applied};
 
 /// What least squares found.
@@ -18,7 +18,7 @@ use crate::unknown::{Unknown, applied};
 pub(crate) struct Refined {
     pub robot: Robot,
     pub cases: Vec<Case>,
-    pub is_converged: bool,
+    pub ending: Ending,
     /// Starts that had an answer, and how many of them ended as near as the best.
     pub starts: usize,
     pub agree: usize,
@@ -66,19 +66,19 @@ pub(crate) fn refine(
         upper,
         iterations: options.iterations,
         step: 1e-9,
-        cost: 1e-9,
+        cost: 1e-7,
         ..Options::default()
     };
-    let mut ends: Vec<(f64, bool, Vec<f64>)> = Vec::new();
+    let mut ends: Vec<(f64, Ending, Vec<f64>)> = Vec::new();
     let mut refusal = None;
     for start in 0..options.starts.max(1) {
         let mut values = start_values(unknowns, start, options);
         let mut problem = Problem::new(model, robot, goals, unknowns, options)?;
         match problem.constrained(&mut values, &minimiser) {
-            Ok(is_converged) => {
+            Ok(ending) => {
                 values = problem.within_rim(&values);
                 let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
-                ends.push((cost, is_converged, values));
+                ends.push((cost, ending, values));
                 // Nothing comes nearer than this.
                 let length = robot.backbone().length;
                 if cost.sqrt() <= EXACT * length * (problem.points().max(1) as f64).sqrt() {
@@ -95,7 +95,7 @@ pub(crate) fn refine(
         }
     }
     let best = ends.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0.is_finite());
-    let Some((cost, is_converged, values)) = best else {
+    let Some((cost, ending, values)) = best else {
         return Err(refusal.unwrap_or(DesignError::NotConverged {
             what: "least squares",
             iterations: options.iterations,
@@ -103,7 +103,7 @@ pub(crate) fn refine(
             advice: "give a start with an answer: other tensions, or a smaller load",
         }));
     };
-    let near = |of: &&(f64, bool, Vec<f64>)| {
+    let near = |of: &&(f64, Ending, Vec<f64>)| {
         let length = robot.backbone().length;
         of.0.sqrt() <= (1.0 + AGREE) * cost.sqrt() + 1e-7 * length
     };
@@ -113,7 +113,7 @@ pub(crate) fn refine(
     Ok(Refined {
         robot: changed,
         cases,
-        is_converged: *is_converged,
+        ending: *ending,
         starts: ends.len(),
         agree: ends.iter().filter(near).count(),
     })

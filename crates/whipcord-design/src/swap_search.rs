@@ -28,7 +28,8 @@ impl SwapSearch<'_> {
         let mut best: Option<Found> = None;
         let mut refusal: Option<SolveError> = None;
         for start in starts {
-            let (first, reason) = self.costs(core::slice::from_ref(start), &mut spent)?;
+            let (first, reason) =
+                self.costs(core::slice::from_ref(start), f64::INFINITY, &mut spent)?;
             refusal = refusal.or(reason);
             let found = self.descend(start.clone(), first[0], &mut spent)?;
             if best.as_ref().is_none_or(|best| found.cost < best.cost) {
@@ -48,10 +49,11 @@ impl SwapSearch<'_> {
     fn costs(
         &self,
         lists: &[Vec<usize>],
+        known: f64,
         spent: &mut usize,
     ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
         *spent += lists.len() * self.effort();
-        costs(self.model, self.robot, self.choices, (self.goals, self.criteria), lists)
+        costs(self.model, self.robot, self.choices, (self.goals, self.criteria), lists, known)
     }
 
     /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.
@@ -72,7 +74,7 @@ impl SwapSearch<'_> {
                     self.changed(&list, width).take(room + 1).collect();
                 is_complete &= changed.len() <= room;
                 changed.truncate(room);
-                let (costs, _) = self.costs(&changed, spent)?;
+                let (costs, _) = self.costs(&changed, cost, spent)?;
                 let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
                 if let Some((number, &lower)) = best
                     && lower < cost * (1.0 - 1e-9)

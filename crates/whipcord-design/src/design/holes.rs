@@ -2,7 +2,7 @@
 
 use whipcord::Case;
 
-use super::unknowns::converged;
+use super::unknowns::known_of;
 use super::work::Work;
 use crate::choices::{FixedHole, HoleRules};
 use crate::error::DesignError;
@@ -95,14 +95,15 @@ impl Work<'_> {
             }
             let before = best.merit;
             let refined = self.refined(&unknowns, 1)?;
+            let of_tensions = known_of(&refined, self.options.iterations);
             let cases = core::mem::replace(&mut self.cases, refined.cases);
             let next = search(self)?;
             if next.merit >= best.merit {
                 self.cases = cases;
-                known.get_or_insert(converged(refined.is_converged, 1, 1));
+                known.get_or_insert(of_tensions);
                 break;
             }
-            known = Some(converged(refined.is_converged, 1, 1));
+            known = Some(of_tensions);
             best = next;
             self.robot = best.robot.clone();
             if best.merit > before * (1.0 - NEARER) {
