@@ -16,10 +16,11 @@ use crate::soft_volume::soft_volume;
 
 /// Stations at which the clearance is taken.
 const STATIONS: usize = 41;
-/// Commands of a workspace.
+/// Commands of a workspace, and of an estimate by which robots are compared first.
 const COMMANDS: usize = 1_000;
-/// How many solves of whole shapes these take as long as, in lanes and for the tip alone.
-const WORKSPACE_EFFORT: usize = 20;
+const FEW_COMMANDS: usize = 60;
+/// So many commands take as long as a solve of a whole shape, in lanes and for the tip alone.
+const COMMANDS_OF_A_SOLVE: usize = 50;
 /// A volume before the design that is smaller than this part of the cube of the length counts as this.
 const LEAST_VOLUME: f64 = 1e-6;
 /// Constraints are aimed at with this much to spare, as a part of what counts as a violation of one.
@@ -32,6 +33,8 @@ const PENALTY: f64 = 1e4;
 pub(crate) struct Criteria {
     list: Vec<Criterion>,
     model: Model,
+    /// Commands of a workspace.
+    commands: usize,
     /// Least and greatest command of each cable: tensions in N, or shortenings in m.
     pub ranges: Vec<[f64; 2]>,
     /// Of each criterion the value of the robot that the design begins with, over all cases.
@@ -51,7 +54,7 @@ impl Default for Criteria {
     fn default() -> Self {
         let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
         let (list, ranges, before, scales) = Default::default();
-        Self { list, model, ranges, before, scales }
+        Self { list, model, commands: COMMANDS, ranges, before, scales }
     }
 }
 
@@ -68,8 +71,14 @@ impl Criteria {
             check(criterion, robot, cases)?;
         }
         let model = model.at(Stations::Disks).with_stability(StabilityAnalysis::Off);
-        let mut criteria =
-            Self { list: list.to_vec(), model, ranges, before: Vec::new(), scales: Vec::new() };
+        let mut criteria = Self {
+            list: list.to_vec(),
+            model,
+            commands: COMMANDS,
+            ranges,
+            before: Vec::new(),
+            scales: Vec::new(),
+        };
         let solutions: Option<Vec<Solution>> =
             cases.iter().map(|case| criteria.model.solve(robot, case).ok()).collect();
         for criterion in list {
@@ -119,9 +128,25 @@ impl Criteria {
         self.are_of_tensions() && cases.iter().all(by_tension)
     }
 
+    /// The same by an estimate of the workspace from few commands, where that is a criterion.
+    pub fn estimate(&self) -> Option<Self> {
+        let is_estimated = self.list.iter().any(|of| matches!(of.quantity, Quantity::Workspace));
+        is_estimated.then(|| Self { commands: FEW_COMMANDS, ..self.clone() })
+    }
+
     /// How many solves the values of a robot are worth, beside those of its shapes.
     pub fn effort(&self) -> usize {
-        self.list.iter().map(effort).sum()
+        self.list.iter().map(|criterion| self.effort_of(criterion)).sum()
+    }
+
+    /// How many solves of whole shapes the values of a criterion are worth.
+    const fn effort_of(&self, criterion: &Criterion) -> usize {
+        match criterion.quantity {
+            Quantity::Tension => 0,
+            Quantity::Clearance => 1,
+            Quantity::Stiffness { .. } => 3,
+            Quantity::Workspace => self.commands.div_ceil(COMMANDS_OF_A_SOLVE),
+        }
     }
 
     /// The greatest tension that is allowed in N, where one is.
@@ -221,7 +246,7 @@ impl Criteria {
     /// Volume of the places of the tip with commands all over their ranges, under the loads of a case.
     fn volume(&self, robot: &Robot, case: &Case) -> Result<f64, DesignError> {
         let mut random = SplitMix64::of(1, 0);
-        let values: Vec<f64> = (0..COMMANDS)
+        let values: Vec<f64> = (0..self.commands)
             .flat_map(|_| &self.ranges)
             .map(|[least, greatest]| least + (greatest - least) * random.next_part())
             .collect();
@@ -317,7 +342,7 @@ impl Criteria {
     ) -> Result<f64, DesignError> {
         let length = robot.backbone().length;
         let mut order: Vec<usize> = (0..self.list.len()).collect();
-        order.sort_by_key(|number| effort(&self.list[*number]));
+        order.sort_by_key(|number| self.effort_of(&self.list[*number]));
         let mut cost = 0.0;
         for number in order {
             cost += length * length * self.terms_of(number, robot, cases, solutions)?.cost();
@@ -361,16 +386,6 @@ impl Terms {
 /// Whether a case gives tensions.
 pub(crate) fn by_tension(case: &Case) -> bool {
     case.commands.iter().all(|command| command.tension.is_some())
-}
-
-/// How many solves of whole shapes the values of a criterion are worth.
-const fn effort(criterion: &Criterion) -> usize {
-    match criterion.quantity {
-        Quantity::Tension => 0,
-        Quantity::Clearance => 1,
-        Quantity::Stiffness { .. } => 3,
-        Quantity::Workspace => WORKSPACE_EFFORT,
-    }
 }
 
 fn worst(criterion: &Criterion, values: &[f64]) -> f64 {

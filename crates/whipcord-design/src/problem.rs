@@ -111,6 +111,8 @@ pub enum Known {
     ClosedForm,
     /// An iteration on the curve until its distance no longer fell.
     Iterated,
+    /// All targets are met by continuous quantities, up to what rounding and tolerances leave: nothing can come nearer.
+    Met,
     /// Least squares converged from some starts, of which some ended as near as this.
     LeastSquares {
         /// Starts with an answer.
@@ -164,7 +166,7 @@ impl Known {
     /// Whether no better one exists, as is proven.
     #[must_use]
     pub const fn is_proven(self) -> bool {
-        matches!(self, Self::Holes(Proof::Optimal) | Self::ClosedForm)
+        matches!(self, Self::Holes(Proof::Optimal) | Self::ClosedForm | Self::Met)
     }
 
     /// A name for programs.
@@ -176,6 +178,7 @@ impl Known {
             Self::Holes(Proof::Local) => "local_optimum",
             Self::ClosedForm => "closed_form",
             Self::Iterated => "iterated",
+            Self::Met => "targets_met",
             Self::LeastSquares { .. } => "least_squares",
             Self::Unconverged { .. } => "not_converged",
             Self::AtLeast { .. } => "lower_bound",
@@ -195,6 +198,9 @@ impl fmt::Display for Known {
             ),
             Self::Iterated => f.write_str(
                 "corrected until the distance from the curve no longer fell; what is left is due to the linear interpolation between the places and to the bounds",
+            ),
+            Self::Met => f.write_str(
+                "proven: the targets are met to 10⁻⁷ of the length, so that nothing comes nearer; other values may meet them as well",
             ),
             Self::LeastSquares { starts: 1, .. } => f.write_str(
                 "not proven: no small change comes nearer, from one start; it may not be the best of all",

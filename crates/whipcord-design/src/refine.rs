@@ -22,6 +22,8 @@ pub(crate) struct Refined {
     /// Starts that had an answer, and how many of them ended as near as the best.
     pub starts: usize,
     pub agree: usize,
+    /// Whether the targets are met and there are no objectives beside them.
+    pub is_met: bool,
 }
 
 /// A mean distance by this part of the length is none.
@@ -79,9 +81,7 @@ pub(crate) fn refine(
                 values = problem.within_rim(&values);
                 let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
                 ends.push((cost, ending, values));
-                // Nothing comes nearer than this.
-                let length = robot.backbone().length;
-                if cost.sqrt() <= EXACT * length * (problem.points().max(1) as f64).sqrt() {
+                if is_met(robot, goals, options, cost) {
                     break;
                 }
             }
@@ -116,7 +116,19 @@ pub(crate) fn refine(
         ending: *ending,
         starts: ends.len(),
         agree: ends.iter().filter(near).count(),
+        is_met: is_met(robot, goals, options, *cost),
     })
+}
+
+/// Whether nothing can come nearer to the goals.
+fn is_met(robot: &Robot, goals: &[ShapeGoal], options: &RefineOptions<'_>, cost: f64) -> bool {
+    if options.criteria.is_some_and(|criteria| criteria.has_objectives()) {
+        return false;
+    }
+    let points = goals.iter().map(|goal| goal.points.len()).sum::<usize>();
+    #[allow(clippy::cast_precision_loss, reason = "few points")]
+    let most = EXACT * robot.backbone().length * (points as f64).sqrt();
+    points > 0 && cost.sqrt() <= most
 }
 
 /// The given start, or another: cables on helices that start at any angle, all else anywhere in its range.

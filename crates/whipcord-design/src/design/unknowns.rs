@@ -205,8 +205,11 @@ impl Work<'_> {
 }
 
 /// What is known of what least squares found.
-pub(super) const fn known_of(refined: &Refined, iterations: usize) -> Known {
+pub(super) fn known_of(refined: &Refined, iterations: usize) -> Known {
     let starts = refined.starts;
+    if refined.is_met && refined.ending != Ending::Constraints {
+        return Known::Met;
+    }
     let reason = match refined.ending {
         Ending::Converged => return Known::LeastSquares { starts, agree: refined.agree },
         Ending::Steps => Unconverged::Steps(iterations),
