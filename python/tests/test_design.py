@@ -82,3 +82,19 @@ def test_what_is_no_design_says_why(finger: whipcord.Case) -> None:
         finger.design("measured", vary="holes")
     with pytest.raises(WhipcordTimeout):
         finger.design(np.array([0.03, 0.0, 0.1]), vary=["holes", "tension"], model="cosserat", timeout=1e-3)
+
+
+def test_the_function_takes_files_weights_and_budgets(finger: whipcord.Case) -> None:
+    file = whipcord.examples.path("table1/case-3.toml")
+    found = whipcord.design(file, "s, angle = 20 deg", vary="cables[0].tension", starts=1, iterations=50)
+    assert found.before is not None and found.error < found.before["error"]
+    # One tension for two shapes: what counts a thousand times more is nearer.
+    shapes = [finger.replace(tension=[pull]).solve().disks.position[1:] for pull in (2.0, 5.0)]
+    errors = []
+    for weights in ((1000.0, 1.0), (1.0, 1000.0)):
+        targets = [(shape, [3.0], weight) for shape, weight in zip(shapes, weights)]
+        near = whipcord.design(finger, vary="backbone.young_modulus", targets=targets)
+        errors.append([target.distance.max() for target in near.targets])
+    assert errors[0][0] < errors[0][1] and errors[1][1] < errors[1][0]
+    planted = finger.design(shapes[1], vary="cables[0].tension")
+    assert planted.proven and planted.findings[0]["known"] == "targets_met"

@@ -99,7 +99,7 @@ from .stereo import (
     measure_stereo,
     triangulate,
 )
-from .designing import Designed, DesignTarget
+from .designing import Designed, DesignTarget, design
 from .surveying import Boundary, Workspace
 from .sweeping import Sweep
 from .viewing import View, Viewer
@@ -219,6 +219,7 @@ __all__ = [
     "__version__",
     "benchmark",
     "compare",
+    "design",
     "errors",
     "examples",
     "fit",

@@ -731,7 +731,7 @@ class Case(Description):
         target: Target | None = None,
         *,
         vary: str | Sequence[str],
-        targets: Sequence[tuple[Target, Sequence[float]]] = (),
+        targets: Sequence[tuple[Target, Sequence[float]] | tuple[Target, Sequence[float], float]] = (),
         path: npt.ArrayLike | None = None,
         criteria: str | Sequence[str] = (),
         max_jump: int | None = None,
@@ -739,6 +739,10 @@ class Case(Description):
         crossing: bool = True,
         diameter: Sequence[Quantity] | None = None,
         fixed: Sequence[Mapping[str, Any]] = (),
+        degree: int | None = None,
+        places: int | None = None,
+        starts: int | None = None,
+        iterations: int | None = None,
         limits: Limits | Mapping[str, Any] | None = None,
         tolerances: bool | Mapping[str, Any] = False,
         model: ModelLike | None = None,
@@ -756,7 +760,8 @@ class Case(Description):
             ``"backbone.rest_curvature"``, ``"backbone.diameters"``, ``"disks.positions"``, ``"cables"`` (their number), or a number of
             the robot such as ``"backbone.young_modulus"``.
         targets
-            Several targets, each with the tensions of the cables in N under which the robot is to take it.
+            Several targets, each with the tensions of the cables in N under which the robot is to take it, and with a weight where the
+            squares of its distances are to count otherwise than once.
         path
             (N, 3) places of the tip in m, each of them a target with tensions of its own, which must therefore vary.
         criteria
@@ -774,6 +779,14 @@ class Case(Description):
             Least and greatest diameter of the backbone.
         fixed
             Holes that are given: dicts with ``cable``, ``disk`` and ``hole``, both from 1.
+        degree
+            Degree of the polynomials of a continuous routing; 5 by default.
+        places
+            Places along the backbone at which a rest curvature or a diameter is given; 37 by default.
+        starts
+            Starts of least squares; 6 by default.
+        iterations
+            Steps of least squares from each start; 200 by default.
         limits
             Limits of the tensions, as for :meth:`reach`.
         tolerances
@@ -797,7 +810,9 @@ class Case(Description):
         """
         disks = len(self._setup.disks())
         asked = [] if target is None else [designing.wanted(target, disks, None, None)]
-        asked += [designing.wanted(each, disks, tension, None) for each, tension in targets]
+        for each in targets:
+            weight = each[2] if len(each) == 3 else None
+            asked.append(designing.wanted(each[0], disks, each[1], weight))
         if path is not None:
             asked.append(designing.along(path))
         table: dict[str, Any] = {"vary": [vary] if isinstance(vary, str) else list(vary)}
@@ -808,6 +823,10 @@ class Case(Description):
             "crossing": None if crossing else False,
             "diameter": None if diameter is None else list(diameter),
             "fixed": [dict(each) for each in fixed] or None,
+            "degree": degree,
+            "places": places,
+            "starts": starts,
+            "iterations": iterations,
         }
         if not isinstance(tolerances, bool):
             given["tolerances"] = dict(tolerances)
@@ -816,7 +835,7 @@ class Case(Description):
         if limits is not None:
             changed = type(self)._of(reaching.with_goal(self, None, limits, None, None))
         chosen = models.core("cosserat" if model is None else model, timeout=timeout)
-        return designing.design(changed, asked, table, chosen, model is not None, bool(tolerances))
+        return designing.found(changed, asked, table, chosen, model is not None, bool(tolerances))
 
     @suggests
     def sweep(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Union
@@ -16,7 +17,7 @@ from .errors import InputError
 if TYPE_CHECKING:
     from .case import Case
 
-__all__ = ["DesignTarget", "Designed"]
+__all__ = ["DesignTarget", "Designed", "design"]
 
 Array = npt.NDArray[np.float64]
 Target = Union[str, Mapping[int, Sequence[float]], npt.ArrayLike]
@@ -113,6 +114,45 @@ class Designed:
         return f"<Designed: {1e3 * self.error:.3g} mm off on average, {known}>"
 
 
+def design(
+    case: Case | str | os.PathLike[str],
+    target: Target | None = None,
+    *,
+    vary: str | Sequence[str],
+    **options: Any,
+) -> Designed:
+    """Changes a robot so that it takes target shapes, as ``whipcord design`` does.
+
+    Parameters
+    ----------
+    case
+        The robot with its commands and loads, or the name of its file.
+    target
+        A curve such as ``"arc, angle = 90 deg"``, ``"measured"``, or places in m.
+    vary
+        What may change, such as ``"cables[0].holes"``.
+    options
+        Those of :meth:`Case.design`, such as `targets`, `path`, `criteria`, `max_jump`, `limits` and `tolerances`.
+
+    Returns
+    -------
+    Designed
+        The robot, how near it comes to its targets, and what is proven.
+
+    Examples
+    --------
+    >>> import whipcord
+    >>> file = whipcord.examples.path("table1/case-3.toml")
+    >>> found = whipcord.design(file, "s, angle = 20 deg", vary=["cables[0].holes", "cables[0].tension"], max_jump=3)
+    >>> bool(found.error < found.before["error"])
+    True
+    """
+    from .case import Case, load
+
+    changed = case if isinstance(case, Case) else load(case)
+    return changed.design(target, vary=vary, **options)
+
+
 def wanted(target: Target, disks: int, tension: Any, weight: float | None) -> dict[str, Any]:
     """A target for the extension module."""
     curve: str | None = None
@@ -154,7 +194,7 @@ def row(place: Any) -> tuple[float, ...]:
     return tuple(float(value) for value in found)
 
 
-def design(
+def found(
     case: Case,
     targets: list[dict[str, Any]],
     table: dict[str, Any],
@@ -170,5 +210,5 @@ def design(
     tables["design"] = given
     setup = case._setup.beside_goal(_core.Setup.of_tables(tables, "design"))
     values = _core.design(setup, model, targets, chosen, tolerances)
-    found = tuple(DesignTarget(**each) for each in values["targets"])
-    return Designed(type(case)._of(values["setup"]), found, json.loads(values["json"]))
+    near = tuple(DesignTarget(**each) for each in values["targets"])
+    return Designed(type(case)._of(values["setup"]), near, json.loads(values["json"]))

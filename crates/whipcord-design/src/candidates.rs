@@ -54,13 +54,15 @@ pub(crate) fn solve_lists(
     Ok(())
 }
 
-/// The cost of each list, with what criteria add to it; infinite where the model has no answer. The first reason why there is none, if none has one.
+/// The cost of each list, with what criteria add to it; infinite where the model has no answer. Of a list that costs no less than `known`, or than the
+/// best of these lists, it may be a lower bound only. The first reason why there is none, if none has one.
 pub(crate) fn costs(
     model: &Model,
     robot: &Robot,
     choices: &Choices,
     (goals, criteria): (&[ShapeGoal], Option<&Criteria>),
     lists: &[Vec<usize>],
+    known: f64,
 ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
     let mut costs = vec![0.0; lists.len()];
     let mut refusal = None;
@@ -79,21 +81,26 @@ pub(crate) fn costs(
             }
         })?;
     }
-    if let Some(criteria) = criteria {
-        let cases: Vec<Case> = goals.iter().map(|goal| goal.case.clone()).collect();
-        for ((list, cost), solutions) in lists.iter().zip(&mut costs).zip(&kept) {
-            if cost.is_finite() {
-                let changed = with_holes(robot, choices, list)?;
-                match criteria.cost(&changed, &cases, solutions) {
-                    Ok(more) => *cost += more,
-                    Err(DesignError::Solve(error)) => {
-                        *cost = f64::INFINITY;
-                        refusal.get_or_insert(error);
-                    }
-                    Err(error) => return Err(error),
-                }
-            }
+    let Some(criteria) = criteria else { return Ok((costs, refusal)) };
+    let cases: Vec<Case> = goals.iter().map(|goal| goal.case.clone()).collect();
+    // The nearest lists first, so that most of the others are too far off for criteria to matter.
+    let mut order: Vec<usize> = (0..lists.len()).collect();
+    order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+    let mut least = known;
+    for number in order {
+        if costs[number] >= least {
+            break;
         }
+        let changed = with_holes(robot, choices, &lists[number])?;
+        match criteria.cost(&changed, &cases, &kept[number], least - costs[number]) {
+            Ok(more) => costs[number] += more,
+            Err(DesignError::Solve(error)) => {
+                costs[number] = f64::INFINITY;
+                refusal.get_or_insert(error);
+            }
+            Err(error) => return Err(error),
+        }
+        least = least.min(costs[number]);
     }
     Ok((costs, refusal))
 }

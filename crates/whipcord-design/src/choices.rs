@@ -39,6 +39,8 @@ pub(crate) struct Choices {
     allowed: Vec<Vec<usize>>,
     /// From each combination to which at the next disk.
     next: Vec<Vec<usize>>,
+    /// Of each combination the number of its first pair with one of the next disk: pairs count on through [`Self::next`].
+    first_pairs: Vec<usize>,
 }
 
 /// Combinations of holes at a disk that are looked at.
@@ -70,8 +72,14 @@ impl Choices {
                 most: MOST,
             });
         };
-        let mut choices =
-            Self { holes, cables: cables.to_vec(), count, allowed: Vec::new(), next: Vec::new() };
+        let mut choices = Self {
+            holes,
+            cables: cables.to_vec(),
+            count,
+            allowed: Vec::new(),
+            next: Vec::new(),
+            first_pairs: Vec::new(),
+        };
         choices.allowed = (0..disks)
             .map(|disk| {
                 let taken = choices.taken(robot, disk);
@@ -84,6 +92,11 @@ impl Choices {
         choices.next = (0..count)
             .map(|from| (0..count).filter(|&to| choices.may_follow(from, to, rules)).collect())
             .collect();
+        let mut pairs = 0;
+        for next in &choices.next {
+            choices.first_pairs.push(pairs);
+            pairs += next.len();
+        }
         Ok(choices)
     }
 
@@ -108,14 +121,33 @@ impl Choices {
         &self.allowed[disk]
     }
 
+    /// The combination with each cable so many holes on, counter-clockwise.
+    pub fn rotated(&self, choice: usize, by: usize) -> usize {
+        self.combined(|place| (self.hole(choice, place) + by) % self.holes)
+    }
+
     /// What may be chosen at a disk behind this at the disk before.
     pub fn after(&self, choice: usize, disk: usize) -> impl Iterator<Item = usize> + '_ {
+        self.pairs_after(choice, disk).map(|(_, next)| next)
+    }
+
+    /// The same, each behind the number of the pair.
+    pub fn pairs_after(
+        &self,
+        choice: usize,
+        disk: usize,
+    ) -> impl Iterator<Item = (usize, usize)> + '_ {
         let allowed = &self.allowed[disk];
         let is_free = allowed.len() == self.count;
-        self.next[choice]
-            .iter()
-            .copied()
-            .filter(move |next| is_free || allowed.binary_search(next).is_ok())
+        let first = self.first_pairs[choice];
+        let next = self.next[choice].iter().enumerate();
+        next.map(move |(number, &next)| (first + number, next))
+            .filter(move |(_, next)| is_free || allowed.binary_search(next).is_ok())
+    }
+
+    /// The number of a pair of combinations, if the second may follow the first.
+    pub fn pair(&self, from: usize, to: usize) -> Option<usize> {
+        self.next[from].binary_search(&to).ok().map(|number| self.first_pairs[from] + number)
     }
 
     /// Pairs of combinations that follow one another.

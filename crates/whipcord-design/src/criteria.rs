@@ -16,10 +16,11 @@ use crate::soft_volume::soft_volume;
 
 /// Stations at which the clearance is taken.
 const STATIONS: usize = 41;
-/// Commands of a workspace.
+/// Commands of a workspace, and of an estimate by which robots are compared first.
 const COMMANDS: usize = 1_000;
-/// How many solves of whole shapes these take as long as, in lanes and for the tip alone.
-const WORKSPACE_EFFORT: usize = 20;
+const FEW_COMMANDS: usize = 60;
+/// So many commands take as long as a solve of a whole shape, in lanes and for the tip alone.
+const COMMANDS_OF_A_SOLVE: usize = 50;
 /// A volume before the design that is smaller than this part of the cube of the length counts as this.
 const LEAST_VOLUME: f64 = 1e-6;
 /// Constraints are aimed at with this much to spare, as a part of what counts as a violation of one.
@@ -32,6 +33,8 @@ const PENALTY: f64 = 1e4;
 pub(crate) struct Criteria {
     list: Vec<Criterion>,
     model: Model,
+    /// Commands of a workspace.
+    commands: usize,
     /// Least and greatest command of each cable: tensions in N, or shortenings in m.
     pub ranges: Vec<[f64; 2]>,
     /// Of each criterion the value of the robot that the design begins with, over all cases.
@@ -51,7 +54,7 @@ impl Default for Criteria {
     fn default() -> Self {
         let model = Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Natural);
         let (list, ranges, before, scales) = Default::default();
-        Self { list, model, ranges, before, scales }
+        Self { list, model, commands: COMMANDS, ranges, before, scales }
     }
 }
 
@@ -68,8 +71,14 @@ impl Criteria {
             check(criterion, robot, cases)?;
         }
         let model = model.at(Stations::Disks).with_stability(StabilityAnalysis::Off);
-        let mut criteria =
-            Self { list: list.to_vec(), model, ranges, before: Vec::new(), scales: Vec::new() };
+        let mut criteria = Self {
+            list: list.to_vec(),
+            model,
+            commands: COMMANDS,
+            ranges,
+            before: Vec::new(),
+            scales: Vec::new(),
+        };
         let solutions: Option<Vec<Solution>> =
             cases.iter().map(|case| criteria.model.solve(robot, case).ok()).collect();
         for criterion in list {
@@ -114,15 +123,30 @@ impl Criteria {
         self.list.iter().all(|of| matches!(of.quantity, Quantity::Tension))
     }
 
+    /// Whether commands alone decide on the values, so that no answers are needed for them.
+    pub fn are_of_commands(&self, cases: &[Case]) -> bool {
+        self.are_of_tensions() && cases.iter().all(by_tension)
+    }
+
+    /// The same by an estimate of the workspace from few commands, where that is a criterion.
+    pub fn estimate(&self) -> Option<Self> {
+        let is_estimated = self.list.iter().any(|of| matches!(of.quantity, Quantity::Workspace));
+        is_estimated.then(|| Self { commands: FEW_COMMANDS, ..self.clone() })
+    }
+
     /// How many solves the values of a robot are worth, beside those of its shapes.
     pub fn effort(&self) -> usize {
-        let of = |criterion: &Criterion| match criterion.quantity {
+        self.list.iter().map(|criterion| self.effort_of(criterion)).sum()
+    }
+
+    /// How many solves of whole shapes the values of a criterion are worth.
+    const fn effort_of(&self, criterion: &Criterion) -> usize {
+        match criterion.quantity {
             Quantity::Tension => 0,
             Quantity::Clearance => 1,
             Quantity::Stiffness { .. } => 3,
-            Quantity::Workspace => WORKSPACE_EFFORT,
-        };
-        self.list.iter().map(of).sum()
+            Quantity::Workspace => self.commands.div_ceil(COMMANDS_OF_A_SOLVE),
+        }
     }
 
     /// The greatest tension that is allowed in N, where one is.
@@ -142,13 +166,12 @@ impl Criteria {
         let mut values = Vec::new();
         match criterion.quantity {
             Quantity::Tension => {
-                for (case, solution) in cases.iter().zip(solutions) {
-                    let tensions = solution.cables.iter().zip(&case.commands);
-                    values.extend(
-                        tensions.map(|(cable, command)| {
-                            cable.tension.or(command.tension).unwrap_or(0.0)
-                        }),
-                    );
+                for (number, case) in cases.iter().enumerate() {
+                    let answered = |cable: usize| solutions.get(number)?.cables.get(cable)?.tension;
+                    let tensions = case.commands.iter().enumerate();
+                    let tensions = tensions
+                        .map(|(cable, command)| command.tension.or_else(|| answered(cable)));
+                    values.extend(tensions.map(|tension| tension.unwrap_or(0.0)));
                 }
             }
             Quantity::Clearance => {
@@ -223,7 +246,7 @@ impl Criteria {
     /// Volume of the places of the tip with commands all over their ranges, under the loads of a case.
     fn volume(&self, robot: &Robot, case: &Case) -> Result<f64, DesignError> {
         let mut random = SplitMix64::of(1, 0);
-        let values: Vec<f64> = (0..COMMANDS)
+        let values: Vec<f64> = (0..self.commands)
             .flat_map(|_| &self.ranges)
             .map(|[least, greatest]| least + (greatest - least) * random.next_part())
             .collect();
@@ -248,43 +271,58 @@ impl Criteria {
         solutions: &[Solution],
     ) -> Result<Terms, DesignError> {
         let mut terms = Terms::default();
-        for (criterion, scale) in self.list.iter().zip(&self.scales) {
-            let values = self.values(criterion, robot, cases, solutions)?;
-            if let Some(weight) = criterion.weight {
-                let factor = weight.sqrt();
-                match criterion.quantity {
-                    Quantity::Tension => {
-                        let count = values.len().max(1) as f64;
-                        let factor = factor / (scale * count.sqrt());
-                        terms.objectives.extend(values.iter().map(|value| value * factor));
-                    }
-                    Quantity::Clearance => {
-                        let least = worst(criterion, &values);
-                        terms.objectives.push(factor * (1.0 - least / scale).max(0.0));
-                    }
-                    Quantity::Stiffness { .. } => {
-                        let count = values.len().max(1) as f64;
-                        let relative = |value: &f64| factor * scale / (value * count.sqrt());
-                        terms.objectives.extend(values.iter().map(relative));
-                    }
-                    Quantity::Workspace => {
-                        let relative = |value: &f64| factor * 2.0 * scale / (scale + value);
-                        terms.objectives.extend(values.iter().map(relative));
-                    }
+        for number in 0..self.list.len() {
+            let of = self.terms_of(number, robot, cases, solutions)?;
+            terms.objectives.extend(of.objectives);
+            terms.violations.extend(of.violations);
+        }
+        Ok(terms)
+    }
+
+    /// Those of one criterion.
+    fn terms_of(
+        &self,
+        number: usize,
+        robot: &Robot,
+        cases: &[Case],
+        solutions: &[Solution],
+    ) -> Result<Terms, DesignError> {
+        let (criterion, scale) = (&self.list[number], self.scales[number]);
+        let mut terms = Terms::default();
+        let values = self.values(criterion, robot, cases, solutions)?;
+        let count = values.len().max(1) as f64;
+        if let Some(weight) = criterion.weight {
+            let factor = weight.sqrt();
+            match criterion.quantity {
+                Quantity::Tension => {
+                    let factor = factor / (scale * count.sqrt());
+                    terms.objectives.extend(values.iter().map(|value| value * factor));
+                }
+                Quantity::Clearance => {
+                    let least = worst(criterion, &values);
+                    terms.objectives.push(factor * (1.0 - least / scale).max(0.0));
+                }
+                Quantity::Stiffness { .. } => {
+                    let relative = |value: &f64| factor * scale / (value * count.sqrt());
+                    terms.objectives.extend(values.iter().map(relative));
+                }
+                Quantity::Workspace => {
+                    let relative = |value: &f64| factor * 2.0 * scale / (scale + value);
+                    terms.objectives.extend(values.iter().map(relative));
                 }
             }
-            if let Some(limit) = criterion.limit {
-                terms.violations.extend(values.iter().map(|value| {
-                    SPARE
-                        + match criterion.quantity {
-                            Quantity::Tension => value / limit.max(1e-12 * scale) - 1.0,
-                            Quantity::Clearance => (limit - value) / scale,
-                            // By the compliance, which is smoother.
-                            Quantity::Stiffness { .. } => limit / value - 1.0,
-                            Quantity::Workspace => 1.0 - value / limit,
-                        }
-                }));
-            }
+        }
+        if let Some(limit) = criterion.limit {
+            terms.violations.extend(values.iter().map(|value| {
+                SPARE
+                    + match criterion.quantity {
+                        Quantity::Tension => value / limit.max(1e-12 * scale) - 1.0,
+                        Quantity::Clearance => (limit - value) / scale,
+                        // By the compliance, which is smoother.
+                        Quantity::Stiffness { .. } => limit / value - 1.0,
+                        Quantity::Workspace => 1.0 - value / limit,
+                    }
+            }));
         }
         if terms.objectives.iter().chain(&terms.violations).all(|value| value.is_finite()) {
             return Ok(terms);
@@ -294,16 +332,25 @@ impl Criteria {
         })
     }
 
-    /// What the criteria add to the cost of a search that compares robots, in m².
+    /// What the criteria add to the cost of a search that compares robots, in m²; of one that adds more than this, at least that much.
     pub fn cost(
         &self,
         robot: &Robot,
         cases: &[Case],
         solutions: &[Solution],
+        most: f64,
     ) -> Result<f64, DesignError> {
-        let terms = self.terms(robot, cases, solutions)?;
         let length = robot.backbone().length;
-        Ok(length * length * terms.cost())
+        let mut order: Vec<usize> = (0..self.list.len()).collect();
+        order.sort_by_key(|number| self.effort_of(&self.list[*number]));
+        let mut cost = 0.0;
+        for number in order {
+            cost += length * length * self.terms_of(number, robot, cases, solutions)?.cost();
+            if cost >= most {
+                break;
+            }
+        }
+        Ok(cost)
     }
 
     /// The values of a robot that was designed.

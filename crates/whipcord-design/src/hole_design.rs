@@ -1,6 +1,8 @@
 //! The holes with which a robot comes nearest to target shapes.
 
-use whipcord::{Actuation, Case, Loads, Model, ModelKind, Robot, Solution, Statics as _, Stations};
+use whipcord::{
+    Actuation, Case, Loads, Model, ModelKind, Robot, Routing, Solution, Statics as _, Stations,
+};
 
 use crate::candidates::with_holes;
 use crate::choices::{Choices, HoleRules};
@@ -98,7 +100,16 @@ pub fn design_holes(
     options: &HoleSearchOptions,
 ) -> Result<HoleDesign, DesignError> {
     goal::check_points(goals)?;
-    search(model, robot, cables, goals, (rules, None), options)
+    search(model, robot, cables, goals, (rules, None), (options, Starts::All))
+}
+
+/// From which lists single changes are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Starts {
+    /// The best without loads, and lists straight on.
+    All,
+    /// The one that the robot has.
+    Own,
 }
 
 /// As [`design_holes`], with criteria beside the goals. A list that is proven to be the nearest stays proven if it keeps all constraints and no objective hangs on
@@ -109,7 +120,7 @@ pub(crate) fn search(
     cables: &[usize],
     goals: &[ShapeGoal],
     (rules, criteria): (&HoleRules, Option<&Criteria>),
-    options: &HoleSearchOptions,
+    (options, from): (&HoleSearchOptions, Starts),
 ) -> Result<HoleDesign, DesignError> {
     goal::check(robot, goals)?;
     let choices = Choices::new(robot, cables, rules)?;
@@ -149,7 +160,11 @@ pub(crate) fn search(
                 criteria,
                 most_solves: options.solves,
             };
-            let starts = starts(robot, &choices, goals, options);
+            let own = (from == Starts::Own).then(|| own_list(robot, &choices)).flatten();
+            let starts = match own {
+                Some(own) => vec![own],
+                None => starts(robot, &choices, goals, options),
+            };
             let found = search.run(&starts)?;
             let proof = if found.is_proven { Proof::Local } else { Proof::Budget };
             (found, proof)
@@ -162,7 +177,7 @@ pub(crate) fn search(
     let cost = costs.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
     let merit = match criteria {
         None => cost,
-        Some(criteria) => cost + criteria.cost(&robot, &cases, &solutions)?,
+        Some(criteria) => cost + criteria.cost(&robot, &cases, &solutions, f64::INFINITY)?,
     };
     let error = root_mean_square(goals, cost);
     // The proof holds for the robot only if its shape is the product of the spans.
@@ -228,6 +243,24 @@ fn sequential(
         found.list.push(next.ok_or(DesignError::NoChoice { disk })?);
     }
     Ok(found)
+}
+
+/// The list that the robot has, where its varied cables have one that the rules allow.
+fn own_list(robot: &Robot, choices: &Choices) -> Option<Vec<usize>> {
+    let hole = |cable: usize, disk: usize| match &robot.cables()[cable].routing {
+        Routing::Holes { holes, .. } => holes.get(disk).map(|hole| hole - 1),
+        _ => None,
+    };
+    let at = |disk: usize| {
+        let holes: Option<Vec<usize>> =
+            choices.cables.iter().map(|&cable| hole(cable, disk)).collect();
+        holes.map(|holes| choices.combined(|place| holes[place]))
+    };
+    let list: Vec<usize> = (0..robot.disks().count()).map(at).collect::<Option<_>>()?;
+    let is_first = choices.at(0).binary_search(&list[0]).is_ok();
+    let mut pairs = list.windows(2).enumerate();
+    let follow = pairs.all(|(k, pair)| choices.after(pair[0], k + 1).any(|next| next == pair[1]));
+    (is_first && follow).then_some(list)
 }
 
 /// Lists to start from: the best without loads where that is known, then lists straight on.

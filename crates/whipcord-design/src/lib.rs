@@ -17,6 +17,7 @@ mod design;
 mod error;
 mod goal;
 mod hole_design;
+mod kd_tree;
 mod named_curve;
 mod pre_bend;
 mod problem;
@@ -43,7 +44,7 @@ pub use hole_design::{HoleDesign, HoleSearchOptions, Proof, design_holes};
 pub use named_curve::{CurveKind, NamedCurve};
 pub use pre_bend::{PreBend, rest_curvature_for_curve};
 pub use problem::{
-    Design, DesignGoal, DesignOptions, Finding, GoalResult, Known, TargetShape, spread,
+    Design, DesignGoal, DesignOptions, Finding, GoalResult, Known, TargetShape, Unconverged, spread,
 };
 pub use route::{CurveRoute, route_for_curve};
 pub use taper::{Taper, taper_for_curve};

@@ -95,7 +95,7 @@ impl Default for DesignOptions {
             degree: 5,
             places: 37,
             starts: 6,
-            iterations: 60,
+            iterations: 200,
             seed: 1,
             shape_tolerance: 0.01,
         }
@@ -111,6 +111,8 @@ pub enum Known {
     ClosedForm,
     /// An iteration on the curve until its distance no longer fell.
     Iterated,
+    /// All targets are met by continuous quantities, up to what rounding and tolerances leave: nothing can come nearer.
+    Met,
     /// Least squares converged from some starts, of which some ended as near as this.
     LeastSquares {
         /// Starts with an answer.
@@ -118,10 +120,12 @@ pub enum Known {
         /// Those that ended as near as the best.
         agree: usize,
     },
-    /// Least squares spent its steps.
+    /// Least squares did not converge from the best start.
     Unconverged {
         /// Starts with an answer.
         starts: usize,
+        /// Why not.
+        reason: Unconverged,
     },
     /// The number of cables: this many at least, by the rank of the bending moments.
     AtLeast {
@@ -130,11 +134,39 @@ pub enum Known {
     },
 }
 
+/// Why least squares did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unconverged {
+    /// This many steps were spent while the error still fell.
+    Steps(usize),
+    /// No step lowers the error, though the derivatives promise it.
+    Stalled,
+    /// The model has no answer beyond.
+    Refused,
+    /// A constraint could not be kept.
+    Constraints,
+}
+
+impl Unconverged {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> String {
+        match self {
+            Self::Steps(steps) => format!(
+                "its {steps} steps were spent while the error still fell, so that design.iterations or design.starts may be raised"
+            ),
+            Self::Stalled => "no step lowers the error, although the derivatives promise it, as at a slack cable or a contact".to_owned(),
+            Self::Refused => "the model has no answer for what comes nearer".to_owned(),
+            Self::Constraints => "not all constraints could be kept".to_owned(),
+        }
+    }
+}
+
 impl Known {
     /// Whether no better one exists, as is proven.
     #[must_use]
     pub const fn is_proven(self) -> bool {
-        matches!(self, Self::Holes(Proof::Optimal) | Self::ClosedForm)
+        matches!(self, Self::Holes(Proof::Optimal) | Self::ClosedForm | Self::Met)
     }
 
     /// A name for programs.
@@ -146,6 +178,7 @@ impl Known {
             Self::Holes(Proof::Local) => "local_optimum",
             Self::ClosedForm => "closed_form",
             Self::Iterated => "iterated",
+            Self::Met => "targets_met",
             Self::LeastSquares { .. } => "least_squares",
             Self::Unconverged { .. } => "not_converged",
             Self::AtLeast { .. } => "lower_bound",
@@ -166,6 +199,9 @@ impl fmt::Display for Known {
             Self::Iterated => f.write_str(
                 "corrected until the distance from the curve no longer fell; what is left is due to the linear interpolation between the places and to the bounds",
             ),
+            Self::Met => f.write_str(
+                "proven: the targets are met to 10⁻⁷ of the length, so that nothing comes nearer; other values may meet them as well",
+            ),
             Self::LeastSquares { starts: 1, .. } => f.write_str(
                 "not proven: no small change comes nearer, from one start; it may not be the best of all",
             ),
@@ -173,10 +209,10 @@ impl fmt::Display for Known {
                 f,
                 "not proven: no small change comes nearer, and {agree} of {starts} starts ended as near; it may not be the best of all"
             ),
-            Self::Unconverged { starts } => write!(
-                f,
-                "not proven: the best found from {starts} starts, when the steps were spent"
-            ),
+            Self::Unconverged { starts, reason } => {
+                let from = if *starts == 1 { "one start" } else { &format!("{starts} starts") };
+                write!(f, "not proven: the best found from {from}; {}", reason.words())
+            }
             Self::AtLeast { cables } => write!(
                 f,
                 "the bending moments of the targets have rank {cables}: fewer cables cannot make them, up to the tolerance"

@@ -10,7 +10,7 @@ use whipcord_numerics::random::SplitMix64;
 use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
-use crate::residuals::{Bounded, Problem, RefineOptions};
+use crate::residuals::{Bounded, Ending, Problem, RefineOptions};
 use crate::unknown::{Unknown, applied};
 
 /// What least squares found.
@@ -18,10 +18,12 @@ use crate::unknown::{Unknown, applied};
 pub(crate) struct Refined {
     pub robot: Robot,
     pub cases: Vec<Case>,
-    pub is_converged: bool,
+    pub ending: Ending,
     /// Starts that had an answer, and how many of them ended as near as the best.
     pub starts: usize,
     pub agree: usize,
+    /// Whether the targets are met and there are no objectives beside them.
+    pub is_met: bool,
 }
 
 /// A mean distance by this part of the length is none.
@@ -66,22 +68,20 @@ pub(crate) fn refine(
         upper,
         iterations: options.iterations,
         step: 1e-9,
-        cost: 1e-9,
+        cost: 1e-7,
         ..Options::default()
     };
-    let mut ends: Vec<(f64, bool, Vec<f64>)> = Vec::new();
+    let mut ends: Vec<(f64, Ending, Vec<f64>)> = Vec::new();
     let mut refusal = None;
     for start in 0..options.starts.max(1) {
         let mut values = start_values(unknowns, start, options);
         let mut problem = Problem::new(model, robot, goals, unknowns, options)?;
         match problem.constrained(&mut values, &minimiser) {
-            Ok(is_converged) => {
+            Ok(ending) => {
                 values = problem.within_rim(&values);
                 let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
-                ends.push((cost, is_converged, values));
-                // Nothing comes nearer than this.
-                let length = robot.backbone().length;
-                if cost.sqrt() <= EXACT * length * (problem.points().max(1) as f64).sqrt() {
+                ends.push((cost, ending, values));
+                if is_met(robot, goals, options, cost) {
                     break;
                 }
             }
@@ -95,7 +95,7 @@ pub(crate) fn refine(
         }
     }
     let best = ends.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0.is_finite());
-    let Some((cost, is_converged, values)) = best else {
+    let Some((cost, ending, values)) = best else {
         return Err(refusal.unwrap_or(DesignError::NotConverged {
             what: "least squares",
             iterations: options.iterations,
@@ -103,7 +103,7 @@ pub(crate) fn refine(
             advice: "give a start with an answer: other tensions, or a smaller load",
         }));
     };
-    let near = |of: &&(f64, bool, Vec<f64>)| {
+    let near = |of: &&(f64, Ending, Vec<f64>)| {
         let length = robot.backbone().length;
         of.0.sqrt() <= (1.0 + AGREE) * cost.sqrt() + 1e-7 * length
     };
@@ -113,10 +113,22 @@ pub(crate) fn refine(
     Ok(Refined {
         robot: changed,
         cases,
-        is_converged: *is_converged,
+        ending: *ending,
         starts: ends.len(),
         agree: ends.iter().filter(near).count(),
+        is_met: is_met(robot, goals, options, *cost),
     })
+}
+
+/// Whether nothing can come nearer to the goals.
+fn is_met(robot: &Robot, goals: &[ShapeGoal], options: &RefineOptions<'_>, cost: f64) -> bool {
+    if options.criteria.is_some_and(|criteria| criteria.has_objectives()) {
+        return false;
+    }
+    let points = goals.iter().map(|goal| goal.points.len()).sum::<usize>();
+    #[allow(clippy::cast_precision_loss, reason = "few points")]
+    let most = EXACT * robot.backbone().length * (points as f64).sqrt();
+    points > 0 && cost.sqrt() <= most
 }
 
 /// The given start, or another: cables on helices that start at any angle, all else anywhere in its range.

@@ -2,9 +2,12 @@
 
 use whipcord::differences::differentiate;
 use whipcord::{
-    Case, Linearization, Model, Parameter, Robot, Solution, SolveError, Statics as _, Vec3,
+    Case, Linearization, Model, Parameter, Prepared, Robot, Solution, SolveError,
+    StabilityAnalysis, Statics as _, Vec3,
 };
-use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
+use whipcord_numerics::least_squares::{
+    NoResiduals, Options, Residuals, Status, Workspace, minimise,
+};
 
 use crate::chebyshev;
 use crate::criteria::{Criteria, Terms};
@@ -34,8 +37,11 @@ pub(crate) struct RefineOptions<'a> {
     pub criteria: Option<&'a Criteria>,
 }
 
-/// What a cable beyond the rim costs: so many lengths of the backbone for each radius beyond it.
-const BEYOND: f64 = 10.0;
+/// The first penalty of a cable beyond the rim, by its distance from there as a part of the rim: small, because the way along a rim is a circle, and a
+/// steep penalty allows only small steps along it.
+const FIRST_RIM_PENALTY: f64 = 1.0;
+/// How far beyond the rim, as a part of it, a cable may be that is drawn in as a whole afterwards.
+const RIM: f64 = 1e-4;
 /// Rounds of the method of multipliers, the penalty of a violation in the first, and by how much it grows where violations hardly fall.
 const ROUNDS: usize = 12;
 const FIRST_PENALTY: f64 = 10.0;
@@ -43,7 +49,7 @@ const STEEPER: f64 = 5.0;
 
 /// A problem of least squares from one start.
 pub(crate) struct Problem<'a> {
-    model: &'a Model,
+    model: Model,
     robot: &'a Robot,
     goals: &'a [ShapeGoal],
     cases: Vec<Case>,
@@ -56,17 +62,44 @@ pub(crate) struct Problem<'a> {
     /// Of each constraint its multiplier by the penalty, in the method of multipliers, and the penalty.
     shifts: Vec<f64>,
     penalty: f64,
+    /// The same of each station of cables that are held within the rim.
+    rim_shifts: Vec<f64>,
+    rim_penalty: f64,
     /// How many objectives and constraints there are.
     terms: [usize; 2],
     /// The answers at the last unknowns, which the next ones start from.
     answers: Vec<Option<Solution>>,
+    /// What the residuals were asked for last, ready to be differentiated.
+    last: Option<Moved>,
     /// Cables with a course of so many nodes.
     courses: Vec<(usize, usize)>,
 }
 
+/// How a minimisation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// No small change is better.
+    Converged,
+    /// The steps were spent.
+    Steps,
+    /// No step is better, however short, though the derivatives promise it.
+    Stalled,
+    /// The model has no answer beyond.
+    Refused,
+    /// A constraint could not be kept.
+    Constraints,
+}
+
+/// The robot and the cases with some values of the unknowns, and a model of each that is ready to be solved.
+struct Moved {
+    robot: Robot,
+    cases: Vec<Case>,
+    prepared: Vec<Prepared>,
+}
+
 impl<'a> Problem<'a> {
     pub fn new(
-        model: &'a Model,
+        model: &Model,
         robot: &'a Robot,
         goals: &'a [ShapeGoal],
         unknowns: &[Bounded],
@@ -83,7 +116,7 @@ impl<'a> Problem<'a> {
         }
         let step = |of: &Bounded| 1e-4 * (of.starts[1] - of.starts[0]).abs().max(1e-9);
         let mut problem = Self {
-            model,
+            model: model.clone().with_stability(StabilityAnalysis::Off),
             robot,
             goals,
             cases: goals.iter().map(|goal| goal.case.clone()).collect(),
@@ -95,8 +128,11 @@ impl<'a> Problem<'a> {
             criteria: options.criteria.filter(|criteria| !criteria.is_empty()),
             shifts: Vec::new(),
             penalty: FIRST_PENALTY,
+            rim_shifts: vec![0.0; courses.iter().map(|(_, nodes)| Self::stations(*nodes)).sum()],
+            rim_penalty: FIRST_RIM_PENALTY,
             terms: [0; 2],
             answers: vec![None; goals.len()],
+            last: None,
             courses,
         };
         if problem.criteria.is_some() {
@@ -109,42 +145,68 @@ impl<'a> Problem<'a> {
         Ok(problem)
     }
 
-    /// Minimises from some values by the method of multipliers of Powell and of Hestenes and leaves the best in them; whether that converged.
+    /// Minimises from some values by the method of multipliers of Powell and of Hestenes and leaves the best in them; how that ended.
     pub fn constrained(
         &mut self,
         values: &mut [f64],
         minimiser: &Options,
-    ) -> Result<bool, NoResiduals<DesignError>> {
-        let mut before = f64::INFINITY;
+    ) -> Result<Ending, NoResiduals<DesignError>> {
+        let mut before = [f64::INFINITY; 2];
+        let mut workspace = Workspace::default();
         for round in 0..ROUNDS {
-            let outcome = minimise(self, values, minimiser, &mut Workspace::default())?;
-            let is_converged = outcome.status.is_converged();
-            if self.shifts.is_empty() {
-                return Ok(is_converged);
-            }
+            let outcome = minimise(self, values, minimiser, &mut workspace)?;
             let terms = self.terms(values).map_err(NoResiduals::Refused)?;
-            let worst = terms.worst_violation();
-            if worst <= 0.0 || round + 1 == ROUNDS {
-                return Ok(is_converged && worst <= 0.0);
+            let beyond = self.beyond(values);
+            let worst = [
+                terms.worst_violation(),
+                beyond.iter().copied().fold(f64::NEG_INFINITY, f64::max) - RIM,
+            ];
+            if worst.iter().all(|worst| *worst <= 0.0) {
+                return Ok(match outcome.status {
+                    Status::IterationLimit => Ending::Steps,
+                    Status::Stalled => Ending::Stalled,
+                    Status::Refused => Ending::Refused,
+                    Status::Gradient | Status::Step | Status::Cost => Ending::Converged,
+                });
             }
-            for (shift, violation) in self.shifts.iter_mut().zip(&terms.violations) {
-                *shift = (*shift + violation).max(0.0);
+            if round + 1 == ROUNDS {
+                break;
             }
-            if worst > 0.3 * before {
-                self.penalty *= STEEPER;
-                self.shifts.iter_mut().for_each(|shift| *shift /= STEEPER);
+            let kinds = [
+                (&mut self.shifts, &terms.violations, &mut self.penalty),
+                (&mut self.rim_shifts, &beyond, &mut self.rim_penalty),
+            ];
+            for (kind, (shifts, violations, penalty)) in kinds.into_iter().enumerate() {
+                for (shift, violation) in shifts.iter_mut().zip(violations) {
+                    *shift = (*shift + violation).max(0.0);
+                }
+                if worst[kind] > 0.3 * before[kind] {
+                    *penalty *= STEEPER;
+                    shifts.iter_mut().for_each(|shift| *shift /= STEEPER);
+                }
+                before[kind] = worst[kind].max(0.0);
             }
-            before = worst;
         }
-        Ok(false)
+        Ok(Ending::Constraints)
+    }
+
+    /// How far beyond the rim each station of the varied cables is, as a part of the rim; negative within.
+    fn beyond(&self, values: &[f64]) -> Vec<f64> {
+        let offsets =
+            self.courses.iter().flat_map(|(cable, nodes)| self.offsets(values, *cable, *nodes));
+        offsets.map(|[x, y]| x.hypot(y) / self.rim - 1.0).collect()
     }
 
     /// What the criteria make of these unknowns.
     fn terms(&mut self, values: &[f64]) -> Result<Terms, DesignError> {
         let Some(criteria) = self.criteria else { return Ok(Terms::default()) };
-        let solutions = self.solved(values)?;
-        let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, values)?;
-        criteria.terms(&robot, &cases, &solutions)
+        if criteria.are_of_commands(&self.cases) {
+            let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, values)?;
+            return criteria.terms(&robot, &cases, &[]);
+        }
+        let mut moved = self.prepared(values)?;
+        let solutions = self.solved(&mut moved)?;
+        criteria.terms(&moved.robot, &moved.cases, &solutions)
     }
 
     /// Residuals of criteria: objectives, then constraints that are violated or were.
@@ -202,15 +264,27 @@ impl<'a> Problem<'a> {
         values
     }
 
-    fn solved(&mut self, values: &[f64]) -> Result<Vec<Solution>, DesignError> {
+    /// The robot and the cases with these values, ready to be solved.
+    fn prepared(&mut self, values: &[f64]) -> Result<Moved, DesignError> {
         let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, values)?;
-        let mut solutions = Vec::with_capacity(cases.len());
-        for (case, answer) in cases.iter().zip(&self.answers) {
-            let mut prepared = self.model.prepare(&robot, &case.loads)?;
-            let solution = prepared.solve(case, answer.as_ref());
+        // Tensions leave the robot as it is.
+        let is_kept = self.unknowns.iter().all(|of| matches!(of, Unknown::Tension { .. }));
+        if is_kept && let Some(last) = self.last.take() {
+            return Ok(Moved { cases, ..last });
+        }
+        let prepare = |case: &Case| self.model.prepare(&robot, &case.loads);
+        let prepared = cases.iter().map(prepare).collect::<Result<Vec<_>, _>>()?;
+        Ok(Moved { robot, cases, prepared })
+    }
+
+    fn solved(&self, moved: &mut Moved) -> Result<Vec<Solution>, DesignError> {
+        let mut solutions = Vec::with_capacity(moved.cases.len());
+        let models = moved.prepared.iter_mut().zip(&moved.cases);
+        for ((model, case), answer) in models.zip(&self.answers) {
+            let solution = model.solve(case, answer.as_ref());
             // A neighbouring answer may mislead where an unknown has changed much.
             let solution = match solution {
-                Err(_) if answer.is_some() => prepared.solve(case, None),
+                Err(_) if answer.is_some() => model.solve(case, None),
                 solution => solution,
             };
             solutions.push(solution?);
@@ -220,12 +294,13 @@ impl<'a> Problem<'a> {
 
     /// What starts are compared by, in m².
     pub fn cost(&mut self, values: &[f64]) -> Option<f64> {
-        let solutions = self.solved(values).ok()?;
+        let mut moved = self.prepared(values).ok()?;
+        let solutions = self.solved(&mut moved).ok()?;
         let goals = self.goals.iter().zip(&solutions);
         let cost = goals.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
         let Some(criteria) = self.criteria else { return Some(cost) };
-        let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, values).ok()?;
-        Some(cost + criteria.cost(&robot, &cases, &solutions).ok()?)
+        let more = criteria.cost(&moved.robot, &moved.cases, &solutions, f64::INFINITY).ok()?;
+        Some(cost + more)
     }
 
     fn by_difference(
@@ -253,7 +328,11 @@ impl Problem<'_> {
         into: &mut [f64],
     ) -> Result<(), DesignError> {
         let columns = unknowns.len();
+        let is_of_commands = self.criteria.is_some_and(|of| of.are_of_commands(&self.cases));
         for column in 0..columns {
+            if is_of_commands && !matches!(self.unknowns[column], Unknown::Tension { .. }) {
+                continue;
+            }
             let step = self.steps[column];
             let mut side = |by: f64| -> Result<Vec<f64>, DesignError> {
                 let mut moved = unknowns.to_vec();
@@ -285,7 +364,8 @@ impl Residuals for Problem<'_> {
     }
 
     fn residuals(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
-        let solutions = self.solved(unknowns)?;
+        let mut moved = self.prepared(unknowns)?;
+        let solutions = self.solved(&mut moved)?;
         let mut row = 0;
         for (goal, solution) in self.goals.iter().zip(&solutions) {
             let factor = goal.weight.sqrt() / self.length;
@@ -295,17 +375,16 @@ impl Residuals for Problem<'_> {
                 row += 3;
             }
         }
-        for &(cable, nodes) in &self.courses {
-            for [x, y] in self.offsets(unknowns, cable, nodes) {
-                into[row] = BEYOND * (x.hypot(y) / self.rim - 1.0).max(0.0);
-                row += 1;
-            }
+        let root = self.rim_penalty.sqrt();
+        for (beyond, shift) in self.beyond(unknowns).iter().zip(&self.rim_shifts) {
+            into[row] = root * (beyond + shift).max(0.0);
+            row += 1;
         }
         if let Some(criteria) = self.criteria {
-            let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, unknowns)?;
-            let terms = criteria.terms(&robot, &cases, &solutions)?;
+            let terms = criteria.terms(&moved.robot, &moved.cases, &solutions)?;
             into[row..].copy_from_slice(&self.of_criteria(&terms));
         }
+        self.last = Some(moved);
         self.answers = solutions.into_iter().map(Some).collect();
         Ok(())
     }
@@ -313,18 +392,21 @@ impl Residuals for Problem<'_> {
     fn jacobian(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
         let columns = self.unknowns.len();
         into.fill(0.0);
-        let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, unknowns)?;
-        let is_exact = self.model.has_derivatives(&robot);
+        // Those of the residuals, which were asked for these unknowns before.
+        let mut moved = match self.last.take() {
+            Some(last) => last,
+            None => self.prepared(unknowns)?,
+        };
+        let is_exact = self.model.has_derivatives(&moved.robot);
         let mut first = 0;
         for (number, goal) in self.goals.iter().enumerate() {
             let factor = goal.weight.sqrt() / self.length;
             let disks: Vec<usize> = goal.points.iter().map(|(disk, _)| *disk).collect();
             let derivatives: Option<Linearization> = match is_exact {
                 true => {
-                    let case = &cases[number];
-                    let mut prepared = self.model.prepare(&robot, &case.loads)?;
+                    let (model, case) = (&mut moved.prepared[number], &moved.cases[number]);
                     let warm = self.answers[number].as_ref();
-                    Some(prepared.solve_with_derivatives(case, warm, &self.parameters)?.1)
+                    Some(model.solve_with_derivatives(case, warm, &self.parameters)?.1)
                 }
                 false => None,
             };
@@ -332,7 +414,7 @@ impl Residuals for Problem<'_> {
                 let velocities = match &derivatives {
                     Some(derivatives) if unknown.has_derivative() => unknown.velocities(
                         number,
-                        &cases[number],
+                        &moved.cases[number],
                         self.length,
                         (derivatives, &self.parameters),
                         &disks,
@@ -347,9 +429,13 @@ impl Residuals for Problem<'_> {
             }
             first += 3 * disks.len();
         }
+        let root = self.rim_penalty.sqrt();
+        let mut station = 0;
         for &(cable, nodes) in &self.courses {
             let offsets = self.offsets(unknowns, cable, nodes);
             let count = Self::stations(nodes);
+            let shifts = &self.rim_shifts[station..station + count];
+            station += count;
             for (column, unknown) in self.unknowns.iter().enumerate() {
                 let Unknown::Course { cable: of, axis, node, .. } = *unknown else { continue };
                 if of != cable {
@@ -361,14 +447,15 @@ impl Residuals for Problem<'_> {
                 let stations = whipcord::equally_spaced(0.0, self.length, count);
                 for (row, (offset, s)) in offsets.iter().zip(stations).enumerate() {
                     let radius = offset[0].hypot(offset[1]);
-                    if radius > self.rim {
+                    if radius / self.rim - 1.0 + shifts[row] > 0.0 && radius > 0.0 {
                         into[(first + row) * columns + column] =
-                            BEYOND * offset[axis] / radius * chebyshev::value(&shape, s) / self.rim;
+                            root * offset[axis] / radius * chebyshev::value(&shape, s) / self.rim;
                     }
                 }
             }
             first += count;
         }
+        self.last = Some(moved);
         if self.criteria.is_some() {
             self.criteria_by_differences(unknowns, &mut into[first * columns..])?;
         }

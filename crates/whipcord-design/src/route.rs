@@ -173,6 +173,11 @@ pub(crate) fn largest_radius(robot: &Robot) -> f64 {
     (0..disks.count()).map(|disk| disks.rim_radius(disk)).fold(f64::INFINITY, f64::min)
 }
 
+/// Whether the backbone is straight at rest and bends as easily in all directions.
+pub(crate) fn is_axisymmetric(robot: &Robot) -> bool {
+    resistances(robot).is_ok()
+}
+
 fn resistances(robot: &Robot) -> Result<Vec<Resistance>, DesignError> {
     let refused = |what: &str| DesignError::Backbone { what: what.to_owned() };
     let backbone = robot.backbone();

@@ -3,17 +3,20 @@
 //! Without load no wrench acts on a cut of rod and cables, so that the shape of a span hangs on its own holes and tensions alone, eq. (1): the pose
 //! of a disk in the frame of the one before is tabulated, and shapes are products of these poses.
 
-use whipcord::{Model, ModelKind, Pose, Robot, StabilityAnalysis, Stations};
+use core::f64::consts::TAU;
+
+use whipcord::{Model, ModelKind, Pose, Robot, StabilityAnalysis, Stations, UnitQuaternion, Vec3};
 
 use crate::candidates::solve_lists;
 use crate::choices::Choices;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
+use crate::route::is_axisymmetric;
 
 /// Poses of each disk in the frame of the disk before.
 #[derive(Clone, Debug)]
 pub(crate) struct SpanTable {
-    count: usize,
+    pairs: usize,
     spans: usize,
     /// Of each goal, span and pair of combinations; `None` where the model has no answer.
     poses: Vec<Option<Pose>>,
@@ -23,6 +26,8 @@ pub(crate) struct SpanTable {
 
 /// Lists that are solved for a table.
 const MOST: usize = 30_000;
+/// Poses that a table may have.
+const MOST_POSES: usize = 8_000_000;
 
 /// Whether the spans of a robot are independent of one another.
 pub(crate) fn is_sequential(model: &Model, robot: &Robot, goals: &[ShapeGoal]) -> bool {
@@ -40,9 +45,17 @@ pub(crate) fn is_sequential(model: &Model, robot: &Robot, goals: &[ShapeGoal]) -
     has_spans && !robot.has_history() && goals.iter().all(is_free)
 }
 
+/// Whether a robot whose varied cables all move on by the same number of holes has the same shape, rotated: the backbone is straight at rest and bends as
+/// easily in all directions, and no other cable pulls.
+fn is_rotatable(robot: &Robot, choices: &Choices, goal: &ShapeGoal) -> bool {
+    let commands = goal.case.commands.iter().enumerate();
+    let mut others = commands.filter(|(cable, _)| !choices.cables.contains(cable));
+    others.all(|(_, command)| command.tension == Some(0.0)) && is_axisymmetric(robot)
+}
+
 impl SpanTable {
     /// Solves robots whose lists of holes together have every pair of combinations at every span once: those that move on by the same number of
-    /// holes from disk to disk.
+    /// holes from disk to disk. Of robots that can be rotated, only those with the first hole for the first cable at the first disk.
     pub fn new(
         model: &Model,
         robot: &Robot,
@@ -50,46 +63,30 @@ impl SpanTable {
         goals: &[ShapeGoal],
     ) -> Result<Self, DesignError> {
         let model = model.at(Stations::Disks).with_stability(StabilityAnalysis::Off);
-        let (count, disks) = (choices.count, robot.disks().count());
+        let disks = robot.disks().count();
         let spans = disks - 1;
-        let moved = |start: usize, step: usize, disk: usize| {
-            choices.combined(|place| {
-                (choices.hole(start, place) + disk * choices.hole(step, place)) % choices.holes
-            })
-        };
-        let list = |start: usize, step: usize| -> Vec<usize> {
-            (0..disks).map(|disk| moved(start, step, disk)).collect()
-        };
-        let is_asked = |list: &[usize]| {
-            let mut pairs = list.windows(2).enumerate();
-            pairs.any(|(span, pair)| {
-                choices.at(span).binary_search(&pair[0]).is_ok()
-                    && choices.after(pair[0], span + 1).any(|next| next == pair[1])
-            })
-        };
-        let lists: Vec<Vec<usize>> = (0..count)
-            .flat_map(|start| (0..count).map(move |step| (start, step)))
-            .map(|(start, step)| list(start, step))
-            .filter(|list| is_asked(list))
-            .take(MOST + 1)
-            .collect();
-        if lists.len() > MOST {
-            return Err(DesignError::TooManySpans { spans: choices.pairs(), most: MOST });
+        let pairs = choices.pairs();
+        let size = goals.len().saturating_mul(spans).saturating_mul(pairs);
+        if size > MOST_POSES {
+            return Err(DesignError::TooManySpans { spans: size, most: MOST_POSES });
         }
-        let mut table = Self {
-            count,
-            spans,
-            poses: vec![None; goals.len() * spans * count * count],
-            bases: Vec::with_capacity(goals.len()),
-        };
+        let mut table =
+            Self { pairs, spans, poses: vec![None; size], bases: Vec::with_capacity(goals.len()) };
+        let mut known: [Option<Vec<Vec<usize>>>; 2] = [None, None];
         for (number, goal) in goals.iter().enumerate() {
+            let is_rotatable = is_rotatable(robot, choices, goal);
+            let lists = match &mut known[usize::from(is_rotatable)] {
+                Some(lists) => lists,
+                none => none.insert(lists(choices, disks, is_rotatable)?),
+            };
+            let turns = if is_rotatable { choices.holes } else { 1 };
             let mut base = None;
             let mut refusal = None;
             let mut failed = Vec::new();
-            solve_lists(&model, robot, choices, &goal.case, &lists, |of, answer| match answer {
+            solve_lists(&model, robot, choices, &goal.case, lists, |of, answer| match answer {
                 Ok(solution) => {
                     base = Some(solution.disks.poses[0]);
-                    table.take(number, &lists[of], &solution.disks.poses);
+                    table.take(number, choices, turns, &lists[of], &solution.disks.poses);
                 }
                 Err(error) => {
                     refusal.get_or_insert_with(|| error.clone());
@@ -112,7 +109,7 @@ impl SpanTable {
             solve_lists(&model, robot, choices, &goal.case, &single, |of, answer| {
                 if let Ok(solution) = answer {
                     base = Some(solution.disks.poses[0]);
-                    table.take(number, &single[of], &solution.disks.poses);
+                    table.take(number, choices, turns, &single[of], &solution.disks.poses);
                 }
             })?;
             match (base, refusal) {
@@ -124,19 +121,73 @@ impl SpanTable {
         Ok(table)
     }
 
-    fn take(&mut self, goal: usize, list: &[usize], poses: &[Pose]) {
+    /// Takes the spans of a list, and of the list with all cables up to so many holes on.
+    fn take(
+        &mut self,
+        goal: usize,
+        choices: &Choices,
+        turns: usize,
+        list: &[usize],
+        poses: &[Pose],
+    ) {
         for (span, (pair, poses)) in list.windows(2).zip(poses.windows(2)).enumerate() {
-            let at = self.place(goal, span, pair[0], pair[1]);
-            self.poses[at] = Some(poses[0].inverse() * poses[1]);
+            let pose = poses[0].inverse() * poses[1];
+            for turn in 0..turns {
+                let [from, to] = [0, 1].map(|k| choices.rotated(pair[k], turn));
+                let Some(pair) = choices.pair(from, to) else { continue };
+                #[allow(clippy::cast_precision_loss, reason = "few holes")]
+                let angle = TAU * turn as f64 / choices.holes as f64;
+                let rotation = UnitQuaternion::exp(Vec3::new(0.0, 0.0, angle));
+                let rotated = Pose {
+                    position: rotation.rotate(pose.position),
+                    rotation: rotation * pose.rotation * rotation.conjugate(),
+                };
+                let at = self.place(goal, span, pair);
+                self.poses[at] = Some(if turn == 0 { pose } else { rotated });
+            }
         }
     }
 
-    const fn place(&self, goal: usize, span: usize, from: usize, to: usize) -> usize {
-        ((goal * self.spans + span) * self.count + from) * self.count + to
+    const fn place(&self, goal: usize, span: usize, pair: usize) -> usize {
+        (goal * self.spans + span) * self.pairs + pair
     }
 
-    /// The pose of the disk behind a span in the frame of the disk before it.
-    pub fn span(&self, goal: usize, span: usize, from: usize, to: usize) -> Option<Pose> {
-        self.poses[self.place(goal, span, from, to)]
+    /// The pose of the disk behind a span in the frame of the disk before it, by the number of the pair of combinations.
+    pub fn span(&self, goal: usize, span: usize, pair: usize) -> Option<&Pose> {
+        self.poses[self.place(goal, span, pair)].as_ref()
     }
+}
+
+/// Lists that together have each pair of combinations that the rules allow at each span, up to a common rotation where that is asked.
+fn lists(
+    choices: &Choices,
+    disks: usize,
+    up_to_rotation: bool,
+) -> Result<Vec<Vec<usize>>, DesignError> {
+    let count = choices.count;
+    let moved = |start: usize, step: usize, disk: usize| {
+        choices.combined(|place| {
+            (choices.hole(start, place) + disk * choices.hole(step, place)) % choices.holes
+        })
+    };
+    let is_asked = |list: &[usize]| {
+        let mut pairs = list.windows(2).enumerate();
+        pairs.any(|(span, pair)| {
+            choices.pair(pair[0], pair[1]).is_some()
+                && (up_to_rotation
+                    || choices.at(span).binary_search(&pair[0]).is_ok()
+                        && choices.at(span + 1).binary_search(&pair[1]).is_ok())
+        })
+    };
+    let starts = (0..count).filter(|&start| !up_to_rotation || choices.hole(start, 0) == 0);
+    let lists: Vec<Vec<usize>> = starts
+        .flat_map(|start| (0..count).map(move |step| (start, step)))
+        .map(|(start, step)| (0..disks).map(|disk| moved(start, step, disk)).collect())
+        .filter(|list: &Vec<usize>| is_asked(list))
+        .take(MOST + 1)
+        .collect();
+    if lists.len() > MOST {
+        return Err(DesignError::TooManySpans { spans: choices.pairs(), most: MOST });
+    }
+    Ok(lists)
 }

@@ -21,6 +21,14 @@ pub(crate) struct SwapSearch<'a> {
     pub most_solves: usize,
 }
 
+/// Where criteria are estimated first, so many of the best lists by the estimate are tried.
+const EXACT: usize = 4;
+
+/// Solves that each list takes under each goal.
+fn effort(criteria: Option<&Criteria>) -> usize {
+    1 + criteria.map_or(0, Criteria::effort)
+}
+
 impl SwapSearch<'_> {
     /// The best of what is found from each start, proven where no change of it helps.
     pub fn run(&self, starts: &[Vec<usize>]) -> Result<Found, DesignError> {
@@ -28,7 +36,8 @@ impl SwapSearch<'_> {
         let mut best: Option<Found> = None;
         let mut refusal: Option<SolveError> = None;
         for start in starts {
-            let (first, reason) = self.costs(core::slice::from_ref(start), &mut spent)?;
+            let (first, reason) =
+                self.costs(core::slice::from_ref(start), f64::INFINITY, &mut spent)?;
             refusal = refusal.or(reason);
             let found = self.descend(start.clone(), first[0], &mut spent)?;
             if best.as_ref().is_none_or(|best| found.cost < best.cost) {
@@ -48,10 +57,21 @@ impl SwapSearch<'_> {
     fn costs(
         &self,
         lists: &[Vec<usize>],
+        known: f64,
         spent: &mut usize,
     ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
-        *spent += lists.len() * self.effort();
-        costs(self.model, self.robot, self.choices, (self.goals, self.criteria), lists)
+        self.costs_by(self.criteria, lists, known, spent)
+    }
+
+    fn costs_by(
+        &self,
+        criteria: Option<&Criteria>,
+        lists: &[Vec<usize>],
+        known: f64,
+        spent: &mut usize,
+    ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
+        *spent += lists.len() * effort(criteria);
+        costs(self.model, self.robot, self.choices, (self.goals, criteria), lists, known)
     }
 
     /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.
@@ -61,18 +81,30 @@ impl SwapSearch<'_> {
         mut cost: f64,
         spent: &mut usize,
     ) -> Result<Found, DesignError> {
+        let estimate = self.criteria.and_then(Criteria::estimate);
         // Whether every change was tried of the list that is left.
         let mut is_local = false;
         while !is_local && *spent < self.most_solves {
             let mut is_better = false;
             let mut is_complete = true;
             for width in [1, 2] {
-                let room = self.most_solves.saturating_sub(*spent) / self.effort();
+                let compared_by = estimate.as_ref().or(self.criteria);
+                let room = self.most_solves.saturating_sub(*spent) / effort(compared_by);
                 let mut changed: Vec<Vec<usize>> =
                     self.changed(&list, width).take(room + 1).collect();
                 is_complete &= changed.len() <= room;
                 changed.truncate(room);
-                let (costs, _) = self.costs(&changed, spent)?;
+                if let Some(estimate) = &estimate
+                    && changed.len() > EXACT
+                {
+                    let (estimated, _) =
+                        self.costs_by(Some(estimate), &changed, f64::INFINITY, spent)?;
+                    let mut order: Vec<usize> = (0..changed.len()).collect();
+                    order.sort_by(|a, b| estimated[*a].total_cmp(&estimated[*b]));
+                    changed = order[..EXACT].iter().map(|of| changed[*of].clone()).collect();
+                    is_complete = false;
+                }
+                let (costs, _) = self.costs(&changed, cost, spent)?;
                 let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
                 if let Some((number, &lower)) = best
                     && lower < cost * (1.0 - 1e-9)
@@ -88,11 +120,6 @@ impl SwapSearch<'_> {
             }
         }
         Ok(Found { list, cost, is_proven: is_local, nodes: 0 })
-    }
-
-    /// Solves that each list takes under each goal.
-    fn effort(&self) -> usize {
-        1 + self.criteria.map_or(0, Criteria::effort)
     }
 
     /// The lists with other combinations at so many neighbouring disks that the rules allow.

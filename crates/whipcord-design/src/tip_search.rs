@@ -1,18 +1,21 @@
 //! The list of holes that brings one disk nearest to a point, of all lists, by meeting in the middle.
 //!
 //! With the pose g of a disk in the middle and the place r of the last disk in its frame, `‖g r − x‖ = ‖r − g⁻¹ x‖`, eq. (3): of all ways from the
-//! middle on the places r are in a tree, and every way to the middle asks it for the one nearest to `g⁻¹ x`.
+//! middle on the places r are in a k-d tree, and every way to the middle asks it for the one nearest to `g⁻¹ x`. Of ways to the middle only the point in the
+//! frame of the disk before it is kept.
 
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
-use whipcord::{Pose, Vec3};
+use whipcord::{Mat3, Pose, Vec3};
 
 use crate::choices::Choices;
+use crate::kd_tree::KdTree;
 use crate::shape_search::Found;
 use crate::span_table::SpanTable;
 
-/// Ways to the middle, and ways from there, that are kept.
+/// Ways to the disk before the middle and from the middle on that are kept, and ways to the middle that are looked at.
 const MOST: usize = 4_000_000;
+const MOST_LOOKED_AT: usize = 60_000_000;
+/// A place takes about so many times as long to put in a tree as a tree takes to be asked.
+const TREE: usize = 4;
 
 /// A way through some disks: where it leads, and the combinations in mixed radix, the last first.
 struct Way {
@@ -21,13 +24,26 @@ struct Way {
     code: u64,
 }
 
-/// Where the last disk can be in the frame of the disk in the middle, and how far from it.
+/// Where the last disk can be in the frame of the disk in the middle, how far from it, and by which ways.
 struct Places {
-    tree: RTree<GeomWithData<[f64; 3], u64>>,
+    tree: KdTree,
     distances: [f64; 2],
+    codes: Vec<u64>,
 }
 
-/// The best list to one disk for the first goal; `None` where there are too many ways even for halves, or none.
+impl Places {
+    fn new(ways: &[Way]) -> Self {
+        let places = || ways.iter().map(|way| way.pose.position);
+        let distances = || places().map(Vec3::norm);
+        Self {
+            tree: KdTree::new(places()),
+            distances: [distances().fold(f64::INFINITY, f64::min), distances().fold(0.0, f64::max)],
+            codes: ways.iter().map(|way| way.code).collect(),
+        }
+    }
+}
+
+/// The best list to one disk, the third or one behind it, for the first goal; `None` where there are too many ways even for halves, or none.
 pub(crate) fn nearest(
     choices: &Choices,
     table: &SpanTable,
@@ -35,50 +51,52 @@ pub(crate) fn nearest(
     point: Vec3,
 ) -> Option<Found> {
     let middle = split(choices, disk)?;
-    let trees: Vec<Option<Places>> = (0..choices.count)
-        .map(|start| {
-            choices.at(middle).binary_search(&start).ok()?;
-            let start = Way { pose: Pose::IDENTITY, last: start, code: 0 };
-            let ways = extended(choices, table, vec![start], middle, disk);
-            let place = |way: &Way| GeomWithData::new(way.pose.position.to_array(), way.code);
-            let distances = || ways.iter().map(|way| way.pose.position.norm());
-            let least = distances().fold(f64::INFINITY, f64::min);
-            let greatest = distances().fold(0.0, f64::max);
-            (!ways.is_empty()).then(|| Places {
-                tree: RTree::bulk_load(ways.iter().map(place).collect()),
-                distances: [least, greatest],
-            })
-        })
-        .collect();
     let start = |&choice: &usize| Way { pose: table.bases[0], last: choice, code: choice as u64 };
     let starts = choices.at(0).iter().map(start).collect();
-    let fronts = extended(choices, table, starts, 0, middle);
+    // The point in the frames of the disk before the middle.
+    let fronts = extended(choices, table, starts, 0, middle - 1);
+    let asked: Vec<(Vec3, u64, usize)> = fronts
+        .iter()
+        .map(|front| (front.pose.inverse().transform(point), front.code, front.last))
+        .collect();
     let mut best: Option<(f64, u64, u64, usize)> = None;
-    for front in &fronts {
-        let Some(Places { tree, distances: [least, greatest] }) = &trees[front.last] else {
-            continue;
-        };
-        let asked = front.pose.inverse().transform(point);
-        let known = best.map_or(f64::INFINITY, |(distance, ..)| distance);
-        // All places are in a thin shell.
-        let away = asked.norm();
-        let outside = (least - away).max(away - greatest);
-        let asked = asked.to_array();
-        if outside >= known.sqrt() || tree.root().envelope().distance_2(&asked) >= known {
+    let mut looked_at = 0;
+    for &meeting in choices.at(middle) {
+        let start = Way { pose: Pose::IDENTITY, last: meeting, code: 0 };
+        let ways = extended(choices, table, vec![start], middle, disk);
+        if ways.is_empty() {
             continue;
         }
-        let Some((found, distance)) = tree.nearest_neighbor_iter_with_distance_2(asked).next()
-        else {
-            continue;
-        };
-        if distance < known {
-            best = Some((distance, front.code, found.data, front.last));
+        let places = Places::new(&ways);
+        let [least, greatest] = places.distances;
+        // From the disk before the middle to it, back.
+        let to_middle: Vec<Option<(Mat3, Vec3)>> = (0..choices.count)
+            .map(|before| {
+                let span = table.span(0, middle - 1, choices.pair(before, meeting)?)?.inverse();
+                Some((span.rotation.to_matrix(), span.position))
+            })
+            .collect();
+        for &(point, code, last) in &asked {
+            let Some((rotation, position)) = to_middle[last] else { continue };
+            looked_at += 1;
+            let asked = rotation * point + position;
+            let known = best.map_or(f64::INFINITY, |(distance, ..)| distance);
+            // All places are in a thin shell.
+            let away = asked.norm();
+            let outside = (least - away).max(away - greatest);
+            if outside > 0.0 && outside * outside >= known {
+                continue;
+            }
+            if let Some((found, distance)) = places.tree.nearest(asked, known) {
+                best = Some((distance, code, places.codes[found], meeting));
+            }
         }
     }
-    let (cost, front, back, _) = best?;
-    let mut list = decoded(choices, front, middle + 1);
+    let (cost, front, back, meeting) = best?;
+    let mut list = decoded(choices, front, middle);
+    list.push(meeting);
     list.extend(decoded(choices, back, disk - middle));
-    Some(Found { list, cost, is_proven: true, nodes: fronts.len() })
+    Some(Found { list, cost, is_proven: true, nodes: looked_at })
 }
 
 /// All ways on from these at one disk to another.
@@ -92,10 +110,10 @@ fn extended(
     for disk in from + 1..=to {
         let mut next = Vec::with_capacity(ways.len() * choices.count.min(8));
         for way in &ways {
-            for choice in choices.after(way.last, disk) {
-                if let Some(span) = table.span(0, disk - 1, way.last, choice) {
+            for (pair, choice) in choices.pairs_after(way.last, disk) {
+                if let Some(span) = table.span(0, disk - 1, pair) {
                     let code = way.code * choices.count as u64 + choice as u64;
-                    next.push(Way { pose: way.pose * span, last: choice, code });
+                    next.push(Way { pose: way.pose * *span, last: choice, code });
                 }
             }
         }
@@ -134,17 +152,14 @@ fn split(choices: &Choices, disk: usize) -> Option<usize> {
         }
         ways.iter().fold(0_usize, |sum, of| sum.saturating_add(*of))
     };
-    // A tree takes longer to make than a question takes to answer.
     let most = |middle: &usize| {
-        let (front, back) = (
-            count(0, *middle, choices.at(0)),
-            count(*middle, disk, choices.at(*middle)).saturating_mul(8),
-        );
-        front.max(back)
+        let back = count(*middle, disk, choices.at(*middle)).saturating_mul(TREE);
+        count(0, *middle, choices.at(0)).max(back)
     };
-    let middle = (0..disk).min_by_key(most)?;
-    let is_possible = most(&middle) <= 8 * MOST
-        && count(0, middle, choices.at(0)) <= MOST
+    let middle = (1..disk).min_by_key(most)?;
+    let is_possible = count(0, middle, choices.at(0)) <= MOST_LOOKED_AT
+        && count(0, middle - 1, choices.at(0)) <= MOST
+        && count(middle, disk, choices.at(middle)) <= MOST
         && (choices.count as f64).powi(i32::try_from(disk + 1).ok()?) < 1e19;
     is_possible.then_some(middle)
 }

@@ -135,6 +135,7 @@ impl DesignTable {
             degree: self.degree.unwrap_or(usual.degree),
             places: self.places.unwrap_or(usual.places),
             starts: self.starts.unwrap_or(usual.starts),
+            iterations: self.iterations.unwrap_or(usual.iterations),
             ..usual
         };
         Ok(DesignProblem { goals, vary, options, tolerances: self.tolerances(robot) })

@@ -266,6 +266,22 @@ fn criterion_words(of: &CriterionResult) -> String {
     text
 }
 
+/// What to do where the cables that run straight between disks bend the robot otherwise than the model of the design says.
+fn check_note(found: &Design) -> Option<&'static str> {
+    // As many times farther off, and by more than this part of the length.
+    const FARTHER: f64 = 2.0;
+    const PART: f64 = 0.005;
+    let length = found.robot.backbone().length;
+    let is_off = |goal: &whipcord_design::GoalResult| {
+        let Some(Ok(check)) = &goal.check else { return false };
+        let [checked, found] = [spread(check)[0], spread(&goal.distances)[0]];
+        checked > FARTHER * found && checked - found > PART * length
+    };
+    (found.model != ModelKind::CosseratDisks && found.goals.iter().any(is_off)).then_some(
+        "the cables run straight from disk to disk in the check: --model cosserat-disks designs for that, and more disks bring both together\n",
+    )
+}
+
 fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     let mut text = format!("{}\n{}\n\n", style.heading(&file.title), found.model);
     let mut line = |name: &str, value: String| {
@@ -325,6 +341,9 @@ fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
             "tensions up to {} are assumed to be allowed, as [limits] gives none\n",
             newtons(greatest)
         );
+    }
+    if let Some(note) = check_note(found) {
+        text += note;
     }
     let length = file.robot.backbone().length;
     if found.largest > 0.1 * length {

@@ -2,12 +2,13 @@
 
 use whipcord::Case;
 
-use super::unknowns::converged;
+use super::unknowns::known_of;
 use super::work::Work;
 use crate::choices::{FixedHole, HoleRules};
 use crate::error::DesignError;
-use crate::hole_design::{self, HoleDesign};
+use crate::hole_design::{self, HoleDesign, HoleSearchOptions, Starts};
 use crate::problem::Known;
+use crate::span_table::is_sequential;
 use crate::vary::Vary;
 
 /// Rounds in which holes and tensions are chosen in turn.
@@ -16,6 +17,8 @@ const ROUNDS: usize = 8;
 const TENSIONS: u32 = 24;
 /// The best of these from which holes and tensions are chosen in turn.
 const KEPT: usize = 4;
+/// The same where every list must be solved as a whole.
+const KEPT_OF_WHOLE: usize = 2;
 /// How much nearer a round must come to go on, as a part of what lists are compared by.
 const NEARER: f64 = 2e-4;
 
@@ -26,21 +29,27 @@ impl Work<'_> {
         tensions: &[usize],
     ) -> Result<(), DesignError> {
         let rules = self.rules(cables)?;
-        let search = |work: &Self| -> Result<HoleDesign, DesignError> {
+        let search = |work: &Self, by: (&HoleSearchOptions, Starts)| {
             let goals = work.shape_goals()?;
-            let search = &work.options.search;
             let within = (&rules, Some(&work.criteria));
-            hole_design::search(&work.model, &work.robot, cables, &goals, within, search)
+            hole_design::search(&work.model, &work.robot, cables, &goals, within, by)
         };
+        let all = &self.options.search;
+        // Where every list must be solved as a whole, tensions are compared by the first list of each alone.
+        let is_sequential = is_sequential(&self.model, &self.robot, &self.shape_goals()?);
+        let first = HoleSearchOptions { solves: 1, ..*all };
+        let is_scanned = matches!((tensions, &self.cases[..]), ([_], [_]));
+        let trial = if is_sequential || !is_scanned { all } else { &first };
+        let trial = (trial, Starts::All);
         // Of each trial the tensions and what the holes make of them.
-        let mut trials = vec![(self.cases.clone(), search(self))];
+        let mut trials = vec![(self.cases.clone(), search(self, trial))];
         if let ([cable], [_]) = (tensions, &self.cases[..]) {
             let [least, greatest] = self.tension_range(*cable)?;
             for k in 1..=TENSIONS {
                 let part = f64::from(k) / f64::from(TENSIONS);
                 let tension = (part * part * greatest).max(least);
                 self.cases[0].commands[*cable].tension = Some(tension);
-                trials.push((self.cases.clone(), search(self)));
+                trials.push((self.cases.clone(), search(self, trial)));
             }
         }
         let mut refusal = None;
@@ -54,12 +63,17 @@ impl Work<'_> {
             }
         }
         found.sort_by(|a, b| a.1.merit.total_cmp(&b.1.merit));
-        found.truncate(if tensions.is_empty() { 1 } else { KEPT });
+        found.truncate(match (tensions.is_empty(), is_sequential) {
+            (true, _) => 1,
+            (false, true) => KEPT,
+            (false, false) => KEPT_OF_WHOLE,
+        });
         let mut best: Option<(Vec<Case>, HoleDesign, Option<Known>)> = None;
         for (cases, design) in found {
             self.cases = cases;
             self.robot = design.robot.clone();
-            let ended = self.in_turn(design, tensions, &search)?;
+            let by = |work: &Self| search(work, (&work.options.search, Starts::Own));
+            let ended = self.in_turn(design, tensions, &by)?;
             if best.as_ref().is_none_or(|(_, best, _)| ended.0.merit < best.merit) {
                 best = Some((self.cases.clone(), ended.0, ended.1));
             }
@@ -95,14 +109,15 @@ impl Work<'_> {
             }
             let before = best.merit;
             let refined = self.refined(&unknowns, 1)?;
+            let of_tensions = known_of(&refined, self.options.iterations);
             let cases = core::mem::replace(&mut self.cases, refined.cases);
             let next = search(self)?;
             if next.merit >= best.merit {
                 self.cases = cases;
-                known.get_or_insert(converged(refined.is_converged, 1, 1));
+                known.get_or_insert(of_tensions);
                 break;
             }
-            known = Some(converged(refined.is_converged, 1, 1));
+            known = Some(of_tensions);
             best = next;
             self.robot = best.robot.clone();
             if best.merit > before * (1.0 - NEARER) {

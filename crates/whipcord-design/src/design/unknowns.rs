@@ -9,9 +9,9 @@ use super::work::Work;
 use crate::chebyshev;
 use crate::criteria::by_tension;
 use crate::error::DesignError;
-use crate::problem::{DesignOptions, Known};
+use crate::problem::{DesignOptions, Known, Unconverged};
 use crate::refine::{Refined, refine, rest_curvature_at};
-use crate::residuals::{Bounded, RefineOptions};
+use crate::residuals::{Bounded, Ending, RefineOptions};
 use crate::route::largest_radius;
 use crate::unknown::{Unknown, least_distance};
 use crate::vary::Vary;
@@ -62,7 +62,7 @@ impl Work<'_> {
             self.cases = first.cases;
         }
         let refined = self.refined(vary, self.options.starts)?;
-        let known = converged(refined.is_converged, refined.starts, refined.agree);
+        let known = known_of(&refined, self.options.iterations);
         self.robot = refined.robot;
         self.cases = refined.cases;
         for of in vary {
@@ -204,11 +204,20 @@ impl Work<'_> {
     }
 }
 
-pub(super) const fn converged(is_converged: bool, starts: usize, agree: usize) -> Known {
-    match is_converged {
-        true => Known::LeastSquares { starts, agree },
-        false => Known::Unconverged { starts },
+/// What is known of what least squares found.
+pub(super) fn known_of(refined: &Refined, iterations: usize) -> Known {
+    let starts = refined.starts;
+    if refined.is_met && refined.ending != Ending::Constraints {
+        return Known::Met;
     }
+    let reason = match refined.ending {
+        Ending::Converged => return Known::LeastSquares { starts, agree: refined.agree },
+        Ending::Steps => Unconverged::Steps(iterations),
+        Ending::Stalled => Unconverged::Stalled,
+        Ending::Refused => Unconverged::Refused,
+        Ending::Constraints => Unconverged::Constraints,
+    };
+    Known::Unconverged { starts, reason }
 }
 
 /// How far from the axis a cable may be in m: the rims of the disks; of a body without disks its surface.

@@ -56,7 +56,9 @@ fn holes_and_tension_that_were_planted_are_found_again() {
     // The fine solve of the same robot agrees.
     let check = found.goals[0].check.as_ref().unwrap().as_ref().unwrap();
     assert!(check.iter().all(|distance| *distance < 1e-7));
-    assert!(!found.is_proven() && found.before.unwrap()[0] > found.error);
+    // Nothing comes nearer than a target that is met.
+    assert_eq!(known(&found, vary[1]), Known::Met);
+    assert!(found.is_proven() && found.before.unwrap()[0] > found.error);
 }
 
 #[test]
@@ -241,4 +243,67 @@ fn the_spread_of_the_tip_is_that_of_linear_propagation() {
     let square = of(&turned).goals[0].iter().map(|of| of.tip_shift * of.tip_shift).sum::<f64>();
     let exact = 0.01 * tip.x.hypot(tip.y);
     assert!(((square / 4_000.0).sqrt() / exact - 1.0).abs() < 0.04);
+}
+
+/// A cable for points that it cannot all meet ends within the rims where no small change of its course or its tension comes nearer, whichever start it is from.
+#[test]
+fn least_squares_end_at_a_minimum_within_the_rims() {
+    let robot = holed(LENGTH, 10, 12, 1);
+    let case = Case::with_tensions(&[4.0]);
+    let wanted: Vec<(usize, Vec3)> = (1..10)
+        .map(|disk| {
+            let s = 0.02 * f64::from(disk);
+            let (sin, cos) = (s / 0.15).sin_cos();
+            let aside = 0.1 * s * (s / 0.06).sin();
+            (disk as usize, Vec3::new(0.15 * (1.0 - cos), aside, 0.15 * sin))
+        })
+        .collect();
+    let goals = [goal(case, TargetShape::Points(wanted.clone()))];
+    let vary = [Vary::Routing { cable: 0 }, Vary::Tension { cable: 0 }];
+    let model = model(ModelKind::Cosserat);
+    let found = design(&model, &robot, &goals, &vary, &DesignOptions::default()).unwrap();
+    let Known::LeastSquares { starts, agree } = known(&found, vary[0]) else {
+        panic!("{:?}", found.findings);
+    };
+    assert!(agree >= starts / 2, "{agree} of {starts}");
+    let Routing::Polynomial { x, y } = &found.robot.cables()[0].routing else { panic!() };
+    let course = [x.clone(), y.clone()];
+    let tension = found.goals[0].case.commands[0].tension.unwrap();
+    let value = |powers: &[f64], s: f64| powers.iter().rev().fold(0.0, |sum, of| sum * s + of);
+    let radius = |course: &[Vec<f64>; 2]| {
+        let stations = whipcord::equally_spaced(0.0, LENGTH, 400);
+        stations.map(|s| value(&course[0], s).hypot(value(&course[1], s))).fold(0.0, f64::max)
+    };
+    let error = |course: &[Vec<f64>; 2], tension: f64| {
+        let mut cables = found.robot.cables().to_vec();
+        let [x, y] = course.clone();
+        cables[0].routing = Routing::Polynomial { x, y };
+        let changed =
+            Robot::new(found.robot.backbone().clone(), found.robot.disks().clone(), cables);
+        let solution = model.solve(&changed.unwrap(), &Case::with_tensions(&[tension])).unwrap();
+        let square = |(disk, point): &(usize, Vec3)| {
+            (solution.disks.poses[*disk].position - *point).norm().powi(2)
+        };
+        (wanted.iter().map(square).sum::<f64>() / wanted.len() as f64).sqrt()
+    };
+    let least = error(&course, tension);
+    assert!((least - found.error).abs() < 1e-9, "{least} {}", found.error);
+    let rim = 0.008;
+    assert!(radius(&course) < rim * 1.001, "{}", radius(&course));
+    let mut tried = 0;
+    for (axis, power) in (0..2).flat_map(|axis| (0..course[axis].len()).map(move |k| (axis, k))) {
+        for by in [-1e-3, 1e-3] {
+            let mut moved = course.clone();
+            moved[axis][power] += by * rim / LENGTH.powi(power as i32);
+            if radius(&moved) <= radius(&course) {
+                let nearer = error(&moved, tension);
+                assert!(nearer > least * (1.0 - 1e-4), "{axis} {power} {by}: {nearer} {least}");
+                tried += 1;
+            }
+        }
+    }
+    for by in [0.999, 1.001] {
+        assert!(error(&course, by * tension) > least * (1.0 - 1e-4));
+    }
+    assert!(tried >= 4, "{tried}");
 }

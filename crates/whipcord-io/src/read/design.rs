@@ -41,6 +41,8 @@ pub struct DesignTable {
     pub places: Option<usize>,
     /// Starts of least squares.
     pub starts: Option<usize>,
+    /// Steps of least squares from each start.
+    pub iterations: Option<usize>,
     /// Shapes that the robot is to take.
     pub targets: Vec<DesignTarget>,
     /// Standard deviations of manufacture.
@@ -125,6 +127,7 @@ pub(crate) fn design(
         degree: table.count("degree"),
         places: table.count("places"),
         starts: table.count("starts"),
+        iterations: table.count("iterations"),
         ..DesignTable::default()
     };
     for (k, fixed) in table.tables("fixed").iter().enumerate() {

@@ -77,6 +77,12 @@ pub(super) static DESIGN: Table = Table {
             "6",
             "Starts of least squares; 6 by default.",
         ),
+        key(
+            "iterations",
+            Kind::Count { least: 1, greatest: 100_000 },
+            "200",
+            "Steps of least squares from each start; 200 by default.",
+        ),
         key("targets", Kind::Tables(&TARGETS), TARGETS.title, TARGETS.doc),
         key("tolerances", Kind::Table(&TOLERANCES), TOLERANCES.title, TOLERANCES.doc),
     ],

@@ -1,7 +1,7 @@
 //! Where a parameter enters: the explicit change `e` of the section equations, of the force, of the
 //! loads between steps and of the cables' lengths, at constant strain and shape.
 
-use whipcord_numerics::{GAUSS_3, Mat3, Twist, Vec3};
+use whipcord_numerics::{GAUSS_5, Mat3, Twist, Vec3};
 
 use super::effect::Forcing;
 use super::friction_change::FrictionChange;
@@ -18,7 +18,7 @@ use crate::robot::{Robot, RobotError, SectionProperties};
 use crate::section::{BENDING_AXES, BodyWrench, Crossing, Section, Stiffness, Strain};
 use crate::shape::Wrench;
 use crate::statics::friction::{HoleSource, Holes};
-use crate::statics::grid::{Node, SHOOTING_NODES, Step};
+use crate::statics::grid::{Node, SHOOTING_NODES};
 use crate::statics::plastic_curvature::PlasticCurvature;
 
 /// A section of the linearised answer.
@@ -239,8 +239,8 @@ impl Partial {
         ) || self.routes.iter().any(Option::is_some)
     }
 
-    /// Rate of the stretch at rest of a cable at an arc length.
-    fn rest_stretch(&self, setting: &Setting<'_>, place: usize, s: f64, inside: f64) -> f64 {
+    /// Rate of the stretch at rest of a cable at an arc length, and a bound of its magnitude.
+    fn rest_stretch(&self, setting: &Setting<'_>, place: usize, s: f64, inside: f64) -> [f64; 2] {
         let robot = setting.robot;
         let route = &robot.routes()[setting.cables.order[place]];
         let point = route.at(s);
@@ -251,7 +251,7 @@ impl Partial {
             self.routes[place].as_ref().map_or_else(Default::default, |change| change.at(route, s));
         let tangent = Vec3::Z + u.cross(point.offset) + point.slope;
         let change = du.cross(point.offset) + u.cross(dr) + d_slope;
-        tangent.dot(change) / tangent.norm()
+        [tangent.dot(change) / tangent.norm(), change.norm()]
     }
 
     fn change_rest_lengths(&mut self, setting: &Setting<'_>) {
@@ -292,25 +292,32 @@ impl Partial {
         [disks[span], disks[span + 1].min(route.end())].map(|s| change.at(route, s).0)
     }
 
-    /// By Gauss quadrature in pieces of the steps that are halved until nothing changes.
+    /// By Gauss quadrature in pieces of the steps that are halved until nothing changes beside the bound of the magnitude: the change itself may be
+    /// nearly zero, as where a cable runs straight, and is then lost in rounding.
     fn rest_length_change(&self, setting: &Setting<'_>, place: usize) -> f64 {
         const MAX_HALVINGS: usize = 10;
         let reached = setting.grid.steps.iter().filter(|step| place < step.active);
-        let total = |pieces: usize| -> f64 {
-            let of_piece = |step: &Step, i: usize| -> f64 {
+        let total = |pieces: usize| -> [f64; 2] {
+            let mut sums = [0.0; 2];
+            for step in reached.clone() {
                 let h = step.length / pieces as f64;
-                let at = |j: usize| step.start + (i as f64 + GAUSS_3.nodes[j]) * h;
-                let stretch = |j: usize| self.rest_stretch(setting, place, at(j), at(j));
-                h * (0..3).map(|j| GAUSS_3.weights[j] * stretch(j)).sum::<f64>()
-            };
-            reached.clone().flat_map(|step| (0..pieces).map(move |i| of_piece(step, i))).sum()
+                for i in 0..pieces {
+                    for (node, weight) in GAUSS_5.nodes.iter().zip(GAUSS_5.weights) {
+                        let at = step.start + (i as f64 + node) * h;
+                        let [rate, bound] = self.rest_stretch(setting, place, at, at);
+                        sums[0] += h * weight * rate;
+                        sums[1] += h * weight * bound;
+                    }
+                }
+            }
+            sums
         };
-        let mut change = total(1);
+        let [mut change, _] = total(1);
         for halvings in 1..=MAX_HALVINGS {
-            let finer = total(1 << halvings);
+            let [finer, bound] = total(1 << halvings);
             let moved = (finer - change).abs();
             change = finer;
-            if moved <= 1e-12 * change.abs() {
+            if moved <= 1e-11 * bound {
                 break;
             }
         }
@@ -501,7 +508,8 @@ impl Partial {
         for (place, (crossing, (pull, stretch))) in crossings.iter().zip(pulls).enumerate() {
             let strand = strands.at(k, place).unwrap_or(place);
             if rest_changes {
-                let part = weight * self.rest_stretch(setting, place, s, inside);
+                let [rate, _] = self.rest_stretch(setting, place, s, inside);
+                let part = weight * rate;
                 if strands.rub() {
                     rest[strand] += part;
                 } else {
