@@ -2,7 +2,6 @@
 
 use std::ffi::CStr;
 
-use whipcord::derivatives::Place;
 use whipcord::{
     Actuation, CableCommand, Case, Differentiable as _, Model, ModelKind, Pose, Shortening,
     Solution, Stations, Vec3,
@@ -249,7 +248,9 @@ fn jacobians_are_those_of_rust() {
         let solution = prepared.solve(case, None).unwrap();
         let motions = match model(kind).has_derivatives(robot) {
             true => {
-                prepared.linearize(case, &solution, &[]).unwrap().actuation_jacobian(Place::Tip)
+                let mut motions = Vec::new();
+                prepared.tip_by_commands(case, &solution, &mut motions).unwrap();
+                motions
             }
             false => {
                 let length = robot.backbone().length;
