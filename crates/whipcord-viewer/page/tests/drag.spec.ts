@@ -188,7 +188,8 @@ test("arrows at the tip move it along an axis", async ({ page, viewer }) => {
 });
 
 test("the tip is moved by numbers and by arrow keys, within the limits", async ({ page, viewer }) => {
-  viewer.edit((text) => `${text}\n[limits]\ntension = ["0.5 N", "40 N"]\n`);
+  viewer.edit((text) => `${text.replace(/^title = .*$/m, 'title = "Arm with limits"')}\n[limits]\ntension = ["0.5 N", "40 N"]\n`);
+  await expect(page.locator("#title")).toHaveText("Arm with limits");
   await expect(page.locator('input[data-name="tip-x"]')).toBeHidden();
   await page.getByLabel("Move the tip").check();
   const box = page.locator('input[data-name="tip-x"]');

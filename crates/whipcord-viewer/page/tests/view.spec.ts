@@ -134,7 +134,7 @@ test("an emptied box, and one of the wrong kind, go back to what is", async ({ p
   const cut = await page.evaluate(() => {
     const context = document.createElement("canvas").getContext("2d")!;
     const boxes = [...document.querySelectorAll<HTMLInputElement>('input[type="number"]')];
-    return boxes.filter((box) => {
+    return boxes.filter((box) => box.checkVisibility()).filter((box) => {
       const style = getComputedStyle(box);
       context.font = style.font;
       return context.measureText(box.value).width > box.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
