@@ -75,6 +75,8 @@ def test_dask(segment: whipcord.Case, single: dict[str, bytes], tmp_path: Path) 
     assert contents(out) == single
 
 
+# Ray Data warns of settings of its own.
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:ray\\.data.*")
 def test_ray(segment: whipcord.Case, single: dict[str, bytes], tmp_path: Path) -> None:
     ray = pytest.importorskip("ray")
     import whipcord.ray
