@@ -251,6 +251,18 @@ fn descend<P: Residuals>(
         ws.step.find(linear, &ws.gradient, &room, radius.size);
         radius.is_of_refusal &= !ws.step.is_full;
         let (length, promised) = (ws.step.length, ws.step.promised);
+        // Numbers that are finite may have squares that are not.
+        if !length.is_finite() || !promised.is_finite() {
+            return Some(Status::Stalled);
+        }
+        // A long step that bounds cut short may not even lower the linear problem; a shorter one does.
+        if promised < 0.0 {
+            radius.size = SHORTENED * length.min(radius.size);
+            if radius.size <= SHORTEST * extent || radius.size == 0.0 {
+                return Some(Status::Stalled);
+            }
+            continue;
+        }
         for ((trial, x), change) in ws.trial.iter_mut().zip(&*unknowns).zip(&ws.step.change) {
             *trial = x + change;
         }
