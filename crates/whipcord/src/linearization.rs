@@ -416,17 +416,18 @@ impl Prepared {
         solution: &Solution,
         out: &mut Vec<Twist>,
     ) -> Result<(), SolveError> {
+        let is_free = case.obstacles.is_empty() && !self.robot().has_history();
         self.without_stability(|prepared| match prepared {
-            Self::Cosserat(model, workspace) => {
+            Self::Cosserat(model, workspace) if is_free => {
                 model.tip_by_commands(case, solution, workspace, out)
             }
-            Self::CosseratDisks(model, workspace) => {
+            Self::CosseratDisks(model, workspace) if is_free => {
                 model.tip_by_commands(case, solution, workspace, out)
             }
-            Self::Linkage(model, workspace) => {
+            Self::Linkage(model, workspace) if is_free => {
                 model.tip_by_commands(case, solution, workspace, out)
             }
-            Self::FourBar(..) | Self::ConstantCurvature(..) => {
+            prepared => {
                 let (_, of) = prepared.solve_with_derivatives(case, Some(solution), &[])?;
                 out.clear();
                 out.extend(of.actuation_jacobian(Place::Tip));

@@ -15,7 +15,7 @@ use super::scratch::Scratch;
 use super::sensitivity::Sensitivity;
 use super::shooting::sample;
 use crate::case::Case;
-use crate::derivatives::{Change, CommandedCable, Place, Solved, TensionChanges, TipRatesMemory};
+use crate::derivatives::{Change, CommandedCable, Solved, TensionChanges, TipRatesMemory};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::shape::{Solution, Wrench};
@@ -71,27 +71,19 @@ impl Cosserat {
         Ok((solution, by_commands?))
     }
 
-    /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case: to the bits of
-    /// [`crate::derivatives::Derivatives::actuation_jacobian`] of [`Self::solve_with_derivatives`] from that answer, but without friction and obstacles in
+    /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case without friction and obstacles: to the bits of
+    /// [`crate::derivatives::Derivatives::actuation_jacobian`] of [`Self::solve_with_derivatives`] from that answer, but in
     /// memory that the workspace keeps, so that it allocates nothing once it has that.
     ///
     /// # Errors
     /// As [`Self::solve_with_derivatives`].
-    pub fn tip_by_commands(
+    pub(crate) fn tip_by_commands(
         &self,
         case: &Case,
         solution: &Solution,
         workspace: &mut Workspace,
         out: &mut Vec<Twist>,
     ) -> Result<(), SolveError> {
-        let has_history = self.has_friction() || self.robot.has_bending_friction();
-        if has_history || !case.obstacles.is_empty() {
-            let (_, derivatives) =
-                self.solve_with_derivatives(case, Some(solution), &[], workspace)?;
-            out.clear();
-            out.extend(derivatives.actuation_jacobian(Place::Tip));
-            return Ok(());
-        }
         workspace.meter.start(&self.options.cancel, self.options.budget);
         let mut memory = core::mem::take(&mut workspace.tip_rates);
         let TipRatesMemory { rates, answer, lists, .. } = &mut memory;

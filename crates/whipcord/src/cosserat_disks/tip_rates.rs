@@ -5,33 +5,25 @@ use whipcord_numerics::Twist;
 use super::model::CosseratDisks;
 use super::workspace::Workspace;
 use crate::case::Case;
-use crate::derivatives::{Answer, Driven, DrivenCables, Place, TipRatesMemory};
+use crate::derivatives::{Answer, Driven, DrivenCables, TipRatesMemory};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::shape::Solution;
 
 impl CosseratDisks {
-    /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case: as
-    /// [`crate::derivatives::Derivatives::actuation_jacobian`] of [`Self::solve_with_derivatives`] from that answer has it, but without friction and
-    /// obstacles in memory that the workspace keeps, so that it allocates nothing once it has that.
+    /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case without friction and obstacles: as
+    /// [`crate::derivatives::Derivatives::actuation_jacobian`] of [`Self::solve_with_derivatives`] from that answer has it, but in memory that the
+    /// workspace keeps, so that it allocates nothing once it has that.
     ///
     /// # Errors
     /// As [`Self::solve_with_derivatives`].
-    pub fn tip_by_commands(
+    pub(crate) fn tip_by_commands(
         &self,
         case: &Case,
         solution: &Solution,
         workspace: &mut Workspace,
         out: &mut Vec<Twist>,
     ) -> Result<(), SolveError> {
-        let has_history = self.holes.is_some() || self.robot.has_bending_friction();
-        if has_history || !case.obstacles.is_empty() {
-            let (_, derivatives) =
-                self.solve_with_derivatives(case, Some(solution), &[], workspace)?;
-            out.clear();
-            out.extend(derivatives.actuation_jacobian(Place::Tip));
-            return Ok(());
-        }
         workspace.meter.start(&self.options.cancel, self.options.budget);
         let mut memory = core::mem::take(&mut workspace.tip_rates);
         let answer = memory.answer.get_or_insert_with(|| Solution::empty(ModelKind::CosseratDisks));

@@ -6,32 +6,24 @@ use super::places::carried;
 use super::task::Right;
 use super::{Linkage, Workspace};
 use crate::case::Case;
-use crate::derivatives::{DrivenCables, Place, TensionRatesMemory};
+use crate::derivatives::{DrivenCables, TensionRatesMemory};
 use crate::error::SolveError;
 use crate::shape::Solution;
 
 impl Linkage {
-    /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case: as
-    /// [`crate::derivatives::CoordinateDerivatives::actuation_jacobian`] of [`Self::solve_with_derivatives`] from that answer has it, but without friction
-    /// and obstacles by one elimination, eq. (11), in memory that the workspace keeps.
+    /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case without friction and obstacles: as
+    /// [`crate::derivatives::CoordinateDerivatives::actuation_jacobian`] of [`Self::solve_with_derivatives`] from that answer has it, but by one
+    /// elimination, eq. (11), in memory that the workspace keeps.
     ///
     /// # Errors
     /// As [`Self::solve_with_derivatives`].
-    pub fn tip_by_commands(
+    pub(crate) fn tip_by_commands(
         &self,
         case: &Case,
         solution: &Solution,
         workspace: &mut Workspace,
         out: &mut Vec<Twist>,
     ) -> Result<(), SolveError> {
-        let has_history = self.friction.is_some() || self.robot.has_bending_friction();
-        if has_history || !case.obstacles.is_empty() {
-            let (_, derivatives) =
-                self.solve_with_derivatives(case, Some(solution), &[], workspace)?;
-            out.clear();
-            out.extend(derivatives.actuation_jacobian(Place::Tip));
-            return Ok(());
-        }
         let mut memory = core::mem::take(&mut workspace.tip_rates);
         let answer = memory.answer.get_or_insert_with(|| Solution::empty(self.kind));
         let solved = self.solve_into(case, Some(solution).into(), workspace, answer);
