@@ -19,6 +19,8 @@ use crate::stage::Stage;
 #[derive(Clone, Debug)]
 pub(crate) struct Friction {
     pub holes: HoleFriction,
+    /// The cable of each passage.
+    cables: Vec<usize>,
     /// The shape at the end of a step.
     strains: Vec<Twist>,
     poses: Vec<Pose>,
@@ -53,7 +55,8 @@ impl Friction {
         let cables = rod.cables_of_passages();
         let lengths: Vec<f64> =
             (0..cables.len()).map(|p| length(rod, p, cables[p], &rest, &poses)).collect();
-        let passages: Vec<(usize, f64)> = cables.into_iter().zip(lengths.iter().copied()).collect();
+        let passages: Vec<(usize, f64)> =
+            cables.iter().copied().zip(lengths.iter().copied()).collect();
         let lever = robot.routes().iter().map(|route| route.at(0.0).offset.norm());
         let lever = lever.fold(1e-3 * rod.length, f64::max);
         let bending = rod.points.iter().map(|point| point.stiffness.d.rows[0].x);
@@ -62,6 +65,7 @@ impl Friction {
         let count = passages.len();
         Some(Self {
             holes,
+            cables,
             strains: rest,
             poses,
             pulls: vec![Wrench::default(); nodes],
@@ -77,8 +81,8 @@ impl Friction {
 
     /// Lengths of all passages in a shape.
     pub fn lengths(&self, rod: &Rod, strains: &[Twist], poses: &[Pose]) -> Vec<f64> {
-        let cables = rod.cables_of_passages();
-        (0..cables.len()).map(|p| length(rod, p, cables[p], strains, poses)).collect()
+        let cables = self.cables.iter().enumerate();
+        cables.map(|(p, &cable)| length(rod, p, cable, strains, poses)).collect()
     }
 
     /// Changes the tensions in a step of the iteration of a stage, whose residual is already solved for; adds what they do to the velocities.
@@ -89,12 +93,12 @@ impl Friction {
         stage: &mut Stage,
     ) -> Result<(), SingularHoles> {
         self.measure(rod, scheme, stage);
-        let cables = rod.cables_of_passages();
-        let n = cables.len();
-        for (p, &cable) in cables.iter().enumerate() {
-            self.find_column(rod, scheme, stage, p, cable);
+        let n = self.cables.len();
+        for p in 0..n {
+            self.find_column(rod, scheme, stage, p, self.cables[p]);
         }
-        for (p, &cable) in cables.iter().enumerate() {
+        for p in 0..n {
+            let cable = self.cables[p];
             for is_turn in [false, true] {
                 self.gradient.fill(Twist::default());
                 match (rod.has_chords(), is_turn) {
@@ -128,8 +132,8 @@ impl Friction {
             *end = scheme.end(*start, *strain);
         }
         pose::nodes(rod, stage.base, &self.strains, &mut self.poses);
-        let cables = rod.cables_of_passages();
-        for (p, &cable) in cables.iter().enumerate() {
+        for p in 0..self.cables.len() {
+            let cable = self.cables[p];
             self.lengths[p] = length(rod, p, cable, &self.strains, &self.poses);
             self.turns[p] = if rod.has_chords() {
                 let [before, after] = self.directions(rod, p, cable);
