@@ -91,15 +91,17 @@ pub fn run(args: &WorkspaceArgs, style: Style) -> Result<String, Failure> {
     let parquet = voxels.to_parquet().map_err(no_result)?;
     let drawn = |error| Failure::Solve(format!("error: the workspace cannot be drawn: {error}"));
     let section = section(args, &file, &workspace)?;
-    let figures = [("workspace", None), ("sections", Some(section))].map(|(name, section)| {
-        let mut figure = figure(args.map, &file, &workspace, section)?;
-        if let (Some(point), Some(_)) = (section, args.section) {
-            let through = point.to_array().map(|x| fixed_millimetres(x, 1)).join(", ");
-            figure.title =
-                format!("{}: where the tip can go, sections through ({through}) mm", file.title);
+    let through = match args.section {
+        None => "the middle".to_owned(),
+        Some(Place(point)) => {
+            format!("({}) mm", point.to_array().map(|x| fixed_millimetres(x, 1)).join(", "))
         }
-        Ok((name, figure))
-    });
+    };
+    let figures = [
+        ("workspace", "from the front, the side and above".to_owned(), None),
+        ("sections", format!("sections through {through}"), Some(section)),
+    ]
+    .map(|(name, what, section)| Ok((name, figure(args.map, &file, &workspace, &what, section)?)));
     let figures: Vec<(&str, WorkspaceFigure)> =
         figures.into_iter().collect::<Result<_, Failure>>()?;
     let mut pictures = Vec::with_capacity(figures.len());
@@ -164,6 +166,7 @@ fn figure(
     map: Map,
     file: &CaseFile,
     workspace: &Workspace,
+    what: &str,
     section: Option<Vec3>,
 ) -> Result<WorkspaceFigure, Failure> {
     let value = |cell: &Cell| match map {
@@ -187,10 +190,6 @@ fn figure(
     let rest = whipcord::at_rest(&file.robot, file.case.base, &Stations::Disks);
     let backbone = rest
         .map_or_else(Vec::new, |rest| rest.disks.poses.iter().map(|pose| pose.position).collect());
-    let what = match section {
-        None => "from the front, the side and above",
-        Some(_) => "sections through the middle",
-    };
     Ok(WorkspaceFigure {
         title: format!("{}: where the tip can go, {what}", file.title),
         quantity: match map {
