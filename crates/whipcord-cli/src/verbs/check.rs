@@ -7,7 +7,10 @@ use serde_json::{Value, json};
 use whipcord::{
     Actuation, Model, ModelKind, Solution, SolveError, StabilityAnalysis, Statics, Stations,
 };
-use whipcord_io::{CaseFile, FileWarning, problems_json, warnings_json};
+use whipcord_io::{
+    CaseFile, FileWarning, describe as tables_of, describe_goal, describe_motion, problems_json,
+    warnings_json,
+};
 
 use crate::deadline;
 use crate::goal;
@@ -89,6 +92,17 @@ pub fn run(args: &CheckArgs, style: Style) -> Result<String, Failure> {
     Err(Failure::Partial { text, message: messages.join("\n") })
 }
 
+/// The tables of a file as they were understood, in SI, with the targets and limits; null where only the file can say it, as of loads that
+/// differ from step to step.
+fn tables(file: &CaseFile) -> Value {
+    let Ok(mut tables) = tables_of(None, &file.robot, &file.case) else { return Value::Null };
+    describe_goal(&file.goal, &mut tables);
+    if describe_motion(&file.motion, &file.robot, &mut tables).is_err() {
+        return Value::Null;
+    }
+    tables.to_json()
+}
+
 /// A file that cannot be used, as JSON.
 fn invalid(path: &Path, problems: Value, more: usize) -> Value {
     json!({
@@ -131,6 +145,7 @@ impl Checked {
             "path": self.file.path.display().to_string(),
             "valid": true,
             "title": self.file.title,
+            "tables": tables(&self.file),
             "models": self.answers.iter().map(model).collect::<Vec<_>>(),
             "warnings": warnings_json(&self.file, &self.warnings),
         })

@@ -92,6 +92,15 @@ fn what_is_checked_can_be_had_as_json() {
     assert!(refused["reason"].as_str().unwrap().contains("four-bar"), "{refused}");
     assert_eq!(odd["warnings"][0]["code"], "bare-number");
     assert_eq!(odd["warnings"][0]["place"]["line"], 6);
+    // The tables in SI, with target and limits.
+    assert_eq!(buckled["tables"]["backbone"]["young_modulus"], 1.1e9);
+    let aim = "[target]\ntip = [\"60 mm\", \"0 mm\", \"90 mm\"]\n[limits]\ntension = [\"0 N\", \"20 N\"]\n";
+    let aiming = scratch.write("aim.toml", &(robot("tension = \"1 N\"") + aim));
+    let aiming = run(&["check", &aiming, "--json"]);
+    let json: Value = serde_json::from_str(&aiming.stdout).unwrap();
+    let tables = &json["files"][0]["tables"];
+    assert_eq!(tables["target"]["tip"], json!([0.06, 0.0, 0.09]), "{tables}");
+    assert_eq!(tables["limits"]["tension"], json!([0.0, 20.0]));
     // What is wrong with a file stands beside what is right with the others.
     let run = run(&["check", odd["path"].as_str().unwrap(), &bad, "--json"]);
     assert_eq!(run.status, 2);

@@ -20,6 +20,8 @@ pub use motion::describe_motion;
 pub use text::toml;
 pub use unknowns::describe_fit;
 
+use serde_json::Value;
+
 /// A value of a robot file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
@@ -35,6 +37,19 @@ pub enum Item {
     List(Vec<Item>),
     /// A table.
     Table(Table),
+}
+
+impl Item {
+    fn to_json(&self) -> Value {
+        match self {
+            Self::Text(text) => text.as_str().into(),
+            Self::Integer(number) => (*number).into(),
+            Self::Number(number) => (*number).into(),
+            Self::Flag(flag) => (*flag).into(),
+            Self::List(items) => items.iter().map(Self::to_json).collect(),
+            Self::Table(table) => table.to_json(),
+        }
+    }
 }
 
 /// Keys and their values, in the order in which they are written.
@@ -61,6 +76,12 @@ impl Table {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
+    }
+
+    /// The table as JSON.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        self.entries.iter().map(|(key, item)| (key.clone(), item.to_json())).collect()
     }
 
     /// The value of a key.
