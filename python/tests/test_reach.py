@@ -142,3 +142,18 @@ def test_what_cannot_be_asked_is_said(arm: whipcord.Case, tmp_path: Path) -> Non
         arm.follow([[0, 0, 0.3]])
     with pytest.raises(WhipcordTimeout):
         arm.reach(tip=[0, 0, 0.5], timeout=1e-9)
+
+
+def test_shapes_to_start_from_are_kept_in_a_file(arm: whipcord.Case, tmp_path: Path) -> None:
+    atlas = tmp_path / "atlas.parquet"
+    goal = [0.06, 0.03, 0.28]
+    first = arm.reach(tip=goal, limits=LIMITS, atlas=atlas)
+    kept = atlas.read_bytes()
+    second = arm.reach(tip=goal, limits=LIMITS, atlas=atlas)
+    many = arm.reach_batch([goal], limits=LIMITS, atlas=atlas)
+    assert first.ok and (first.command == second.command).all() and (first.command == many.command[0]).all()
+    assert atlas.read_bytes() == kept
+    atlas.write_text("a letter")
+    with pytest.raises(InputError, match="is no atlas") as refused:
+        arm.reach(tip=goal, limits=LIMITS, atlas=atlas)
+    assert refused.value.path == "atlas" and atlas.read_text() == "a letter"

@@ -357,6 +357,7 @@ class Case(Description):
         by: str | None = None,
         model: ModelLike = "cosserat",
         starts: int = 32,
+        atlas: str | os.PathLike[str] | None = None,
         prove: bool = False,
         timeout: float | None = None,
     ) -> Reached:
@@ -391,6 +392,9 @@ class Case(Description):
             As for :meth:`solve`.
         starts
             Shapes from which the iteration may start, after the commands of this case.
+        atlas
+            Parquet file for these shapes: the first call computes and writes them, later ones of the same robot, model, loads
+            and limits read them.
         prove
             Whether to try to prove that a target cannot be reached, where it is not.
         timeout
@@ -416,7 +420,7 @@ class Case(Description):
         if points is not None and target is not None:
             given = ", ".join(target)
             raise InputError(f"shape and {given} are both given: leave out one of them", path="shape")
-        asked = reaching.asked(by, whole(starts, "starts"), prove, tolerance, tolerance_angle)
+        asked = reaching.asked(by, whole(starts, "starts"), prove, tolerance, tolerance_angle, atlas)
         chosen = models.core(model, timeout=timeout)
         setup = reaching.with_goal(self, target, limits, least, clearance)
         answer = reaching.reached(self, chosen, _core.reach(setup, chosen, asked, points))
@@ -436,6 +440,7 @@ class Case(Description):
         by: str | None = None,
         model: ModelLike = "cosserat",
         starts: int = 32,
+        atlas: str | os.PathLike[str] | None = None,
         prove: bool = False,
         nearest: bool = False,
         threads: int | None = None,
@@ -448,7 +453,7 @@ class Case(Description):
         ----------
         targets
             (N, 3) points for the tip in m, or (N, 7) points with quaternions (w, x, y, z).
-        limits, least, clearance, tolerance, tolerance_angle, by, model, starts, prove
+        limits, least, clearance, tolerance, tolerance_angle, by, model, starts, atlas, prove
             As for :meth:`reach`.
         nearest
             Whether rows whose target is not reached have the nearest commands that were found, instead of NaN.
@@ -473,7 +478,7 @@ class Case(Description):
         >>> batch.tension.shape
         (2, 6)
         """
-        asked = reaching.asked(by, whole(starts, "starts"), prove, tolerance, tolerance_angle)
+        asked = reaching.asked(by, whole(starts, "starts"), prove, tolerance, tolerance_angle, atlas)
         chosen = models.core(model, timeout=timeout)
         setup = reaching.with_goal(self, None, limits, least, clearance)
         return reaching.reach_batch(setup, chosen, asked, targets, threads, nearest, progress)
@@ -492,6 +497,7 @@ class Case(Description):
         by: str | None = None,
         model: ModelLike = "cosserat",
         starts: int = 32,
+        atlas: str | os.PathLike[str] | None = None,
         nearest: bool = False,
         timeout: float | None = None,
     ) -> Followed:
@@ -504,7 +510,7 @@ class Case(Description):
             (N, 3) points for the tip in m, or (N, 7) points with quaternions (w, x, y, z).
         time
             (N,) time of each point in s, ascending.
-        limits, least, clearance, tolerance, tolerance_angle, by, model, starts
+        limits, least, clearance, tolerance, tolerance_angle, by, model, starts, atlas
             As for :meth:`reach`.
         nearest
             Whether points that are not reached have the nearest commands that were found, instead of NaN.
@@ -526,7 +532,7 @@ class Case(Description):
         >>> bool(followed.ok.all()), len(followed.jumps)
         (True, 0)
         """
-        asked = reaching.asked(by, whole(starts, "starts"), False, tolerance, tolerance_angle)
+        asked = reaching.asked(by, whole(starts, "starts"), False, tolerance, tolerance_angle, atlas)
         chosen = models.core(model, timeout=timeout)
         setup = reaching.with_goal(self, None, limits, least, clearance)
         return reaching.follow(setup, chosen, asked, path, time, nearest)

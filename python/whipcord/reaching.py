@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Union
@@ -189,6 +190,7 @@ def asked(
     prove: bool,
     tolerance: Quantity | None,
     tolerance_angle: Quantity | None,
+    atlas: str | os.PathLike[str] | None = None,
 ) -> dict[str, Any]:
     """What the extension module takes."""
     if starts < 0:
@@ -197,6 +199,7 @@ def asked(
         "by": by,
         "starts": min(starts, 20_000),
         "prove": prove,
+        "atlas": None if atlas is None else os.fspath(atlas),
         "tolerance": positive(tolerance, "tolerance", "length"),
         "tolerance_angle": positive(tolerance_angle, "tolerance_angle", "angle"),
     }

@@ -1,11 +1,11 @@
 //! Inverse problems of the robot of a file, for the verbs that ask them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use whipcord::{Model, ModelKind};
 use whipcord_inverse::{Actuator, CommandedBy, InverseError, InverseSolver};
-use whipcord_io::CaseFile;
+use whipcord_io::{AtlasFileError, CaseFile, start_from_atlas};
 use whipcord_study::failure::Failure;
 
 use crate::inputs::Settings;
@@ -58,6 +58,14 @@ pub fn solver(by: Option<By>, file: &CaseFile, model: &Model) -> Result<InverseS
         Failure::Input(format!("error: {}: {}", file.path.display(), mismatch.words(robot)))
     })?;
     InverseSolver::new(model, robot, case, &limits, by).map_err(fail)
+}
+
+/// Starts from the shapes of a file, or computes them and keeps them there.
+pub fn keep_atlas(file: &CaseFile, solver: &mut InverseSolver, path: &Path) -> Result<(), Failure> {
+    start_from_atlas(solver, path).map_err(|error| match error {
+        AtlasFileError::Shapes(error) => failure(file, &error),
+        error => Failure::Input(format!("error: {error}")),
+    })
 }
 
 /// What an inverse problem fails with.

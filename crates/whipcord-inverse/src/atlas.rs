@@ -1,26 +1,59 @@
 //! Shapes of a robot all over its commands, to start from.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
-use whipcord::{Case, Model, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
+use whipcord::{Cancel, Case, Model, Pose, Robot, Solution, Stations, UnitQuaternion, Vec3};
 use whipcord_numerics::random::SplitMix64;
 
 use crate::actuator::{Actuator, knows_tensions};
 use crate::error::InverseError;
 use crate::target::Target;
 
-/// Shapes of a robot at commands that are spread over their limits, with a tree of the places of their tips.
+/// Shapes of a robot at commands that are spread over their limits. Iterations start from the nearest of them, so that an atlas decides where an answer is looked for,
+/// but not what it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AtlasRows {
+    /// Of what it is: [`crate::InverseSolver::atlas_identity`].
+    pub identity: u64,
+    /// Commands of each shape.
+    pub width: usize,
+    /// Disks of each shape.
+    pub disk_count: usize,
+    /// The commands of each shape in N, m or rad, by rows.
+    pub commands: Vec<f64>,
+    /// Position in m and orientation of the tip of each shape.
+    pub tips: Vec<Pose>,
+    /// Positions of the disks of each shape in m, by rows.
+    pub disks: Vec<[f64; 3]>,
+}
+
+impl AtlasRows {
+    /// Whether all rows are whole, finite and within these ranges of the commands.
+    fn fit(&self, disk_count: usize, bounds: &[[f64; 2]]) -> bool {
+        let Self { width, commands, tips, disks, .. } = self;
+        let count = tips.len();
+        let is_within = |row: &[f64]| {
+            row.iter().zip(bounds).all(|(x, [least, greatest])| (*least..=*greatest).contains(x))
+        };
+        *width == bounds.len()
+            && *width > 0
+            && self.disk_count == disk_count
+            && commands.len() == count * width
+            && disks.len() == count * disk_count
+            && commands.chunks_exact(*width).all(is_within)
+            && tips.iter().all(|tip| tip.position.is_finite())
+            && disks.iter().flatten().all(|x| x.is_finite())
+    }
+}
+
+/// The rows, with a tree of the places of their tips.
 #[derive(Debug)]
 pub(crate) struct Atlas {
     tree: RTree<GeomWithData<[f64; 3], usize>>,
-    tips: Vec<Pose>,
-    /// Positions of the disks of each row, where they are kept.
-    disks: Vec<[f64; 3]>,
-    disk_count: usize,
-    /// Unknowns of each row.
-    unknowns: Vec<f64>,
-    width: usize,
+    rows: AtlasRows,
 }
 
 /// What an atlas is made from.
@@ -37,7 +70,31 @@ pub(crate) struct Survey<'a> {
     pub rows: usize,
 }
 
+impl Survey<'_> {
+    /// A number for all that the shapes depend on. It is the same in every run of one version of the program.
+    pub fn identity(&self) -> u64 {
+        let Self { model, robot, case, actuators, bounds, tensions, rows } = self;
+        let model = (*model).clone().cancelled_by(&Cancel::default());
+        let of_case = (&case.loads, &case.base);
+        let mut hasher = DefaultHasher::new();
+        let all = (model, robot, of_case, actuators, bounds, tensions, rows);
+        format!("{} {all:?}", env!("CARGO_PKG_VERSION")).hash(&mut hasher);
+        hasher.finish()
+    }
+}
+
 impl Atlas {
+    /// Of rows that fit a robot of so many disks and the ranges of its commands.
+    pub fn of_rows(rows: AtlasRows, disk_count: usize, bounds: &[[f64; 2]]) -> Option<Self> {
+        if !rows.fit(disk_count, bounds) {
+            return None;
+        }
+        let point =
+            |(number, tip): (usize, &Pose)| GeomWithData::new(tip.position.to_array(), number);
+        let tree = RTree::bulk_load(rows.tips.iter().enumerate().map(point).collect());
+        Some(Self { tree, rows })
+    }
+
     /// Solves the rows. Where the model knows tensions, these are sampled, and the commands read off the shapes: shortenings that
     /// are sampled by themselves contradict one another.
     pub fn survey(survey: &Survey<'_>) -> Result<Self, InverseError> {
@@ -83,13 +140,11 @@ impl Atlas {
             .map_err(|error| InverseError::Atlas(error.to_string()))?;
         let initial = initial_lengths(survey, &case)?;
         let disk_count = batch.arc_lengths().len();
-        let mut atlas = Self {
-            tree: RTree::new(),
-            tips: Vec::new(),
-            disks: Vec::new(),
-            disk_count,
-            unknowns: Vec::new(),
+        let mut rows = AtlasRows {
+            identity: survey.identity(),
             width: survey.actuators.len(),
+            disk_count,
+            ..AtlasRows::default()
         };
         let mut points = Vec::new();
         for row in 0..batch.len() {
@@ -129,23 +184,27 @@ impl Atlas {
                         pulled / squares
                     }
                 };
-                atlas.unknowns.push(x.max(*least).min(*greatest));
+                rows.commands.push(x.max(*least).min(*greatest));
             }
-            points.push(GeomWithData::new(position, atlas.tips.len()));
-            atlas.tips.push(Pose {
+            points.push(GeomWithData::new(position, rows.tips.len()));
+            rows.tips.push(Pose {
                 position: Vec3::new(position[0], position[1], position[2]),
                 rotation,
             });
-            atlas.disks.extend((0..disk_count).map(station));
+            rows.disks.extend((0..disk_count).map(station));
         }
-        atlas.tree = RTree::bulk_load(points);
-        Ok(atlas)
+        Ok(Self { tree: RTree::bulk_load(points), rows })
     }
 
     /// The tip and the unknowns of each row.
-    pub fn rows(&self) -> impl Iterator<Item = (Vec3, &[f64])> + '_ {
-        let tips = self.tips.iter().map(|tip| tip.position);
-        tips.zip(self.unknowns.chunks_exact(self.width))
+    pub fn each(&self) -> impl Iterator<Item = (Vec3, &[f64])> + '_ {
+        let tips = self.rows.tips.iter().map(|tip| tip.position);
+        tips.zip(self.rows.commands.chunks_exact(self.rows.width))
+    }
+
+    /// The rows.
+    pub const fn rows(&self) -> &AtlasRows {
+        &self.rows
     }
 
     /// The unknowns of the rows that are nearest to a target, the nearest first.
@@ -156,14 +215,14 @@ impl Atlas {
             Target::Axis { point, .. } => *point,
             Target::Shape(points) => {
                 let last = points.iter().max_by_key(|(disk, _)| *disk);
-                last.filter(|(disk, _)| disk + 1 == self.disk_count).map(|(_, point)| *point)
+                last.filter(|(disk, _)| disk + 1 == self.rows.disk_count).map(|(_, point)| *point)
             }
         };
         // Of targets that are more than a point, more rows are compared than are asked for.
         let candidates: Vec<usize> = match (tip, target) {
             (Some(point), Target::Tip(_)) => self.around(point).take(count).collect(),
             (Some(point), _) => self.around(point).take(16 * count).collect(),
-            (None, _) => (0..self.tips.len()).collect(),
+            (None, _) => (0..self.rows.tips.len()).collect(),
         };
         let mut residual = Vec::new();
         let mut ranked: Vec<(f64, usize)> = candidates
@@ -171,8 +230,8 @@ impl Atlas {
             .map(|row| (self.distance(row, target, lever, &mut residual), row))
             .collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let of =
-            |&(_, row): &(f64, usize)| &self.unknowns[row * self.width..(row + 1) * self.width];
+        let width = self.rows.width;
+        let of = |&(_, row): &(f64, usize)| &self.rows.commands[row * width..(row + 1) * width];
         ranked.iter().take(count).map(of).collect()
     }
 
@@ -183,10 +242,10 @@ impl Atlas {
     /// The square of the residuals of a row.
     fn distance(&self, row: usize, target: &Target, lever: f64, residual: &mut Vec<f64>) -> f64 {
         let disk = |disk: usize| {
-            let [x, y, z] = self.disks[row * self.disk_count + disk];
+            let [x, y, z] = self.rows.disks[row * self.rows.disk_count + disk];
             Vec3::new(x, y, z)
         };
-        target.residual_at(&self.tips[row], disk, lever, residual);
+        target.residual_at(&self.rows.tips[row], disk, lever, residual);
         residual.iter().map(|r| r * r).sum()
     }
 }

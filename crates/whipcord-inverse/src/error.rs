@@ -78,6 +78,11 @@ pub enum InverseError {
     /// Shapes could not be computed.
     #[error("the shapes to start from could not be computed: {0}")]
     Atlas(String),
+    /// Shapes to start from that are of something else.
+    #[error(
+        "the atlas is of another robot, model, load or limit, or not whole: compute it anew with InverseSolver::atlas"
+    )]
+    ForeignAtlas,
 }
 
 /// What is wrong with a target.

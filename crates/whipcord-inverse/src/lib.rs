@@ -46,6 +46,7 @@ mod target;
 mod workspace;
 
 pub use actuator::{Actuator, CommandedBy};
+pub use atlas::AtlasRows;
 pub use certificate::NoProof;
 pub use control::{ControlOptions, Controller, Cycle, Estimate};
 pub use error::{InverseError, TargetProblem};

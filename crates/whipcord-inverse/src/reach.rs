@@ -7,7 +7,7 @@ use whipcord::{
 use crate::actuator::{
     Actuator, Actuators, CommandedBy, commanded_shortening, knows_tensions, write_commands,
 };
-use crate::atlas::{Atlas, Survey};
+use crate::atlas::{Atlas, AtlasRows, Survey};
 use crate::certificate::NoProof;
 use crate::descent::{Control, Ending, Workspace};
 use crate::error::{InverseError, TargetProblem};
@@ -440,6 +440,43 @@ impl InverseSolver {
         }
     }
 
+    /// The shapes that the iteration starts from, which are computed where they are not yet known: to be kept in a file, for a solver of another run.
+    ///
+    /// # Errors
+    /// [`InverseError::Atlas`] where they cannot be computed, and [`InverseError::NoStart`].
+    pub fn atlas(&mut self) -> Result<&AtlasRows, InverseError> {
+        let atlas = match self.atlas.take() {
+            Some(atlas) => atlas,
+            None => {
+                let rows = atlas_rows(&self.model, self.forward.robot(), &self.case);
+                let Self { model, case, limits, ranges, forward, .. } = &*self;
+                survey(model, case, limits, ranges, forward, rows)?
+            }
+        };
+        Ok(self.atlas.insert(atlas).rows())
+    }
+
+    /// What its atlas depends on, as a number: the robot with its loads and base, the model, what is commanded, and the limits. It is the same in every run of one version of
+    /// the library.
+    #[must_use]
+    pub fn atlas_identity(&self) -> u64 {
+        let rows = atlas_rows(&self.model, self.forward.robot(), &self.case);
+        let Self { model, case, limits, ranges, forward, .. } = self;
+        on_survey(model, case, limits, ranges, forward, rows, |survey| survey.identity())
+    }
+
+    /// Takes the shapes of another run to start from.
+    ///
+    /// # Errors
+    /// [`InverseError::ForeignAtlas`] where they are of another robot, model, load or limit.
+    pub fn set_atlas(&mut self, rows: AtlasRows) -> Result<(), InverseError> {
+        let is_own = rows.identity == self.atlas_identity();
+        let disks = Stations::Disks.arc_lengths(self.forward.robot()).len();
+        let atlas = is_own.then(|| Atlas::of_rows(rows, disks, &self.ranges.unknowns)).flatten();
+        self.atlas = Some(atlas.ok_or(InverseError::ForeignAtlas)?);
+        Ok(())
+    }
+
     /// Tips and unknowns of as many shapes all over the commands.
     pub(crate) fn shapes(&self, count: usize) -> Result<Vec<(Vec3, Vec<f64>)>, InverseError> {
         let rows = match self.model.kind() {
@@ -450,7 +487,7 @@ impl InverseSolver {
         };
         let (limits, ranges) = (&self.limits, &self.ranges);
         let atlas = survey(&self.model, &self.case, limits, ranges, &self.forward, rows)?;
-        Ok(atlas.rows().map(|(tip, unknowns)| (tip, unknowns.to_vec())).collect())
+        Ok(atlas.each().map(|(tip, unknowns)| (tip, unknowns.to_vec())).collect())
     }
 
     /// One start for a target with a tolerance far above the error of the model, within the ranges of the solver and constraints that
@@ -566,8 +603,21 @@ fn survey(
     forward: &Forward,
     rows: usize,
 ) -> Result<Atlas, InverseError> {
+    on_survey(model, case, limits, ranges, forward, rows, |survey| Atlas::survey(survey))
+}
+
+/// What is asked of the survey of the shapes.
+fn on_survey<T>(
+    model: &Model,
+    case: &Case,
+    limits: &Limits,
+    ranges: &Ranges,
+    forward: &Forward,
+    rows: usize,
+    ask: impl FnOnce(&Survey<'_>) -> T,
+) -> T {
     let few = on_few_steps(model);
-    Atlas::survey(&Survey {
+    ask(&Survey {
         model: few.as_ref().unwrap_or(model),
         robot: forward.robot(),
         case,

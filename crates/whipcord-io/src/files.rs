@@ -45,6 +45,26 @@ pub fn read_photograph(path: &Path) -> Result<Vec<u8>, FileError> {
     })
 }
 
+/// An atlas: twenty thousand shapes of a hundred disks take fifty megabytes.
+const LARGEST_ATLAS: usize = 1 << 28;
+
+/// The bytes of an atlas, or why there are none.
+pub(crate) fn read_atlas(path: &Path) -> Result<Vec<u8>, (io::ErrorKind, String)> {
+    let told = |error: io::Error| (error.kind(), reason(&error));
+    let is_file = fs::metadata(path).map_err(told)?.is_file();
+    if !is_file {
+        return Err((io::ErrorKind::Other, "it is not a file with content of its own".to_owned()));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(told)?;
+    file.take(LARGEST_ATLAS as u64 + 1).read_to_end(&mut bytes).map_err(told)?;
+    if bytes.len() > LARGEST_ATLAS {
+        let message = format!("it has more than {LARGEST_ATLAS} bytes");
+        return Err((io::ErrorKind::FileTooLarge, message));
+    }
+    Ok(bytes)
+}
+
 fn read(path: &Path, limit: usize) -> Result<String, Refusal> {
     text_of(read_bytes(path, limit)?)
 }
@@ -96,7 +116,7 @@ fn text_of(bytes: Vec<u8>) -> Result<String, Refusal> {
 }
 
 /// The system's reason in words that are the same on every system.
-fn reason(error: &io::Error) -> String {
+pub(crate) fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file".to_owned(),
         io::ErrorKind::PermissionDenied => "you may not read it".to_owned(),

@@ -4,6 +4,7 @@
 //! There are no mechanics here, and no judgement of what a robot can be: [`load`] reads what a
 //! file says into the types of the [`whipcord`] crate, which checks them.
 
+mod atlas_file;
 mod camera;
 mod case_file;
 mod check;
@@ -27,6 +28,7 @@ mod units;
 mod validate;
 mod warnings;
 
+pub use atlas_file::{AtlasFileError, atlas_to_parquet, load_atlas, start_from_atlas};
 pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
 pub use case_file::{CaseFile, load, load_stream, load_with, parse};
 pub use design_problem::{DesignProblem, NoDesignProblem, designed_case};

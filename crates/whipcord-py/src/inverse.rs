@@ -1,5 +1,6 @@
 //! Inverse problems of a robot as Python asks them.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
@@ -7,7 +8,7 @@ use whipcord::{Case, Robot};
 use whipcord_inverse::{
     Actuator, CommandedBy, InverseError, InverseSolver, Limits, ReachOptions, Tolerance,
 };
-use whipcord_io::Goal;
+use whipcord_io::{AtlasFileError, Goal, start_from_atlas};
 
 use crate::errors;
 use crate::setup::Setup;
@@ -22,6 +23,8 @@ pub struct Asked {
     starts: usize,
     #[pyo3(item)]
     prove: bool,
+    #[pyo3(item)]
+    atlas: Option<PathBuf>,
     #[pyo3(item)]
     tolerance: Option<f64>,
     #[pyo3(item)]
@@ -39,12 +42,16 @@ pub struct Task {
     goal: Goal,
     pub by: CommandedBy,
     pub options: ReachOptions,
+    /// Where the shapes to start from are kept.
+    atlas: Option<PathBuf>,
 }
 
 /// Why there is no answer.
 pub enum Failure {
     Inverse(InverseError),
     Rate(String),
+    /// Of the file with the shapes to start from.
+    Atlas(String),
 }
 
 impl From<InverseError> for Failure {
@@ -91,6 +98,7 @@ impl Task {
             goal,
             by,
             options,
+            atlas: asked.atlas.clone(),
         })
     }
 
@@ -104,7 +112,15 @@ impl Task {
 
     pub fn solver(&self) -> Result<InverseSolver, Failure> {
         let limits = self.limits()?;
-        Ok(InverseSolver::new(&self.model, &self.robot, &self.case, &limits, self.by)?)
+        let (model, robot, case) = (&self.model, &self.robot, &self.case);
+        let mut solver = InverseSolver::new(model, robot, case, &limits, self.by)?;
+        if let Some(path) = &self.atlas {
+            start_from_atlas(&mut solver, path).map_err(|error| match error {
+                AtlasFileError::Shapes(error) => Failure::Inverse(error),
+                error => Failure::Atlas(error.to_string()),
+            })?;
+        }
+        Ok(solver)
     }
 }
 
@@ -130,6 +146,7 @@ pub fn raised(py: Python<'_>, failure: Failure) -> PyErr {
         }
         Failure::Inverse(error) => errors::input(py, "limits", error.to_string()),
         Failure::Rate(message) => errors::input(py, "limits", message),
+        Failure::Atlas(message) => errors::input(py, "atlas", message),
     }
 }
 

@@ -179,7 +179,7 @@ fn row(task: &Task, target: Option<&Target>, solver: &mut Option<InverseSolver>)
         none => match task.solver() {
             Ok(new) => none.insert(new),
             Err(Failure::Inverse(error)) => return Row::Failed(error.to_string()),
-            Err(Failure::Rate(message)) => return Row::Failed(message),
+            Err(Failure::Rate(message) | Failure::Atlas(message)) => return Row::Failed(message),
         },
     };
     match solver.reach(target, &task.options) {

@@ -13,7 +13,7 @@ use whipcord_io::{CaseFile, load_path, load_shape, reach_json, warnings_json};
 use crate::deadline;
 use crate::film;
 use crate::inputs::read_one;
-use crate::inverse::{RobotArguments, failure, solver};
+use crate::inverse::{RobotArguments, failure, keep_atlas, solver};
 use crate::path_argument::path_ending_in;
 use crate::target_argument::{Axis, Place, PoseArgument, angle, length};
 use crate::verbs::reach_path::{self, Task};
@@ -67,6 +67,10 @@ pub struct ReachArgs {
     /// Shapes from which the iteration may start, after the commands of the file
     #[arg(long, value_name = "N", default_value_t = ReachOptions::default().starts, value_parser = starts_parser())]
     starts: usize,
+    /// Parquet file for the shapes from which the iteration may start: computed and written there by the first run, and read by the next ones of the same robot,
+    /// model, loads and limits
+    #[arg(long, value_name = "FILE", value_parser = path_ending_in(&["parquet"]))]
+    atlas: Option<PathBuf>,
     /// Which of several answers is given; by default what the file says, or the least tension
     #[arg(long, value_name = "WHAT")]
     least: Option<Least>,
@@ -140,6 +144,10 @@ pub fn run(args: &ReachArgs, style: Style) -> Result<String, Failure> {
         .with_tolerance((0.1 * tolerance.position / length).clamp(1e-12, 1e-6));
     let model = args.robot.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))?;
     let mut solver = solver(args.robot.by, &file, &model)?;
+    if let Some(path) = &args.atlas {
+        files::keep(path, file.files())?;
+        keep_atlas(&file, &mut solver, path)?;
+    }
     if target.is_some() && args.film.is_some() {
         return Err(Failure::Input("error: --film is for a path".into()));
     }

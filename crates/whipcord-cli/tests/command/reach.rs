@@ -266,3 +266,17 @@ fn files_that_do_not_fit_are_refused() {
     assert!(fail(2, &["reach", ARM, "--film", &film]).contains("--film is for a path"));
     assert!(!std::path::Path::new(&film).exists());
 }
+
+#[test]
+fn shapes_to_start_from_are_kept_in_a_file() {
+    let scratch = Scratch::new();
+    let atlas = scratch.path().join("atlas.parquet");
+    let atlas = atlas.to_str().unwrap();
+    let first = succeed(&["reach", ARM, "--atlas", atlas]);
+    let kept = std::fs::read(atlas).unwrap();
+    assert_eq!(succeed(&["reach", ARM, "--atlas", atlas]), first);
+    assert_eq!(std::fs::read(atlas).unwrap(), kept);
+    let other = scratch.write("other.parquet", "a letter");
+    let refused = fail(2, &["reach", ARM, "--atlas", &other]);
+    assert!(refused.contains("is no atlas (it is not a Parquet file)"), "{refused}");
+}

@@ -49,6 +49,7 @@ pub(crate) use obstacles::obstacles;
 pub(crate) use pose::pose;
 pub use reference::Reference;
 pub(crate) use reference::reference;
+pub(crate) use table::{TableColumn, columns as table_columns};
 
 use whipcord::Vec3;
 

@@ -14,6 +14,7 @@ use crate::files;
 use crate::source::{Sources, Span};
 
 pub(crate) use grid::{Cell, Grid, Row};
+pub(crate) use parquet::{TableColumn, columns};
 pub(crate) use unit::Unit;
 
 /// What is wrong with a table, and what to do.

@@ -4,6 +4,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bytes::Bytes;
+use parquet::column::reader::ColumnReader;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -58,8 +59,64 @@ fn unreadable(error: ParquetError) -> Refusal {
     damaged(text.trim_start_matches("Parquet error: "))
 }
 
+/// A column without missing values.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum TableColumn {
+    /// Numbers.
+    Numbers(Vec<f64>),
+    /// Whole numbers.
+    Integers(Vec<i64>),
+}
+
+/// The columns of numbers and of whole numbers of a table without missing values, and no others.
+pub(crate) fn columns(bytes: Vec<u8>, most: usize) -> Result<Vec<(String, TableColumn)>, String> {
+    if !is_parquet(&bytes) {
+        return Err("it is not a Parquet file".to_owned());
+    }
+    catch_unwind(AssertUnwindSafe(|| read_columns(bytes, most)))
+        .unwrap_or_else(|_| Err(damaged("its parts contradict one another")))
+        .map_err(|(message, _)| message)
+}
+
+fn read_columns(bytes: Vec<u8>, most: usize) -> Result<Vec<(String, TableColumn)>, Refusal> {
+    check_footer(&bytes, most + 1)?;
+    let bytes = Bytes::from(bytes);
+    let reader = SerializedFileReader::new(bytes.clone()).map_err(unreadable)?;
+    let metadata = reader.metadata();
+    check_pages(&bytes, metadata.row_groups().iter().flat_map(|group| group.columns()))?;
+    let fields = metadata.file_metadata().schema().get_fields();
+    let mut columns = Vec::new();
+    for (number, field) in fields.iter().enumerate() {
+        let (mut numbers, mut integers) = (Vec::new(), Vec::new());
+        for group in 0..reader.num_row_groups() {
+            let group = reader.get_row_group(group).map_err(unreadable)?;
+            let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+            let read = match group.get_column_reader(number).map_err(unreadable)? {
+                ColumnReader::DoubleColumnReader(mut column) => {
+                    column.read_records(rows, Some(&mut Vec::new()), None, &mut numbers)
+                }
+                ColumnReader::Int64ColumnReader(mut column) => {
+                    column.read_records(rows, Some(&mut Vec::new()), None, &mut integers)
+                }
+                _ => continue,
+            };
+            let (_, values, _) = read.map_err(unreadable)?;
+            if values != rows {
+                return Err(damaged("values are missing"));
+            }
+        }
+        let values = match (numbers.is_empty(), integers.is_empty()) {
+            (false, true) => TableColumn::Numbers(numbers),
+            (true, false) => TableColumn::Integers(integers),
+            _ => continue,
+        };
+        columns.push((field.name().to_owned(), values));
+    }
+    Ok(columns)
+}
+
 fn read(bytes: Vec<u8>, file: usize) -> Result<(Grid, String), Refusal> {
-    check_footer(&bytes)?;
+    check_footer(&bytes, LARGEST_SCHEMA)?;
     let bytes = Bytes::from(bytes);
     let reader = SerializedFileReader::new(bytes.clone()).map_err(unreadable)?;
     let about = reader.metadata().file_metadata();
@@ -99,7 +156,7 @@ fn read(bytes: Vec<u8>, file: usize) -> Result<(Grid, String), Refusal> {
 
 /// Refuses a file whose footer says that it has more parts than a table has: the crate makes room for all before it
 /// looks for them, and follows parts of parts without end.
-fn check_footer(bytes: &[u8]) -> Result<(), Refusal> {
+fn check_footer(bytes: &[u8], most: usize) -> Result<(), Refusal> {
     let too_early = || damaged("it ends too early");
     let tail = bytes.len().checked_sub(8).ok_or_else(too_early)?;
     let length = bytes[tail..tail + 4].try_into().map_err(|_| too_early())?;
@@ -118,7 +175,7 @@ fn check_footer(bytes: &[u8]) -> Result<(), Refusal> {
         _ => {}
     });
     read.ok_or_else(|| damaged("its footer is broken"))?;
-    if largest > LARGEST_SCHEMA {
+    if largest > most {
         return Err(too_large(0, largest - 1).map_or_else(too_early, |message| (message, HEADER)));
     }
     Ok(())
