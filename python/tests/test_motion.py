@@ -351,6 +351,11 @@ def test_cables_straight_between_disks_and_with_friction(arm: whipcord.Case, tmp
     rubs = whipcord.load(tmp_path / "rubs.toml").simulate(0.1, tension=ramp, initial="rest", model="cosserat-disks")
     assert abs(rubs.tip[-1, 0]) < abs(straight.tip[-1, 0])
     assert rubs.energy["dissipated"][-1] > 0
+    # What is pulled at the base falls from hole to hole.
+    passages = rubs.passage_tensions[rubs.cables.index("left")]
+    assert passages.shape[0] == len(rubs) and passages.shape[1] > 1
+    assert passages[-1, 0] == pytest.approx(3, rel=0.05) and (np.diff(passages[-1]) < 0).all()
+    assert straight.passage_tensions[0].shape == (len(straight), 0)
     with pytest.raises(InputError, match="friction"):
         whipcord.load(tmp_path / "rubs.toml").modes()
 

@@ -69,6 +69,9 @@ class Motion:
     """(N, c) lengths of the cables inside the robot in m."""
     slack: Array
     """(N, c) by how much in m a cable is longer than its path."""
+    passage_tensions: tuple[Array, ...]
+    """Of each cable (N, p) tensions of its passages from the base on in N, as they acted in the last step: between two holes, or along a part of its curve. Without
+    passages where no cable has friction."""
     motor_output: Array
     """(N, m) motion of the spool or drive of each motor, behind gear and backlash, in rad or m."""
     motor_position: Array
@@ -191,6 +194,8 @@ class State:
     """(c,) lengths of the cables inside the robot in m."""
     slack: Array
     """(c,) by how much in m a cable is longer than its path."""
+    passage_tensions: tuple[Array, ...]
+    """Of each cable (p,) tensions of its passages in N."""
     motor_output: Array
     """(m,) motion of the spool or drive of each motor in rad or m."""
     motor_position: Array
@@ -389,8 +394,10 @@ class Simulation:
             energy = {name: float(value[0]) for name, value in values.pop("energy").items()}
             time = float(values.pop("time")[0])
             (contacts,) = map(contacts_of, values.pop("contacts"))
+            passages = tuple(of[0] for of in values.pop("passage_tensions"))
             rows = {name: value[0] for name, value in values.items()}
-            self._read = State(time=time, energy=energy, contacts=contacts, _inner=self._inner.state(), **rows)
+            about = {"energy": energy, "contacts": contacts, "passage_tensions": passages}
+            self._read = State(time=time, _inner=self._inner.state(), **about, **rows)
         return self._read
 
     def restore(self, state: State) -> None:
@@ -506,6 +513,7 @@ def simulate(
     names = tuple(cable.name for cable in case.robot.cables)
     motors = tuple(motor.name for motor in case.robot.motors)
     values["contacts"] = tuple(map(contacts_of, values["contacts"]))
+    values["passage_tensions"] = tuple(values["passage_tensions"])
     motion = Motion(cables=names, motors=motors, ok=failed is None, **values)
     if failed is None:
         return motion
