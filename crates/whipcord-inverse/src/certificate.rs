@@ -103,10 +103,10 @@ const UNCERTAINTY: f64 = 2e-6;
 /// Over a box of half widths `h` about `τ₀` with the miss `r` and the Jacobian `J`, for every unit vector `n`
 ///
 /// ```text
-/// ‖p(τ) − x‖ ≥ n·r − Σ|n·Jᵢ|hᵢ − ½ Σ Kᵢⱼhᵢhⱼ                     (12)
+/// ‖p(τ) − x‖ ≥ n·r − Σ|n·Jᵢ|hᵢ − ½ max ‖∂_δ² p‖                  (12)
 /// ```
 ///
-/// with the bounds `Kᵢⱼ` of [`CurvatureBound`]; `n` points along the least miss of the linear problem. No box is nearer than the whole robot is long. The box with
+/// with the bound of [`CurvatureBound`]; `n` points along the least miss of the linear problem. No box is nearer than the whole robot is long. The box with
 /// the least bound is halved until all bounds are beyond the distance, or the boxes are spent. What is returned is a bound in any case.
 ///
 /// # Errors
@@ -132,17 +132,14 @@ pub(crate) fn least_distance(
     let weights: Vec<f64> = (0..n).map(|cable| curvature.bending(cable)).collect();
     let mut memory = Memory::default();
     let mut heap = BinaryHeap::new();
-    // How much each tension bends the robot within a box, and the whole; without a bound the whole is infinite.
-    let mut bending = |of: TensionBox<'_>, second: &mut Vec<f64>| -> (usize, f64) {
-        let is_known = curvature.second_derivatives(of, &mut memory, second);
-        let bend = |i: usize| -> f64 {
-            let row = || second[i * n..(i + 1) * n].iter().zip(of.half).map(|(k, h)| k * h);
-            of.half[i] * if is_known { row().sum::<f64>() } else { weights[i] }
-        };
+    // The tension along which a box is halved, and how much the robot bends within it; without a bound that is infinite.
+    let mut bending = |of: TensionBox<'_>| -> (usize, f64) {
+        let bend = |i: usize| of.half[i] * weights[i];
         let split = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
-        (split, if is_known { (0..n).map(bend).sum::<f64>() / 2.0 } else { f64::INFINITY })
+        let second = curvature.second_derivative(of, &mut memory);
+        (split, second.map_or(f64::INFINITY, |second| 0.5 * second))
     };
-    let (split, _) = bending(TensionBox { center: &center, half: &half }, &mut solver.second);
+    let (split, _) = bending(TensionBox { center: &center, half: &half });
     heap.push(Node { bound, center, half, split });
     let mut spent = 0;
     loop {
@@ -160,7 +157,7 @@ pub(crate) fn least_distance(
             let mut bound = node.bound;
             let of = TensionBox { center: &center, half: &half };
             // Where a box is too large for a bound its parts may have one.
-            let (next, bend) = bending(of, &mut solver.second);
+            let (next, bend) = bending(of);
             if bend < reach {
                 match forward.evaluate_answer(&center, &[goal.place]) {
                     Ok(evaluation) => {
@@ -198,7 +195,6 @@ struct Bound {
     gradient: Vec<f64>,
     lower: Vec<f64>,
     step: Vec<f64>,
-    second: Vec<f64>,
 }
 
 impl Bound {

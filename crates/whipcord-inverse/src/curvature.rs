@@ -5,22 +5,24 @@ use whipcord::{Mat3, Robot, Vec3};
 
 /// What bounds the second derivatives of one point of the backbone of a robot without loads and friction.
 ///
-/// A section minimises `½‖ξ − ξ*‖²_K + Σ τᵢ ℓᵢ(ξ)` over its strains `ξ = (v, u)`, with the stretch `ℓᵢ = ‖Aᵢξ + rᵢ′‖` of cable i
-/// and `Aᵢξ = v + u × rᵢ`. Because `ℓᵢ` is convex, the Hessian is at least `K`, and with `αᵢ² = λ_max(Aᵢ K⁻¹ Aᵢᵀ)`
+/// A section minimises `½‖ξ − ξ*‖²_K + Σ τᵢ ℓᵢ(ξ)` over its strains `ξ = (v, u)`, with the stretch `ℓᵢ = ‖Aᵢξ + rᵢ′‖` of cable i,
+/// `Aᵢξ = v + u × rᵢ`, and its unit tangent `tᵢ`. Because `ℓᵢ` is convex, the Hessian is at least `K`, and with `αᵢ² = λ_max(Aᵢ K⁻¹ Aᵢᵀ)`
+/// the strains change along any change `δ` of the tensions, `|δᵢ| ≤ hᵢ`, by
 ///
 /// ```text
-/// ‖∂ᵢξ‖_K ≤ αᵢ                                                        (9)
-/// ‖∂ᵢ∂ⱼξ‖_K ≤ αᵢαⱼ (αᵢ/ℓᵢ + αⱼ/ℓⱼ + (2/√3) Σ τₖ αₖ³/ℓₖ²)           (10)
+/// ‖∂_δ ξ‖_K ≤ ‖Σ δᵢ Aᵢᵀ tᵢ‖_{K⁻¹} ≤ β                                  (9)
+/// ‖∂_δ² ξ‖_K ≤ 2β Σ hᵢ αᵢ²/ℓᵢ + (2/√3) β² Σ τᵢ αᵢ³/ℓᵢ²                 (10)
 /// ```
 ///
-/// where `2/√3` bounds the third derivative of a norm. It is `ℓₖ ≥ ℓₖ(ξ*) − αₖ Σ τⱼαⱼ`, and over a box of half widths `h`
-/// about `τ₀` also `ℓₖ ≥ ℓₖ(τ₀) − αₖ Σ hⱼαⱼ`, for which its sections are solved: that is done where the first is not enough. From the strains the bounds
-/// go on to the point by `R′ = R û`, `p′ = R v` (11).
+/// where `2/√3` bounds the third derivative of a norm. `β` is no more than `η = Σ hᵢαᵢ`. Cables that pull against one another hardly bend the robot: with the tangents `tᵢ⁰` in the
+/// middle of the box, from which `tᵢ` differs by no more than `αᵢη/ℓᵢ`, it is no more than the greatest `‖Σ ±hᵢ Aᵢᵀ tᵢ⁰‖_{K⁻¹} + Σ hᵢαᵢ²η/ℓᵢ`.
+///
+/// It is `ℓₖ ≥ ℓₖ(ξ*) − αₖ Σ τⱼαⱼ`, and over the box `ℓₖ ≥ ℓₖ(τ₀) − αₖη`. From the strains the bounds go on to the point by `R′ = R û`, `p′ = R v` (11).
 #[derive(Clone, Debug)]
 pub(crate) struct CurvatureBound {
     cells: Vec<Cell>,
     /// The sections that are looked at, those that are alike once.
-    sections: Vec<CrossedSection>,
+    sections: Vec<Section>,
     cables: usize,
 }
 
@@ -31,18 +33,24 @@ pub(crate) struct TensionBox<'a> {
     pub half: &'a [f64],
 }
 
-/// Memory of [`CurvatureBound::second_derivatives`].
+/// Memory of [`CurvatureBound::second_derivative`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     greatest: Vec<f64>,
-    /// Of each section in the middle of the box: the stretch of each cable, and `‖v‖`.
+    /// Of each section in the middle of the box: the stretch of each cable, `‖v‖`, and the greatest `‖Σ ±hᵢ Aᵢᵀ tᵢ‖_{K⁻¹}`.
     stretches: Vec<f64>,
     velocities: Vec<f64>,
+    changes: Vec<f64>,
     stretch: Vec<f64>,
-    /// Of the rotation at the beginning of a cell: `‖∂ᵢR‖` and `‖∂ᵢ∂ⱼR‖` as angles.
-    first: Vec<f64>,
-    second: Vec<f64>,
-    rates: Vec<f64>,
+    pulls: Vec<[Vec3; 2]>,
+}
+
+/// A section with the cables that cross it.
+#[derive(Clone, Debug, PartialEq)]
+struct Section {
+    crossed: CrossedSection,
+    /// `∂v/∂N`, `∂v/∂M` and `∂u/∂M`.
+    compliance: [Mat3; 3],
 }
 
 /// A piece of the backbone.
@@ -66,8 +74,8 @@ const PIECES: usize = 4;
 const BETWEEN: f64 = 1.02;
 /// A cable whose stretch may get smaller than this has no bound.
 const LEAST_STRETCH: f64 = 0.1;
-/// Above this a stretch that is bounded from rest is near enough.
-const GOOD_STRETCH: f64 = 0.5;
+/// The corners of a box of more tensions are too many to look at.
+const MOST_CORNERS: usize = 8;
 
 impl CurvatureBound {
     /// Of the point of the backbone at an arc length; `None` for a robot without stiffness.
@@ -107,90 +115,83 @@ impl CurvatureBound {
         self.cells.iter().map(|cell| cell.width * cell.bending * cell.alpha[cable]).sum()
     }
 
-    /// Writes a bound of `‖∂ᵢ∂ⱼp‖` in m/N², by rows, for all tensions of a box; `false` where there is none.
-    pub fn second_derivatives(
-        &self,
-        of: TensionBox<'_>,
-        memory: &mut Memory,
-        into: &mut Vec<f64>,
-    ) -> bool {
+    /// A bound of `‖∂_δ² p‖` in m for all tensions of a box and all changes `δ` from its middle to another of its points; `None` where there is none.
+    pub fn second_derivative(&self, of: TensionBox<'_>, memory: &mut Memory) -> Option<f64> {
         let n = self.cables;
         let TensionBox { center, half } = of;
-        let Memory { greatest, stretches, velocities, stretch, first, second, rates } = memory;
+        let Memory { greatest, stretches, velocities, changes, stretch, pulls } = memory;
         greatest.clear();
         greatest.extend(center.iter().zip(half).map(|(c, h)| c + h));
-        let from_rest = self.cells.iter().all(|cell| {
-            let change = cell.change(greatest);
-            let stretches = cell.stretch.iter().zip(&cell.alpha);
-            stretches.fold(f64::INFINITY, |least, (l, a)| least.min(l - a * change)) >= GOOD_STRETCH
-        });
-        if !from_rest {
-            stretches.clear();
-            stretches.resize(n * self.sections.len(), f64::INFINITY);
-            velocities.clear();
-            for (section, stretches) in self.sections.iter().zip(stretches.chunks_exact_mut(n)) {
-                let Some(velocity) = section.stretches(center, stretches) else { return false };
-                velocities.push(velocity);
-            }
+        stretches.clear();
+        stretches.resize(n * self.sections.len(), f64::INFINITY);
+        velocities.clear();
+        changes.clear();
+        for (section, stretches) in self.sections.iter().zip(stretches.chunks_exact_mut(n)) {
+            pulls.clear();
+            pulls.resize(n, [Vec3::ZERO; 2]);
+            velocities.push(section.crossed.pulls(center, stretches, pulls)?);
+            changes.push(section.greatest_change(half, pulls));
         }
-        let squares = [&mut *into, &mut *second, &mut *rates].map(|list| (list, n * n));
-        for (list, size) in squares.into_iter().chain([(&mut *first, n)]) {
-            list.clear();
-            list.resize(size, 0.0);
-        }
+        let (mut first, mut second, mut whole) = (0.0, 0.0, 0.0);
         for cell in &self.cells {
-            let change = cell.change(if from_rest { greatest } else { half });
+            // `η`
+            let change = cell.change(half);
             stretch.clear();
-            let fastest = if from_rest {
-                stretch.extend_from_slice(&cell.stretch);
-                1.0
-            } else {
-                stretch.extend((0..n).map(|k| {
-                    let least = cell.sections.map(|at| stretches[n * at + k]);
-                    least.into_iter().fold(f64::INFINITY, f64::min) / BETWEEN
-                }));
-                let fastest = cell.sections.map(|at| velocities[at]);
-                BETWEEN * fastest.into_iter().fold(0.0, f64::max)
-            };
-            stretch.iter_mut().zip(&cell.alpha).for_each(|(l, a)| *l -= a * change);
+            stretch.extend((0..n).map(|k| {
+                let at = cell.sections.map(|at| stretches[n * at + k]);
+                let in_middle = at.into_iter().fold(f64::INFINITY, f64::min) / BETWEEN;
+                let from_rest = cell.stretch[k] - cell.alpha[k] * cell.change(greatest);
+                (in_middle - cell.alpha[k] * change).max(from_rest)
+            }));
             if stretch.iter().zip(&cell.alpha).any(|(l, a)| *a > 0.0 && *l < LEAST_STRETCH) {
-                return false;
+                return None;
             }
-            let third: f64 = (0..n)
-                .map(|k| greatest[k] * cell.alpha[k].powi(3) / stretch[k].powi(2))
-                .filter(|term| term.is_finite())
-                .sum();
-            let third = 2.0 / 3.0_f64.sqrt() * third;
+            let fastest = cell.sections.map(|at| velocities[at]).into_iter().fold(0.0, f64::max);
+            let longest = BETWEEN * fastest + cell.stretching * change;
+            let sum = |term: &dyn Fn(usize) -> f64| -> f64 {
+                (0..n).filter(|&k| cell.alpha[k] > 0.0).map(term).sum()
+            };
+            let turning = sum(&|k| half[k] * cell.alpha[k].powi(2) / stretch[k]);
+            let third = sum(&|k| greatest[k] * cell.alpha[k].powi(3) / stretch[k].powi(2));
+            let together = cell.sections.map(|at| changes[at]).into_iter().fold(0.0, f64::max);
+            // `β`
+            let along = change.min(BETWEEN * together + turning * change);
+            let rate = 2.0 * along * turning + 2.0 / 3.0_f64.sqrt() * along * along * third;
             let h = cell.width;
-            let longest = fastest + cell.stretching * change;
-            for i in 0..n {
-                let (ai, li) = (cell.alpha[i], stretch[i]);
-                for j in 0..n {
-                    let (aj, lj) = (cell.alpha[j], stretch[j]);
-                    rates[i * n + j] =
-                        if ai * aj == 0.0 { 0.0 } else { ai * aj * (ai / li + aj / lj + third) };
-                }
-            }
             // At the end of the cell, which is the greatest.
-            for i in 0..n {
-                first[i] += cell.bending * cell.alpha[i] * h;
-            }
-            for i in 0..n {
-                for j in 0..n {
-                    let turning = (first[j] * cell.alpha[i]).min(first[i] * cell.alpha[j]);
-                    second[i * n + j] += h * cell.bending * (turning + rates[i * n + j]);
-                }
-            }
-            for i in 0..n {
-                for j in 0..n {
-                    let stretching = cell.stretching
-                        * (first[i] * cell.alpha[j] + first[j] * cell.alpha[i] + rates[i * n + j]);
-                    let turning = (second[i * n + j] + first[i] * first[j]) * longest;
-                    into[i * n + j] += h * (turning + stretching);
-                }
-            }
+            first += h * cell.bending * along;
+            second += h * cell.bending * (first * along + rate);
+            whole += h * longest * (second + first * first);
+            whole += h * cell.stretching * (2.0 * first * along + rate);
         }
-        true
+        Some(whole)
+    }
+}
+
+impl Section {
+    fn of(robot: &Robot, arc_length: f64, compliance: [Mat3; 3]) -> Option<Self> {
+        let crossed = CrossedSection::of(robot, arc_length).ok()?;
+        Some(Self { crossed, compliance })
+    }
+
+    /// The greatest `‖Σ δᵢ Aᵢᵀ tᵢ‖_{K⁻¹}` of all changes of the tensions by no more than these in N, for what each cable exerts under 1 N. It is at a corner of the box.
+    fn greatest_change(&self, half: &[f64], pulls: &[[Vec3; 2]]) -> f64 {
+        let n = half.len();
+        if n == 0 || n > MOST_CORNERS {
+            return f64::INFINITY;
+        }
+        let [vv, vu, uu] = self.compliance;
+        // Opposite corners are alike.
+        let corner = |signs: u32| {
+            let sign = |k: usize| if signs >> k & 1 == 1 { -1.0 } else { 1.0 };
+            let each = pulls.iter().zip(half).enumerate();
+            let sum = each.fold([Vec3::ZERO; 2], |[force, moment], (k, (pull, h))| {
+                [force + pull[0] * (sign(k) * h), moment + pull[1] * (sign(k) * h)]
+            });
+            let [force, moment] = sum;
+            force.dot(vv * force) + 2.0 * force.dot(vu * moment) + moment.dot(uu * moment)
+        };
+        (0..1 << (n - 1)).map(corner).fold(0.0, f64::max).sqrt()
     }
 }
 
@@ -201,7 +202,7 @@ impl Cell {
     }
 
     /// Between two arc lengths; its sections are those of the list, or are added to it.
-    fn of(robot: &Robot, from: f64, to: f64, sections: &mut Vec<CrossedSection>) -> Option<Self> {
+    fn of(robot: &Robot, from: f64, to: f64, sections: &mut Vec<Section>) -> Option<Self> {
         let n = robot.cables().len();
         let mut cell = Self {
             width: to - from,
@@ -231,9 +232,9 @@ impl Cell {
                 let form = vv + mixed + mixed.transpose() + x * uu * x.transpose();
                 cell.alpha[cable] = cell.alpha[cable].max(largest(&form));
             }
-            let section = CrossedSection::of(robot, s).ok()?;
-            let mut at_rest = vec![f64::INFINITY; n];
-            section.stretches(&vec![0.0; n], &mut at_rest)?;
+            let section = Section::of(robot, s, [vv, vu, uu])?;
+            let (mut at_rest, mut pulls) = (vec![f64::INFINITY; n], vec![[Vec3::ZERO; 2]; n]);
+            section.crossed.pulls(&vec![0.0; n], &mut at_rest, &mut pulls)?;
             let stretches = cell.stretch.iter_mut().zip(&at_rest);
             stretches.for_each(|(least, at_rest)| *least = least.min(at_rest / BETWEEN));
             cell.sections[place] =

@@ -1,5 +1,7 @@
 //! A cross-section of a robot with the cables that cross it, in equilibrium with their tensions alone.
 
+use whipcord_numerics::Vec3;
+
 use super::crossing::{BodyWrench, Crossing};
 use super::equilibrium::equilibrium;
 use super::of_robot::section_at;
@@ -33,9 +35,14 @@ impl CrossedSection {
         Ok(Self { section, crossings, cables })
     }
 
-    /// The equilibrium under the tensions in N of all cables of the robot: writes the stretch of each cable that crosses the section
-    /// beside what is there already for the others, and returns the norm of the strain `v`. `None` where a cable would be compressed to nothing.
-    pub fn stretches(&self, tensions: &[f64], stretches: &mut [f64]) -> Option<f64> {
+    /// The equilibrium under the tensions in N of all cables of the robot: writes the stretch of each cable that crosses the section and what it exerts under 1 N, force and
+    /// moment in the frame of the section, beside what is there already for the others, and returns the norm of the strain `v`. `None` where a cable would be compressed to nothing.
+    pub fn pulls(
+        &self,
+        tensions: &[f64],
+        stretches: &mut [f64],
+        pulls: &mut [[Vec3; 2]],
+    ) -> Option<f64> {
         let mut strain = self.section.rest_strain();
         // There are seldom more cables than that.
         let mut few = [0.0; 16];
@@ -51,7 +58,9 @@ impl CrossedSection {
         let none = BodyWrench::default();
         equilibrium(&self.section, &self.crossings, own, none, &mut strain).ok()?;
         for (&cable, crossing) in self.cables.iter().zip(&self.crossings) {
-            stretches[cable] = crossing.tangent(&strain).norm();
+            let (BodyWrench { linear, angular }, stretch) = crossing.pull(&strain);
+            stretches[cable] = stretch;
+            pulls[cable] = [linear, angular];
         }
         Some(strain.linear.norm())
     }
