@@ -81,6 +81,13 @@ class Designed:
         return float(self.values["largest_error"])
 
     @property
+    def lower_bound(self) -> float | None:
+        """The `error` that no other list of holes is below with these tensions, in m, as far as that is known. It is `error` itself where the list
+        is proven to be the best, and None where no holes were varied or nothing is known."""
+        found: float | None = self.values["lower_bound"]
+        return found
+
+    @property
     def before(self) -> dict[str, float] | None:
         """``error`` and ``largest_error`` of the robot as it was; None where it has no answer."""
         found: dict[str, float] | None = self.values["before"]

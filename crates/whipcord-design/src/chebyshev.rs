@@ -54,6 +54,13 @@ pub(crate) fn powers(values: &[f64], length: f64) -> Vec<f64> {
     sum
 }
 
+/// The coefficients of the interpolant that is one at a node and zero at the others.
+pub(crate) fn of_node(node: usize, nodes: usize, length: f64) -> Vec<f64> {
+    let mut unit = vec![0.0; nodes];
+    unit[node] = 1.0;
+    powers(&unit, length)
+}
+
 /// The value of a polynomial in ascending powers.
 pub(crate) fn value(powers: &[f64], at: f64) -> f64 {
     powers.iter().rev().fold(0.0, |sum, c| sum * at + c)

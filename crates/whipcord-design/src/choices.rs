@@ -145,6 +145,11 @@ impl Choices {
             .filter(move |(_, next)| is_free || allowed.binary_search(next).is_ok())
     }
 
+    /// What may follow a combination by the rules of neighbouring disks alone, with the number of the first pair: pairs count on.
+    pub fn followers(&self, choice: usize) -> (usize, &[usize]) {
+        (self.first_pairs[choice], &self.next[choice])
+    }
+
     /// The number of a pair of combinations, if the second may follow the first.
     pub fn pair(&self, from: usize, to: usize) -> Option<usize> {
         self.next[from].binary_search(&to).ok().map(|number| self.first_pairs[from] + number)

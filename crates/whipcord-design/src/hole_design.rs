@@ -17,7 +17,7 @@ use crate::tip_search;
 /// How much a search may spend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HoleSearchOptions {
-    /// Spans that branch and bound may look at.
+    /// Spans that branch and bound may look at; without any the best list of a beam search is taken.
     pub nodes: usize,
     /// Solves of each goal where shapes must be solved as a whole.
     pub solves: usize,
@@ -79,6 +79,8 @@ pub struct HoleDesign {
     pub(crate) merit: f64,
     /// What is known of it.
     pub proof: Proof,
+    /// The error that no list is below, as far as that is known, in m: that of a list that is proven to be the best.
+    pub lower_bound: f64,
     /// Spans or solves that the search took.
     pub effort: usize,
 }
@@ -198,6 +200,10 @@ pub(crate) fn search(
         robot,
         solutions,
         proof,
+        lower_bound: match is_consistent {
+            true => root_mean_square(goals, found.least).min(error),
+            false => 0.0,
+        },
         effort: found.nodes,
     })
 }
@@ -216,8 +222,11 @@ fn sequential(
     let last = points().map(|(disk, _)| disk + 1).max().unwrap_or(disks);
     let mut found = match goals {
         [goal] if goal.points.len() == 1 && last > 1 => {
-            tip_search::nearest(choices, &table, last - 1, goal.points[0].1)
-                .map(|found| Found { cost: found.cost * goal.weight, ..found })
+            tip_search::nearest(choices, &table, last - 1, goal.points[0].1).map(|found| Found {
+                cost: found.cost * goal.weight,
+                least: found.least * goal.weight,
+                ..found
+            })
         }
         _ => None,
     };

@@ -261,6 +261,8 @@ pub struct Design {
     pub criteria: Vec<CriterionResult>,
     /// Limits of tension in N that were assumed because none were given.
     pub assumed_tension: Option<[f64; 2]>,
+    /// Where holes vary: the error in m that no other list of them is below with these tensions, as far as that is known. It is the error itself where the list is proven to be the best.
+    pub lower_bound: Option<f64>,
     /// Root of the weighted mean of the squares of all distances in m.
     pub error: f64,
     /// Greatest of these distances in m.

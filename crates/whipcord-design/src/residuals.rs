@@ -1,5 +1,6 @@
 //! What least squares make small: distances of disks, cables beyond the rims, and criteria.
 
+use whipcord::derivatives::Place;
 use whipcord::differences::differentiate;
 use whipcord::{
     Case, Linearization, Model, Parameter, Prepared, Robot, Solution, SolveError,
@@ -10,7 +11,7 @@ use whipcord_numerics::least_squares::{
 };
 
 use crate::chebyshev;
-use crate::criteria::{Criteria, Terms};
+use crate::criteria::{Criteria, Terms, Varied};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::unknown::{Unknown, applied, parameters};
@@ -321,15 +322,42 @@ impl<'a> Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Derivatives of the residuals of criteria, by central differences: volumes, clearances and compliances have no others.
-    fn criteria_by_differences(
+    /// Derivatives of the residuals of criteria: those of the core, and differences where it has none.
+    fn criteria_jacobian(
         &mut self,
+        moved: &Moved,
         unknowns: &[f64],
         into: &mut [f64],
     ) -> Result<(), DesignError> {
         let columns = unknowns.len();
-        let is_of_commands = self.criteria.is_some_and(|of| of.are_of_commands(&self.cases));
+        let Some(criteria) = self.criteria else { return Ok(()) };
+        let varied = Varied {
+            robot: &moved.robot,
+            cases: &moved.cases,
+            unknowns: &self.unknowns,
+            parameters: &self.parameters,
+        };
+        // An answer whose derivatives do not exist, as where it buckles, may have differences.
+        let rates = match criteria.rates(varied) {
+            Err(error @ DesignError::Solve(SolveError::Cancelled { .. })) => return Err(error),
+            rates => rates.unwrap_or_default(),
+        };
+        if let Some(rates) = &rates {
+            let terms = self.terms(unknowns)?;
+            let root = self.penalty.sqrt();
+            let violated = terms.violations.iter().zip(&self.shifts).zip(&rates.violations);
+            let violated = violated
+                .map(|((of, shift), rates)| (rates, if of + shift > 0.0 { root } else { 0.0 }));
+            let rows = rates.objectives.iter().map(|rates| (rates, 1.0)).chain(violated);
+            for (row, (rates, factor)) in into.chunks_exact_mut(columns).zip(rows) {
+                row.iter_mut().zip(rates).for_each(|(into, rate)| *into = factor * rate);
+            }
+        }
+        let is_of_commands = criteria.are_of_commands(&self.cases);
         for column in 0..columns {
+            if rates.is_some() && self.unknowns[column].has_derivative() {
+                continue;
+            }
             if is_of_commands && !matches!(self.unknowns[column], Unknown::Tension { .. }) {
                 continue;
             }
@@ -401,7 +429,8 @@ impl Residuals for Problem<'_> {
         let mut first = 0;
         for (number, goal) in self.goals.iter().enumerate() {
             let factor = goal.weight.sqrt() / self.length;
-            let disks: Vec<usize> = goal.points.iter().map(|(disk, _)| *disk).collect();
+            let disks: Vec<Place> =
+                goal.points.iter().map(|(disk, _)| Place::Disk(*disk)).collect();
             let derivatives: Option<Linearization> = match is_exact {
                 true => {
                     let (model, case) = (&mut moved.prepared[number], &moved.cases[number]);
@@ -441,9 +470,7 @@ impl Residuals for Problem<'_> {
                 if of != cable {
                     continue;
                 }
-                let mut unit = vec![0.0; nodes];
-                unit[node] = 1.0;
-                let shape = chebyshev::powers(&unit, self.length);
+                let shape = chebyshev::of_node(node, nodes, self.length);
                 let stations = whipcord::equally_spaced(0.0, self.length, count);
                 for (row, (offset, s)) in offsets.iter().zip(stations).enumerate() {
                     let radius = offset[0].hypot(offset[1]);
@@ -455,10 +482,10 @@ impl Residuals for Problem<'_> {
             }
             first += count;
         }
-        self.last = Some(moved);
         if self.criteria.is_some() {
-            self.criteria_by_differences(unknowns, &mut into[first * columns..])?;
+            self.criteria_jacobian(&moved, unknowns, &mut into[first * columns..])?;
         }
+        self.last = Some(moved);
         Ok(())
     }
 }

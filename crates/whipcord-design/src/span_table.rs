@@ -20,6 +20,10 @@ pub(crate) struct SpanTable {
     spans: usize,
     /// Of each goal, span and pair of combinations; `None` where the model has no answer.
     poses: Vec<Option<Pose>>,
+    /// The positions of these poses, axis by axis, so that those behind one combination are compared together.
+    positions: [Vec<f64>; 3],
+    /// Of each span and pair zero, or infinity where the pair is not allowed there or the model has no answer under one of the goals.
+    obstacles: Vec<f64>,
     /// Of the first disk of each goal.
     pub bases: Vec<Pose>,
 }
@@ -70,8 +74,14 @@ impl SpanTable {
         if size > MOST_POSES {
             return Err(DesignError::TooManySpans { spans: size, most: MOST_POSES });
         }
-        let mut table =
-            Self { pairs, spans, poses: vec![None; size], bases: Vec::with_capacity(goals.len()) };
+        let mut table = Self {
+            pairs,
+            spans,
+            poses: vec![None; size],
+            positions: [const { Vec::new() }; 3],
+            obstacles: vec![f64::INFINITY; spans * pairs],
+            bases: Vec::with_capacity(goals.len()),
+        };
         let mut known: [Option<Vec<Vec<usize>>>; 2] = [None, None];
         for (number, goal) in goals.iter().enumerate() {
             let is_rotatable = is_rotatable(robot, choices, goal);
@@ -118,7 +128,53 @@ impl SpanTable {
                 (None, None) => return Err(DesignError::NoChoice { disk: 0 }),
             }
         }
+        table.arrange(choices);
         Ok(table)
+    }
+
+    /// Positions axis by axis, and which pairs can be taken.
+    fn arrange(&mut self, choices: &Choices) {
+        let position = |pose: &Option<Pose>| pose.map_or(Vec3::ZERO, |pose| pose.position);
+        self.positions =
+            [0, 1, 2].map(|axis| self.poses.iter().map(|pose| position(pose)[axis]).collect());
+        for span in 0..self.spans {
+            for from in 0..choices.count {
+                for (pair, _) in choices.pairs_after(from, span + 1) {
+                    let of_goal = |goal| self.span(goal, span, pair).is_some();
+                    if (0..self.bases.len()).all(of_goal) {
+                        self.obstacles[span * self.pairs + pair] = 0.0;
+                    }
+                }
+            }
+        }
+    }
+
+    /// For pairs of a span, by their numbers, the weighted sums of the squares of the distances from points of some goals, in the frames of the disk before; infinite for pairs
+    /// that cannot be taken.
+    pub fn distances(
+        &self,
+        span: usize,
+        pairs: core::ops::Range<usize>,
+        points: &[(usize, Vec3, f64)],
+        into: &mut Vec<f64>,
+    ) {
+        let first = span * self.pairs;
+        into.clear();
+        into.extend_from_slice(&self.obstacles[first + pairs.start..first + pairs.end]);
+        for &(goal, point, weight) in points {
+            let first = self.place(goal, span, pairs.start);
+            let [x, y, z] =
+                [0, 1, 2].map(|axis: usize| &self.positions[axis][first..first + pairs.len()]);
+            for (((sum, x), y), z) in into.iter_mut().zip(x).zip(y).zip(z) {
+                let off = [x - point[0], y - point[1], z - point[2]];
+                *sum += weight * (off[0] * off[0] + off[1] * off[1] + off[2] * off[2]);
+            }
+        }
+    }
+
+    /// Whether a pair of combinations can be taken at a span under all goals.
+    pub fn is_possible(&self, span: usize, pair: usize) -> bool {
+        self.obstacles[span * self.pairs + pair] == 0.0
     }
 
     /// Takes the spans of a list, and of the list with all cables up to so many holes on.

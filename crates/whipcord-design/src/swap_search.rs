@@ -119,7 +119,7 @@ impl SwapSearch<'_> {
                 break;
             }
         }
-        Ok(Found { list, cost, is_proven: is_local, nodes: 0 })
+        Ok(Found { list, cost, is_proven: is_local, least: 0.0, nodes: 0 })
     }
 
     /// The lists with other combinations at so many neighbouring disks that the rules allow.

@@ -1,13 +1,14 @@
 //! The list of holes that brings one disk nearest to a point, of all lists, by meeting in the middle.
 //!
 //! With the pose g of a disk in the middle and the place r of the last disk in its frame, `‖g r − x‖ = ‖r − g⁻¹ x‖`, eq. (3): of all ways from the
-//! middle on the places r are in a k-d tree, and every way to the middle asks it for the one nearest to `g⁻¹ x`. Of ways to the middle only the point in the
+//! middle on the places r are in a tree of boxes (R*-tree), and every way to the middle asks it for the one nearest to `g⁻¹ x`. Of ways to the middle only the point in the
 //! frame of the disk before it is kept.
 
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 use whipcord::{Mat3, Pose, Vec3};
 
 use crate::choices::Choices;
-use crate::kd_tree::KdTree;
 use crate::shape_search::Found;
 use crate::span_table::SpanTable;
 
@@ -26,20 +27,29 @@ struct Way {
 
 /// Where the last disk can be in the frame of the disk in the middle, how far from it, and by which ways.
 struct Places {
-    tree: KdTree,
+    tree: RTree<GeomWithData<[f64; 3], u64>>,
     distances: [f64; 2],
-    codes: Vec<u64>,
 }
 
 impl Places {
     fn new(ways: &[Way]) -> Self {
-        let places = || ways.iter().map(|way| way.pose.position);
-        let distances = || places().map(Vec3::norm);
+        let place = |way: &Way| GeomWithData::new(way.pose.position.to_array(), way.code);
+        let distances = || ways.iter().map(|way| way.pose.position.norm());
         Self {
-            tree: KdTree::new(places()),
+            tree: RTree::bulk_load(ways.iter().map(place).collect()),
             distances: [distances().fold(f64::INFINITY, f64::min), distances().fold(0.0, f64::max)],
-            codes: ways.iter().map(|way| way.code).collect(),
         }
+    }
+
+    /// The way to the place nearest to a point, and the square of its distance, if that is less than this.
+    fn nearest(&self, point: Vec3, below: f64) -> Option<(u64, f64)> {
+        let point = point.to_array();
+        // Most points have no place so near, which a tree says sooner than which place is the nearest.
+        if below.is_finite() && self.tree.locate_within_distance(point, below).next().is_none() {
+            return None;
+        }
+        let (place, square) = self.tree.nearest_neighbor_with_distance_2(point)?;
+        (square < below).then_some((place.data, square))
     }
 }
 
@@ -87,8 +97,8 @@ pub(crate) fn nearest(
             if outside > 0.0 && outside * outside >= known {
                 continue;
             }
-            if let Some((found, distance)) = places.tree.nearest(asked, known) {
-                best = Some((distance, code, places.codes[found], meeting));
+            if let Some((back, distance)) = places.nearest(asked, known) {
+                best = Some((distance, code, back, meeting));
             }
         }
     }
@@ -96,7 +106,7 @@ pub(crate) fn nearest(
     let mut list = decoded(choices, front, middle);
     list.push(meeting);
     list.extend(decoded(choices, back, disk - middle));
-    Some(Found { list, cost, is_proven: true, nodes: looked_at })
+    Some(Found { list, cost, is_proven: true, least: cost, nodes: looked_at })
 }
 
 /// All ways on from these at one disk to another.

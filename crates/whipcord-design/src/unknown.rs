@@ -87,19 +87,19 @@ impl Unknown {
         !matches!(self, Self::DiskPosition { .. })
     }
 
-    /// How fast each of these disks moves with it under a goal, in the world.
+    /// How fast each of these places moves with it under a goal, in the world.
     pub fn velocities(
         &self,
         goal: usize,
         case: &Case,
         length: f64,
         (derivatives, parameters): (&Linearization, &[Parameter]),
-        disks: &[usize],
+        places: &[Place],
     ) -> Vec<Vec3> {
-        let mut sum = vec![Vec3::ZERO; disks.len()];
+        let mut sum = vec![Vec3::ZERO; places.len()];
         let mut add = |factor: f64, change: &whipcord::derivatives::Change| {
-            for (sum, &disk) in sum.iter_mut().zip(disks) {
-                *sum += change.twist(Place::Disk(disk)).linear * factor;
+            for (sum, &place) in sum.iter_mut().zip(places) {
+                *sum += change.twist(place).linear * factor;
             }
         };
         let of = |parameter: Parameter| parameters.iter().position(|known| *known == parameter);
@@ -114,9 +114,8 @@ impl Unknown {
                 }
             }
             Self::Course { cable, axis, node, nodes } => {
-                let mut unit = vec![0.0; nodes];
-                unit[node] = 1.0;
-                for (power, factor) in chebyshev::powers(&unit, length).into_iter().enumerate() {
+                let powers = chebyshev::of_node(node, nodes, length);
+                for (power, factor) in powers.into_iter().enumerate() {
                     if let Some(index) = of(Parameter::Coefficient { cable, axis, power }) {
                         add(factor, &derivatives.parameter(index, Hold::Commands));
                     }

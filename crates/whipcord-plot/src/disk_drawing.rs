@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use whipcord::{Robot, Routing};
 
-use crate::drafting::{DraftForm, DraftLayer, Drafting};
+use crate::drafting::{DraftForm, DraftLayer, Drafting, LETTER};
 
 /// What drawings of disks show beside what the robot says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,7 +49,10 @@ pub fn disk_drawing(robot: &Robot, disk: usize, options: &DiskDrawingOptions) ->
     if backbone > 0.0 {
         cut([0.0, 0.0], backbone);
     }
-    let holes = disks.holes.filter(|_| circle > 0.0).unwrap_or(0);
+    // Of a robot whose cables all have places of their own the numbered holes would only be in the way.
+    let is_numbered = |cable: &whipcord::Cable| matches!(cable.routing, Routing::Holes { .. });
+    let has_numbers = robot.cables().is_empty() || robot.cables().iter().any(is_numbered);
+    let holes = disks.holes.filter(|_| circle > 0.0 && has_numbers).unwrap_or(0);
     for hole in 0..holes {
         cut(place(hole, holes, circle), hole_radius);
     }
@@ -76,12 +79,15 @@ pub fn disk_drawing(robot: &Robot, disk: usize, options: &DiskDrawingOptions) ->
             drawing.add(DraftLayer::Cables, DraftForm::Line { from, to });
         }
         let distance = centre[0].hypot(centre[1]).max(1e-9);
-        let out = (rim + NOTE) / distance;
         let words = match of.hole {
             Some(hole) => format!("{}: {hole}", of.name),
             None => of.name.clone(),
         };
-        let [x, y] = [out * centre[0], out * centre[1]];
+        // Beside the rim, however long the words are.
+        let half = 0.5 * LETTER * NOTE * words.chars().count() as f64;
+        let [towards_x, towards_y] = [centre[0] / distance, centre[1] / distance];
+        let out = rim + 0.7 * NOTE;
+        let [x, y] = [(out + half) * towards_x, out * towards_y];
         note(&mut drawing, [x, y + of.above * 1.2 * NOTE], NOTE, words);
         if let Some(next) = of.next {
             drawing.add(DraftLayer::Courses, DraftForm::Line { from: centre, to: next });

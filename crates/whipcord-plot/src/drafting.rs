@@ -88,6 +88,9 @@ impl DraftLayer {
     }
 }
 
+/// About how wide letters are, as a part of their height.
+pub(crate) const LETTER: f64 = 0.6;
+
 impl Drafting {
     /// Adds a form to a layer.
     pub fn add(&mut self, layer: DraftLayer, form: DraftForm) {
@@ -137,8 +140,7 @@ impl Drafting {
                     include(*to);
                 }
                 DraftForm::Text { at: [x, y], height, is_centred, text } => {
-                    // Letters are about 0.6 of their height wide.
-                    let width = 0.6 * height * text.chars().count() as f64;
+                    let width = LETTER * height * text.chars().count() as f64;
                     let left = if *is_centred { x - 0.5 * width } else { *x };
                     include([left, y - 0.5 * height]);
                     include([left + width, y + 0.5 * height]);

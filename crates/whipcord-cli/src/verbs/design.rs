@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use whipcord::{Actuation, Model, ModelKind, Stations, Vec3};
+use whipcord::warning::of_case;
+use whipcord::{Actuation, Model, ModelKind, Stations, Vec3, Warning};
 use whipcord_design::{CriterionResult, Design, DesignError, Quantity, Vary, design, spread};
 use whipcord_io::{
     CaseFile, DesignShape, DesignTable, DesignTarget, FittedFile, design_json, designed_case,
@@ -149,6 +150,7 @@ pub fn run(args: &DesignArgs, style: Style) -> Result<String, Failure> {
         }
         text
     };
+    warn_of_new(args.warnings, &file, &designed)?;
     // What can fail has been done: now the files are written, or there are none.
     if let Some((folder, report)) = report {
         report.write(folder, &json)?;
@@ -157,6 +159,18 @@ pub fn run(args: &DesignArgs, style: Style) -> Result<String, Failure> {
         files::write(path, new.text.as_bytes())?;
     }
     Ok(text)
+}
+
+/// Warns of what is wrong with the new robot that was not wrong with the old one, such as a cable that leads through the backbone.
+fn warn_of_new(warnings: Warnings, old: &CaseFile, new: &CaseFile) -> Result<(), Failure> {
+    let named = |warning: &Warning| (warning.code(), warning.path());
+    let known: Vec<_> = of_case(&old.robot, &old.case).iter().map(named).collect();
+    for warning in of_case(&new.robot, &new.case) {
+        if !known.contains(&named(&warning)) {
+            warnings.tell_of_all(&format!("the new robot: {warning}"), &warning.help())?;
+        }
+    }
+    Ok(())
 }
 
 /// What the file says of a design, with what the command line says instead.
@@ -284,10 +298,10 @@ fn check_note(found: &Design) -> Option<&'static str> {
 
 fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     let mut text = format!("{}\n{}\n\n", style.heading(&file.title), found.model);
+    let distance = |metres: f64| format!("{} mm", number(1e3 * metres, 3));
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<12}")));
     };
-    let distance = |metres: f64| format!("{} mm", number(1e3 * metres, 3));
     let both = |error, largest| {
         format!("{} in the root mean square, {} at most", distance(error), distance(largest))
     };
@@ -335,6 +349,12 @@ fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     text.push('\n');
     for finding in &found.findings {
         text += &format!("{}: {}\n", finding.what, finding.known);
+    }
+    if let Some(bound) = found.lower_bound.filter(|bound| *bound < found.error * (1.0 - 1e-6)) {
+        text += &format!(
+            "no list of holes comes nearer than {} in the root mean square with these tensions\n",
+            distance(bound)
+        );
     }
     if let Some([_, greatest]) = found.assumed_tension {
         text += &format!(

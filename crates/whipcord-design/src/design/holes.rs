@@ -19,6 +19,8 @@ const TENSIONS: u32 = 24;
 const KEPT: usize = 4;
 /// The same where every list must be solved as a whole.
 const KEPT_OF_WHOLE: usize = 2;
+/// How often a list that is proven to be the best, and better than that of the beam, gets tensions of its own.
+const PROOFS: usize = 3;
 /// How much nearer a round must come to go on, as a part of what lists are compared by.
 const NEARER: f64 = 2e-4;
 
@@ -38,9 +40,23 @@ impl Work<'_> {
         // Where every list must be solved as a whole, tensions are compared by the first list of each alone.
         let is_sequential = is_sequential(&self.model, &self.robot, &self.shape_goals()?);
         let first = HoleSearchOptions { solves: 1, ..*all };
+        // Where lists can be proven, tensions are compared by good lists, and only the list that is left is proven to be the best.
+        let quick = HoleSearchOptions { nodes: 0, ..*all };
         let is_scanned = matches!((tensions, &self.cases[..]), ([_], [_]));
-        let trial = if is_sequential || !is_scanned { all } else { &first };
+        let trial = match (is_sequential, is_scanned) {
+            (true, _) if tensions.is_empty() => all,
+            (true, _) => &quick,
+            (false, true) => &first,
+            (false, false) => all,
+        };
         let trial = (trial, Starts::All);
+        for &cable in tensions {
+            let [least, greatest] = self.tension_range(cable)?;
+            for case in &mut self.cases {
+                let tension = &mut case.commands[cable].tension;
+                *tension = tension.map(|tension| tension.clamp(least, greatest));
+            }
+        }
         // Of each trial the tensions and what the holes make of them.
         let mut trials = vec![(self.cases.clone(), search(self, trial))];
         if let ([cable], [_]) = (tensions, &self.cases[..]) {
@@ -72,16 +88,33 @@ impl Work<'_> {
         for (cases, design) in found {
             self.cases = cases;
             self.robot = design.robot.clone();
-            let by = |work: &Self| search(work, (&work.options.search, Starts::Own));
+            let by = if is_sequential { &quick } else { all };
+            let by = |work: &Self| search(work, (by, Starts::Own));
             let ended = self.in_turn(design, tensions, &by)?;
             if best.as_ref().is_none_or(|(_, best, _)| ended.0.merit < best.merit) {
                 best = Some((self.cases.clone(), ended.0, ended.1));
             }
         }
-        let Some((cases, best, known)) = best else {
+        let Some((cases, mut best, mut known)) = best else {
             return Err(refusal.unwrap_or(DesignError::NoPoints));
         };
         (self.cases, self.robot) = (cases, best.robot.clone());
+        if is_sequential && !tensions.is_empty() {
+            for round in 0..=PROOFS {
+                let before = best.merit;
+                best = search(self, (all, Starts::Own))?;
+                self.robot = best.robot.clone();
+                if round == PROOFS || best.merit > before * (1.0 - NEARER) {
+                    break;
+                }
+                // The best list of all was not among those of the beam: other tensions may suit it better.
+                let by = |work: &Self| search(work, (&quick, Starts::Own));
+                let of_tensions;
+                (best, of_tensions) = self.in_turn(best, tensions, &by)?;
+                known = of_tensions.or(known);
+            }
+        }
+        self.lower_bound = Some(best.lower_bound);
         for cable in cables {
             self.find(Vary::Holes { cable: *cable }, Known::Holes(best.proof));
         }

@@ -66,9 +66,10 @@ pub fn design(
         criteria,
         findings: Vec::new(),
         assumed: None,
+        lower_bound: None,
     };
     work.run()?;
-    let Work { model, robot, cases, criteria, findings, assumed, .. } = work;
+    let Work { model, robot, cases, criteria, findings, assumed, lower_bound, .. } = work;
     let goals: Vec<DesignGoal> =
         goals.iter().zip(&cases).map(|(of, case)| with_case(of, case)).collect();
     let shape_goals: Vec<ShapeGoal> =
@@ -94,6 +95,7 @@ pub fn design(
         findings,
         criteria,
         assumed_tension: assumed,
+        lower_bound: lower_bound.filter(|bound| *bound > 0.0),
         before: before.filter(|_| !all.is_empty()).map(|solutions| {
             let goals = shape_goals.iter().zip(&solutions);
             let all: Vec<f64> = goals.flat_map(|(goal, of)| distances(goal, of)).collect();
@@ -158,16 +160,20 @@ impl Work<'_> {
             && self.closed_form(cable)?
             && self.keeps_criteria()?
         {
+            self.lower_bound = None;
             self.find(Vary::Routing { cable }, Known::ClosedForm);
             rest.retain(|of| !matches!(of, Vary::Routing { .. } | Vary::Tension { .. }));
         }
         if let Some(of) = self.on_the_curve(&rest)?
             && self.keeps_criteria()?
         {
+            self.lower_bound = None;
             self.find(of, Known::Iterated);
             return Ok(());
         }
         if !rest.is_empty() {
+            // The bound is that of the robot before.
+            self.lower_bound = None;
             self.least_squares(&rest)?;
         }
         Ok(())

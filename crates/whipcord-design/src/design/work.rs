@@ -20,6 +20,8 @@ pub(super) struct Work<'a> {
     pub criteria: Criteria,
     pub findings: Vec<Finding>,
     pub assumed: Option<[f64; 2]>,
+    /// The error that no other list of holes is below with these tensions, in m.
+    pub lower_bound: Option<f64>,
 }
 
 impl Work<'_> {

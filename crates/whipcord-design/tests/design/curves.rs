@@ -145,7 +145,7 @@ fn a_pre_bent_rod_takes_the_curve_under_cables_gravity_and_tip_load() {
 }
 
 #[test]
-fn a_tapered_rod_takes_the_curve_under_a_cable_and_a_tip_load() {
+fn a_tapered_rod_takes_the_curve_under_a_cable_gravity_and_a_tip_load() {
     let curve = Curve::new(LENGTH, 0.0, |s| 4.0 * (1.0 + 0.6 * (TAU * s / LENGTH).sin()), |_| 0.0);
     let robot = straight(&[0.0], 0.008);
     let bare =
@@ -157,7 +157,11 @@ fn a_tapered_rod_takes_the_curve_under_a_cable_and_a_tip_load() {
         let exact = (64.0 * bending / (PI * 1.1e9)).powf(0.25);
         assert!((diameter / exact - 1.0).abs() < 5e-3, "{s}: {diameter} {exact}");
     }
-    let loads = Loads { tip_force: Vec3::new(0.05, 0.0, -0.02), ..Loads::default() };
+    let loads = Loads {
+        gravity: Some(Vec3::new(0.0, 0.0, -9.81)),
+        tip_force: Vec3::new(0.05, 0.0, -0.02),
+        ..Loads::default()
+    };
     let case = Case { loads, ..Case::with_tensions(&[3.0]) };
     let loaded = taper_for_curve(&rod(), &robot, &case, &curve, 37, [0.001, 0.008]).unwrap();
     println!("taper: {:.1e} and {:.1e}", bare.error / LENGTH, loaded.error / LENGTH);

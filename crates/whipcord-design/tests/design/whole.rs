@@ -320,3 +320,27 @@ fn stiffness_and_tension_for_two_circles_end() {
     let found = design(&model(ModelKind::Cosserat), &robot, &goals, &vary, &options).unwrap();
     assert!(found.error < 0.02 * LENGTH, "{:e}", found.error);
 }
+
+/// What a cable cannot reach within its limit of tension: the limit holds although the file exceeds it, and what is not proven has a bound.
+#[test]
+fn a_target_out_of_reach_keeps_the_limits_and_has_a_bound() {
+    let robot = holed(LENGTH, 10, 36, 1);
+    let options = DesignOptions { tensions: vec![Some([0.0, 1.0])], ..DesignOptions::default() };
+    let arc = curve(CurveKind::Arc { angle: PI / 3.0 }, 0.0);
+    let goals = [goal(Case::with_tensions(&[4.0]), arc)];
+    let vary = [Vary::Holes { cable: 0 }, Vary::Tension { cable: 0 }];
+    let disks = model(ModelKind::CosseratDisks);
+    let found = design(&disks, &robot, &goals, &vary, &options).unwrap();
+    let tension = found.goals[0].case.commands[0].tension.unwrap();
+    let bound = found.lower_bound.unwrap();
+    println!("{tension} N, {:e} at least {bound:e}; {:?}", found.error, found.findings);
+    assert!((tension - 1.0).abs() < 1e-6, "{tension}");
+    assert!(bound <= found.error && bound > 0.8 * found.error);
+    // Straight on towards the curve is as good as all that is known.
+    let straight = with_holes(&robot, &[vec![1; 10]]);
+    let solution = disks.solve(&straight, &Case::with_tensions(&[1.0])).unwrap();
+    let points = goals[0].points(&straight).unwrap();
+    let off = points.iter().map(|(k, p)| (solution.disks.poses[*k].position - *p).norm().powi(2));
+    let error = (off.sum::<f64>() / points.len() as f64).sqrt();
+    assert!(found.error <= error * (1.0 + 1e-9) && bound <= error);
+}

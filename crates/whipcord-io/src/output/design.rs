@@ -35,6 +35,8 @@ pub fn design_json(
         }),
     };
     object.insert("before".to_owned(), before);
+    let bound = design.lower_bound.map(|bound| number(|| "lower_bound".to_owned(), bound));
+    object.insert("lower_bound".to_owned(), bound.transpose()?.unwrap_or_default());
     let findings = design.findings.iter().map(|finding| {
         json!({
             "vary": finding.what,

@@ -1,5 +1,7 @@
 //! Criteria of a robot and its cases: values, objectives as residuals, and how far constraints are violated.
 
+mod rates;
+
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
 use whipcord::derivatives::{Hold, Place};
 use whipcord::kinematics::principal_axes;
@@ -13,6 +15,7 @@ use whipcord_numerics::random::SplitMix64;
 use crate::criterion::{Criterion, CriterionResult, Quantity, WORKSPACE_RADIUS};
 use crate::error::DesignError;
 use crate::soft_volume::soft_volume;
+pub(crate) use rates::Varied;
 
 /// Stations at which the clearance is taken.
 const STATIONS: usize = 41;
@@ -216,6 +219,17 @@ impl Criteria {
         disk: usize,
         direction: Option<Vec3>,
     ) -> Result<f64, DesignError> {
+        self.stiffness_along(robot, case, disk, direction).map(|(stiffness, _)| stiffness)
+    }
+
+    /// A stiffness and its direction in the world.
+    fn stiffness_along(
+        &self,
+        robot: &Robot,
+        case: &Case,
+        disk: usize,
+        direction: Option<Vec3>,
+    ) -> Result<(f64, Vec3), DesignError> {
         if !self.model.has_derivatives(robot) {
             let what = format!(
                 "the model {} has no compliance for this robot, so that no stiffness can be a criterion: choose cosserat or cosserat-disks",
@@ -226,35 +240,36 @@ impl Criteria {
         let mut prepared = self.model.prepare(robot, &case.loads)?;
         let (_, derivatives) = prepared.solve_with_derivatives(case, None, &[])?;
         let matrix = derivatives.compliance(Place::Disk(disk), Hold::Commands)?;
-        let compliance = match direction {
+        let row = |i: usize| Vec3::from([0, 1, 2].map(|j| matrix.at(i, j)));
+        let matrix = Mat3::from_rows(row(0), row(1), row(2));
+        let (compliance, direction) = match direction {
             Some(direction) => {
                 // Compliances are in the frame of the base.
                 let n = case.base.rotation.conjugate().rotate(direction);
-                (0..3)
-                    .flat_map(|i| (0..3).map(move |j| (i, j)))
-                    .map(|(i, j)| n[i] * matrix.at(i, j) * n[j])
-                    .sum()
+                (n.dot(matrix * n), direction)
             }
             None => {
-                let row = |i: usize| Vec3::from([0, 1, 2].map(|j| matrix.at(i, j)));
-                principal_axes(&Mat3::from_rows(row(0), row(1), row(2))).values[2]
+                let principal = principal_axes(&matrix);
+                (principal.values[2], case.base.rotation.rotate(principal.directions[2]))
             }
         };
-        Ok(if compliance > 0.0 { 1.0 / compliance } else { 0.0 })
+        Ok((if compliance > 0.0 { 1.0 / compliance } else { 0.0 }, direction))
+    }
+
+    /// Commands all over their ranges, row after row.
+    fn sampled_commands(&self) -> Vec<f64> {
+        let mut random = SplitMix64::of(1, 0);
+        (0..self.commands)
+            .flat_map(|_| &self.ranges)
+            .map(|[least, greatest]| least + (greatest - least) * random.next_part())
+            .collect()
     }
 
     /// Volume of the places of the tip with commands all over their ranges, under the loads of a case.
     fn volume(&self, robot: &Robot, case: &Case) -> Result<f64, DesignError> {
-        let mut random = SplitMix64::of(1, 0);
-        let values: Vec<f64> = (0..self.commands)
-            .flat_map(|_| &self.ranges)
-            .map(|[least, greatest]| least + (greatest - least) * random.next_part())
-            .collect();
-        let rows = match by_tension(case) {
-            true => Rows::Tensions { values: &values, case },
-            false => Rows::Shortenings { values: &values, case },
-        };
+        let commands = self.sampled_commands();
         let model = self.model.at(Stations::At(vec![robot.backbone().length]));
+        let rows = rows_of(&commands, case);
         let batch = solve_batch(&model, robot, rows, &BatchOptions::default())?;
         let tips = (0..batch.len()).filter_map(|row| {
             let row = batch.row(row)?.ok()?;
@@ -386,6 +401,14 @@ impl Terms {
 /// Whether a case gives tensions.
 pub(crate) fn by_tension(case: &Case) -> bool {
     case.commands.iter().all(|command| command.tension.is_some())
+}
+
+/// Rows of tensions or shortenings, as the case has them.
+fn rows_of<'a>(values: &'a [f64], case: &'a Case) -> Rows<'a> {
+    match by_tension(case) {
+        true => Rows::Tensions { values, case },
+        false => Rows::Shortenings { values, case },
+    }
 }
 
 fn worst(criterion: &Criterion, values: &[f64]) -> f64 {
