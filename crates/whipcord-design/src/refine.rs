@@ -79,7 +79,14 @@ pub(crate) fn refine(
         match problem.constrained(&mut values, &minimiser) {
             Ok(ending) => {
                 values = problem.within_rim(&values);
-                let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
+                let mut end = (problem.cost(&values), ending, values);
+                if end.0.is_none() && start == 0 {
+                    // What was given is better than no answer.
+                    let given = problem.within_rim(&start_values(unknowns, 0, options));
+                    end = (problem.cost(&given), Ending::Refused, given);
+                }
+                let (cost, ending, values) = end;
+                let cost = cost.unwrap_or(f64::INFINITY);
                 ends.push((cost, ending, values));
                 if is_met(robot, goals, options, cost) {
                     break;

@@ -293,8 +293,9 @@ impl<'a> Problem<'a> {
         Ok(solutions)
     }
 
-    /// What starts are compared by, in m².
+    /// What starts are compared by, in m²; `None` where the model has no answer without a neighbouring one to start from, as near a fold.
     pub fn cost(&mut self, values: &[f64]) -> Option<f64> {
+        self.answers.fill(None);
         let mut moved = self.prepared(values).ok()?;
         let solutions = self.solved(&mut moved).ok()?;
         let goals = self.goals.iter().zip(&solutions);

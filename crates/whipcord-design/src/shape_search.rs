@@ -66,23 +66,34 @@ impl<'a> ShapeSearch<'a> {
 
     /// Searches within so many spans; without any the best of the beam.
     pub fn run(&self, most_nodes: usize) -> Option<Found> {
-        let mut best = self.beam(BEAMS[0].0)?;
-        best.least = self.first_cost();
-        if most_nodes == 0 {
-            return Some(best);
-        }
         let tail = TailBound::new(self.choices, self.table, self.goals, self.disks);
+        // Where few disks have a target, sums alone do not lead anywhere.
+        let wanted = self.wanted.iter().filter(|wanted| !wanted.is_empty()).count();
+        let is_sparse = 2 * wanted < self.disks;
+        let mut best = self.beam(BEAMS[0].0, tail.as_ref().filter(|_| is_sparse))?;
+        best.least = self.first_cost();
         if let Some(tail) = &tail {
             let firsts = self.choices.at(0).iter();
             let least = firsts.map(|&first| tail.least(0, first, &self.table.bases));
             best.least += least.fold(f64::INFINITY, f64::min);
         }
         let is_far = best.least >= WORTH * best.cost;
+        let guide = tail.as_ref().filter(|_| is_far || is_sparse);
+        if is_far
+            && !is_sparse
+            && let Some(guided) = self.beam(BEAMS[0].0, guide)
+            && guided.cost < best.cost
+        {
+            best = Found { least: best.least, ..guided };
+        }
+        if most_nodes == 0 {
+            return Some(best);
+        }
         let of_least_first = if is_far { most_nodes / LEAST_FIRST } else { 0 };
         let mut spent = 0;
         for (width, nodes) in BEAMS {
             if width > BEAMS[0].0
-                && let Some(wider) = self.beam(width)
+                && let Some(wider) = self.beam(width, guide)
                 && wider.cost < best.cost
             {
                 best = Found { least: best.least, ..wider };
@@ -155,8 +166,10 @@ impl<'a> ShapeSearch<'a> {
         }
     }
 
-    fn beam(&self, width: usize) -> Option<Found> {
+    /// The best of the lists that go on from so many partial ones at each disk: those with the least sum, or bound of the whole.
+    fn beam(&self, width: usize, guide: Option<&TailBound>) -> Option<Found> {
         struct Partial {
+            bound: f64,
             cost: f64,
             choice: usize,
             pair: usize,
@@ -166,27 +179,38 @@ impl<'a> ShapeSearch<'a> {
         let mut layers: Vec<Vec<Partial>> = Vec::with_capacity(self.disks);
         let first = self.first_cost();
         let start = self.choices.at(0).iter();
-        let start = start.map(|&choice| Partial { cost: first, choice, pair: 0, before: 0 });
+        let start = start.map(|&choice| {
+            let (pair, before) = (0, 0);
+            Partial { bound: first, cost: first, choice, pair, before }
+        });
         layers.push(start.collect());
         let mut poses: Vec<Pose> =
             layers[0].iter().flat_map(|_| self.table.bases.clone()).collect();
         let (mut wanted, mut sums) = (Vec::new(), Vec::new());
+        let mut moved = vec![Pose::IDENTITY; goals];
         for disk in 1..self.disks {
             let mut next: Vec<Partial> = Vec::new();
             for (before, partial) in layers[disk - 1].iter().enumerate() {
-                self.want(disk, &poses[before * goals..(before + 1) * goals], &mut wanted);
+                let here = &poses[before * goals..(before + 1) * goals];
+                self.want(disk, here, &mut wanted);
                 let (first, followers) = self.choices.followers(partial.choice);
                 let pairs = first..first + followers.len();
                 self.table.distances(disk - 1, pairs.clone(), &wanted, &mut sums);
                 for ((more, pair), &choice) in sums.iter().zip(pairs).zip(followers) {
-                    if more.is_finite() {
-                        next.push(Partial { cost: partial.cost + more, choice, pair, before });
+                    let cost = partial.cost + more;
+                    let mut bound = cost;
+                    if let Some(guide) = guide.filter(|_| cost.is_finite()) {
+                        self.moved(disk, pair, here, &mut moved);
+                        bound += guide.least(disk, choice, &moved);
+                    }
+                    if bound.is_finite() {
+                        next.push(Partial { bound, cost, choice, pair, before });
                     }
                 }
             }
             // Of equal ones the first, so that the answer is always the same.
             let order = |a: &Partial, b: &Partial| {
-                a.cost.total_cmp(&b.cost).then((a.before, a.choice).cmp(&(b.before, b.choice)))
+                a.bound.total_cmp(&b.bound).then((a.before, a.choice).cmp(&(b.before, b.choice)))
             };
             if next.len() > width {
                 next.select_nth_unstable_by(width, order);

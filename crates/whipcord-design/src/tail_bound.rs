@@ -1,7 +1,7 @@
 //! Bounds of what the disks behind a disk add to the cost of a list, whatever holes follow.
 //!
 //! From each hole of a disk on, a later disk stays in a ball in the frame of the former. The ball of the next disk holds the positions of all spans; that of a later one
-//! holds the balls of the next disk's holes, moved by these spans, eq. (4). The distance of a target from the ball is the least that the disk adds.
+//! holds the balls of the next disk's holes, moved by these spans, eq. (2a). The distance of a target from the ball, or from all that is within reach by the lengths of the spans, is the least that the disk adds.
 
 use whipcord::{Pose, Vec3};
 
@@ -14,7 +14,12 @@ struct Ball {
     centre: Vec3,
     /// Less than zero where no list leads on.
     radius: f64,
+    /// How far from the disk itself it can be: the spans one after the other.
+    reach: f64,
 }
+
+/// What no list leads to.
+const NONE: Ball = Ball { centre: Vec3::ZERO, radius: f64::NEG_INFINITY, reach: f64::NEG_INFINITY };
 
 /// Balls of the disks that have a target, from each disk and combination of holes on.
 pub(crate) struct TailBound {
@@ -57,8 +62,7 @@ impl TailBound {
             return None;
         }
         let first = (0..disks).map(|disk| targets.partition_point(|of| of.0 <= disk)).collect();
-        let none = Ball { centre: Vec3::ZERO, radius: f64::NEG_INFINITY };
-        let balls = vec![none; disks * choices.count * targets.len()];
+        let balls = vec![NONE; disks * choices.count * targets.len()];
         let mut bound = Self { count: choices.count, targets, first, balls };
         let mut parts: Vec<Ball> = Vec::new();
         for disk in (0..disks - 1).rev() {
@@ -72,12 +76,15 @@ impl TailBound {
                         }
                         let Some(span) = table.span(goal, disk, pair) else { continue };
                         if of == disk + 1 {
-                            parts.push(Ball { centre: span.position, radius: 0.0 });
+                            let (centre, reach) = (span.position, span.position.norm());
+                            parts.push(Ball { centre, radius: 0.0, reach });
                             continue;
                         }
                         let ball = bound.balls[bound.place(disk + 1, to, target)];
                         if ball.radius >= 0.0 {
-                            parts.push(Ball { centre: span.transform(ball.centre), ..ball });
+                            let centre = span.transform(ball.centre);
+                            let reach = span.position.norm() + ball.reach;
+                            parts.push(Ball { centre, reach, ..ball });
                         }
                     }
                     let at = bound.place(disk, from, target);
@@ -104,8 +111,10 @@ impl TailBound {
         let balls = &self.balls[at..at + self.targets.len() - first];
         let mut sum = 0.0;
         for (ball, (_, goal, point, weight)) in balls.iter().zip(&self.targets[first..]) {
-            let away = (poses[*goal].transform(ball.centre) - *point).norm() - ball.radius;
-            sum += weight * away.max(0.0).powi(2);
+            let pose = &poses[*goal];
+            let from_ball = (pose.transform(ball.centre) - *point).norm() - ball.radius;
+            let beyond_reach = (pose.position - *point).norm() - ball.reach;
+            sum += weight * from_ball.max(beyond_reach).max(0.0).powi(2);
         }
         sum
     }
@@ -113,12 +122,10 @@ impl TailBound {
 
 /// A ball that holds some balls, nearly the least: its middle moves towards what is farthest by ever smaller parts, as by Bădoiu and Clarkson (2003).
 fn enclosing(parts: &[Ball]) -> Ball {
-    let Some(first) = parts.first() else {
-        return Ball { centre: Vec3::ZERO, radius: f64::NEG_INFINITY };
-    };
+    let Some(first) = parts.first() else { return NONE };
     let farthest = |centre: Vec3| {
-        let reach = |part: &Ball| (part.centre - centre).norm() + part.radius;
-        let parts = parts.iter().map(|part| (reach(part), part.centre));
+        let away = |part: &Ball| (part.centre - centre).norm() + part.radius;
+        let parts = parts.iter().map(|part| (away(part), part.centre));
         parts.fold((f64::NEG_INFINITY, centre), |far, of| if of.0 > far.0 { of } else { far })
     };
     let (mut least, mut greatest) = (first.centre, first.centre);
@@ -129,11 +136,12 @@ fn enclosing(parts: &[Ball]) -> Ball {
         }
     }
     let mut centre = (least + greatest) * 0.5;
-    let mut best = Ball { centre, radius: f64::INFINITY };
+    let reach = parts.iter().map(|part| part.reach).fold(0.0, f64::max) * ROUNDING;
+    let mut best = Ball { centre, radius: f64::INFINITY, reach };
     for correction in 0..=CORRECTIONS {
-        let (reach, towards) = farthest(centre);
-        if reach < best.radius {
-            best = Ball { centre, radius: reach };
+        let (farthest_part, towards) = farthest(centre);
+        if farthest_part < best.radius {
+            best = Ball { centre, radius: farthest_part, ..best };
         }
         #[allow(clippy::cast_precision_loss, reason = "few corrections")]
         let part = 1.0 / (correction + 4) as f64;
@@ -148,11 +156,15 @@ mod tests {
 
     #[test]
     fn a_ball_holds_its_parts_and_little_more() {
-        let part = |x: f64, y: f64, radius: f64| Ball { centre: Vec3::new(x, y, 0.0), radius };
+        let part = |x: f64, y: f64, radius: f64| {
+            let centre = Vec3::new(x, y, 0.0);
+            Ball { centre, radius, reach: centre.norm() + radius }
+        };
         let parts = [part(1.0, 0.0, 0.5), part(-1.0, 0.0, 0.5), part(0.0, 1.0, 0.0)];
         let ball = enclosing(&parts);
         assert!(parts.iter().all(|of| (of.centre - ball.centre).norm() + of.radius <= ball.radius));
         assert!((1.5..1.6).contains(&ball.radius), "{}", ball.radius);
+        assert!((ball.reach - 1.5).abs() < 1e-9);
         assert!(enclosing(&[]).radius < 0.0);
     }
 }

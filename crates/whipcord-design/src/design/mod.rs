@@ -5,7 +5,7 @@ mod on_curve;
 mod unknowns;
 mod work;
 
-use whipcord::{Case, Model, ModelKind, Robot, Solution, Statics as _, Stations};
+use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Statics as _, Stations};
 
 use crate::cable_count;
 use crate::criteria::Criteria;
@@ -130,6 +130,8 @@ fn result(model: &Model, robot: &Robot, goal: &ShapeGoal) -> Result<GoalResult, 
     })
 }
 
+/// A robot that is nearer to a curve than this part of the length is on it.
+const ON_CURVE: f64 = 1e-3;
 /// Estimated error of the fine solve, as a part of the length.
 const FINE: f64 = 1e-9;
 
@@ -164,11 +166,28 @@ impl Work<'_> {
             self.find(Vary::Routing { cable }, Known::ClosedForm);
             rest.retain(|of| !matches!(of, Vary::Routing { .. } | Vary::Tension { .. }));
         }
-        if let Some(of) = self.on_the_curve(&rest)?
+        if let Some((of, error)) = self.on_the_curve(&rest)?
             && self.keeps_criteria()?
         {
             self.lower_bound = None;
-            self.find(of, Known::Iterated);
+            let iterated = (error > ON_CURVE * self.robot.backbone().length)
+                .then(|| self.robot.clone())
+                .and_then(|robot| Some((self.cost()?, robot)));
+            let Some((cost, iterated)) = iterated else {
+                self.find(of, Known::Iterated);
+                return Ok(());
+            };
+            // What cannot be met bend by bend may be met better as a whole.
+            let is_better = match self.least_squares(&rest) {
+                Ok(()) => self.cost().is_some_and(|found| found < cost),
+                Err(error @ DesignError::Solve(SolveError::Cancelled { .. })) => return Err(error),
+                Err(_) => false,
+            };
+            if !is_better {
+                self.robot = iterated;
+                self.findings.retain(|finding| finding.what != of.to_string());
+                self.find(of, Known::Iterated);
+            }
             return Ok(());
         }
         if !rest.is_empty() {

@@ -59,8 +59,11 @@ impl Work<'_> {
         Ok(false)
     }
 
-    /// Rest curvature or diameters for one curve, if nothing else is left: which of them.
-    pub(super) fn on_the_curve(&mut self, rest: &[Vary]) -> Result<Option<Vary>, DesignError> {
+    /// Rest curvature or diameters for one curve, if nothing else is left: which of them, and the greatest distance from the curve in m.
+    pub(super) fn on_the_curve(
+        &mut self,
+        rest: &[Vary],
+    ) -> Result<Option<(Vary, f64)>, DesignError> {
         let Some(curve) = self.curve()? else { return Ok(None) };
         let is_rod = matches!(self.model.kind(), ModelKind::Cosserat | ModelKind::CosseratDisks);
         let (model, case, places) = (&self.model, &self.cases[0], self.options.places);
@@ -68,14 +71,14 @@ impl Work<'_> {
             [Vary::RestCurvature] if is_rod => {
                 let bent = rest_curvature_for_curve(model, &self.robot, case, &curve, places)?;
                 self.robot = bent.robot;
-                Ok(Some(Vary::RestCurvature))
+                Ok(Some((Vary::RestCurvature, bent.error)))
             }
             [Vary::Diameters] if is_rod => {
                 let range = self.diameter_range();
                 match taper_for_curve(model, &self.robot, case, &curve, places, range) {
                     Ok(taper) => {
                         self.robot = taper.robot;
-                        Ok(Some(Vary::Diameters))
+                        Ok(Some((Vary::Diameters, taper.error)))
                     }
                     // What no taper can do least squares may still come near to.
                     Err(DesignError::Curve { .. } | DesignError::NotConverged { .. }) => Ok(None),

@@ -139,14 +139,16 @@ impl Work<'_> {
                     return Err(DesignError::Backbone { what: what.to_owned() });
                 }
                 let at = self.places(length)?;
-                let count = at.len();
                 let range = self.diameter_range();
-                let start = self.diameter().clamp(range[0], range[1]);
-                let outer = Along::At { arc_lengths: at, values: vec![start; count] };
+                let (backbone, disks) = (self.robot.backbone(), self.robot.disks());
+                let diameter = |s: &f64| 2.0 * backbone.outer_radius_at(disks, *s);
+                let values: Vec<f64> =
+                    at.iter().map(|s| diameter(s).clamp(range[0], range[1])).collect();
+                let outer = Along::At { arc_lengths: at, values: values.clone() };
                 let section = Some(Section::Round { outer, inner: inner.clone() });
                 let backbone = Backbone { section, ..self.robot.backbone().clone() };
                 self.rebuild(backbone, self.robot.cables().to_vec())?;
-                for entry in 0..count {
+                for (entry, start) in values.into_iter().enumerate() {
                     let unknown = Unknown::Parameter(Parameter::DiameterAt { entry });
                     let starts = [0.7 * start, 1.4 * start];
                     into.push(Bounded { unknown, start, range, starts });

@@ -74,6 +74,16 @@ impl Work<'_> {
         goals.map(|(of, case)| with_case(of, case).shape_goal(&self.robot)).collect()
     }
 
+    /// The weighted sum of the squares of the distances in m², where the model has answers.
+    pub fn cost(&self) -> Option<f64> {
+        let goals = self.shape_goals().ok()?;
+        let costs = goals.iter().map(|goal| {
+            let solution = self.model.solve(&self.robot, &goal.case).ok()?;
+            Some(goal.cost(&solution.disks.poses))
+        });
+        costs.sum()
+    }
+
     pub fn find(&mut self, what: Vary, known: Known) {
         self.findings.push(Finding { what: what.to_string(), known });
     }

@@ -344,3 +344,40 @@ fn a_target_out_of_reach_keeps_the_limits_and_has_a_bound() {
     let error = (off.sum::<f64>() / points.len() as f64).sqrt();
     assert!(found.error <= error * (1.0 + 1e-9) && bound <= error);
 }
+
+/// A load across the plane of an arc, which no taper takes up bend by bend: least squares go on from where that ends, and never to a robot without an answer.
+#[test]
+fn a_taper_under_a_load_across_is_better_as_a_whole() {
+    let robot = straight(&[0.0], 0.008);
+    let loads = Loads { tip_force: Vec3::new(0.0, 0.1, 0.0), ..Loads::default() };
+    let case = Case { loads, ..Case::with_tensions(&[4.0]) };
+    let arc = curve(CurveKind::Arc { angle: 40_f64.to_radians() }, 0.0);
+    let cosserat = model(ModelKind::Cosserat);
+    let goals = [goal(case.clone(), arc)];
+    let points = TargetShape::Points(goals[0].points(&robot).unwrap());
+    let options = DesignOptions { starts: 2, iterations: 60, ..DesignOptions::default() };
+    let found = design(&cosserat, &robot, &goals, &[Vary::Diameters], &options).unwrap();
+    println!("{:e} {:?}", found.error / LENGTH, found.findings);
+    let goals = [goal(case, points)];
+    let whole = design(&cosserat, &robot, &goals, &[Vary::Diameters], &options).unwrap();
+    println!("{:e} {:?}", whole.error / LENGTH, whole.findings);
+    // The iteration alone ends at 0.0693.
+    assert!(found.error < 0.069 * LENGTH && whole.error < 0.069 * LENGTH);
+    assert!(!matches!(known(&found, Vary::Diameters), Known::Iterated | Known::Met));
+}
+
+/// A place of the tip with so many holes that halves of lists are too many: still as straight as the pull allows, with a bound.
+#[test]
+fn a_tip_beyond_the_length_is_aimed_at() {
+    let robot = holed(LENGTH, 10, 36, 1);
+    let target = TargetShape::Points(vec![(9, Vec3::new(0.0, 0.0, 0.4))]);
+    let goals = [goal(Case::with_tensions(&[4.0]), target)];
+    let disks = model(ModelKind::CosseratDisks);
+    let options = DesignOptions::default();
+    let found = design(&disks, &robot, &goals, &[Vary::Holes { cable: 0 }], &options).unwrap();
+    let bound = found.lower_bound.unwrap();
+    println!("{:e} at least {bound:e}", found.error);
+    // A backbone that stays straight would be 0.22 m off.
+    assert!(found.error < 0.2215, "{}", found.error);
+    assert!(bound <= found.error && bound > 0.2195, "{bound}");
+}
