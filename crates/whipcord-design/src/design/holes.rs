@@ -19,6 +19,8 @@ const TENSIONS: u32 = 24;
 const KEPT: usize = 4;
 /// The same where every list must be solved as a whole.
 const KEPT_OF_WHOLE: usize = 2;
+/// Spans that may be looked at for each tension that is compared.
+const QUICK: usize = 200_000;
 /// How often a list that is proven to be the best, and better than that of the beam, gets tensions of its own.
 const PROOFS: usize = 3;
 /// How much nearer a round must come to go on, as a part of what lists are compared by.
@@ -41,7 +43,7 @@ impl Work<'_> {
         let is_sequential = is_sequential(&self.model, &self.robot, &self.shape_goals()?);
         let first = HoleSearchOptions { solves: 1, ..*all };
         // Where lists can be proven, tensions are compared by good lists, and only the list that is left is proven to be the best.
-        let quick = HoleSearchOptions { nodes: 0, ..*all };
+        let quick = HoleSearchOptions { nodes: all.nodes.min(QUICK), ..*all };
         let is_scanned = matches!((tensions, &self.cases[..]), ([_], [_]));
         let trial = match (is_sequential, is_scanned) {
             (true, _) if tensions.is_empty() => all,
