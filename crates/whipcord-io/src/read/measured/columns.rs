@@ -63,6 +63,8 @@ impl Column {
 pub(super) struct Read {
     pub column: Column,
     pub unit: &'static str,
+    /// Whether its header names that unit, else `unit` of [measured] does or says nothing.
+    pub names_unit: bool,
     /// Number of the marker in [[measured.markers]] that the column is named after.
     pub marker: Option<usize>,
 }
@@ -112,7 +114,12 @@ pub(super) fn columns(
         let (bare, unit) = split_unit(name);
         match found(name, known) {
             Some((Column::Ignored, marker)) => {
-                columns.push(Read { column: Column::Ignored, unit: known.unit, marker });
+                columns.push(Read {
+                    column: Column::Ignored,
+                    unit: known.unit,
+                    names_unit: false,
+                    marker,
+                });
             }
             Some((column, marker))
                 if columns.iter().any(|read| (read.column, read.marker) == (column, marker)) =>
@@ -121,7 +128,9 @@ pub(super) fn columns(
                 problems.push(cell.span, || problem(message, HEADER));
             }
             Some((column, marker)) => match unit_of(column, unit, known) {
-                Ok(unit) => columns.push(Read { column, unit, marker }),
+                Ok(found) => {
+                    columns.push(Read { column, unit: found, names_unit: unit.is_some(), marker })
+                }
                 Err(told) => problems.push(cell.span, || told),
             },
             None if name.is_empty() => {
