@@ -146,7 +146,7 @@ impl Partial {
 
     /// Whether anything acts within a step.
     pub fn acts(&self) -> bool {
-        !self.forcing.is_empty()
+        !self.forcing.is_empty() || self.routes.iter().any(Option::is_some)
     }
 
     fn wrench(&self, setting: &Setting<'_>) -> Option<(usize, Wrench)> {
