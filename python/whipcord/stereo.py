@@ -193,12 +193,16 @@ def calibrate_stereo(
             [looked_for.find(picture(_photo(photo), f"{name}[{i}]")) for i, photo in enumerate(views)]
             for name, views in zip(("first", "second"), photos)
         ]
-    sought = [
-        calibrate(views, board, square, marker, dictionary, size, distortion) if lens is None else None
-        for lens, views in zip(known, photos)
-    ]
-    cameras = [lens if lens is not None else found.camera for lens, found in zip(known, sought) if lens or found]
-    covariances = [None if found is None else found.covariance.tolist() for found in sought]
+    cameras: list[Camera] = []
+    covariances: list[list[list[float]] | None] = []
+    for lens, views in zip(known, photos):
+        if lens is not None:
+            cameras.append(lens)
+            covariances.append(None)
+            continue
+        found = calibrate(views, board, square, marker, dictionary, size, distortion)
+        cameras.append(found.camera)
+        covariances.append(found.covariance.tolist())
     placed, values = _core.calibrate_two([camera._camera for camera in cameras], seen, looked_for, covariances)
     pairs = [
         StereoPair(number, common, (rms[0], rms[1]), epipolar, renumbered)
