@@ -273,7 +273,7 @@ class Seen:
     @property
     def corners(self) -> list[tuple[int, list[float], list[float]]]: ...
 
-_Deviations = tuple[list[float], list[float], list[float | None], float]
+_Deviations = tuple[list[float], list[float], list[float | None], float, list[list[float]]]
 _Refused = list[tuple[int, str]]
 
 def calibrate(
@@ -283,7 +283,10 @@ def calibrate(
 _Points = tuple[_Array, _Array, _Array, _Array, _Array]
 
 def calibrate_two(
-    cameras: list[Camera], seen: list[list[Seen]], board: Board | None = None
+    cameras: list[Camera],
+    seen: list[list[Seen]],
+    board: Board | None = None,
+    lens_covariances: list[list[list[float]] | None] = ...,
 ) -> tuple[list[Camera], dict[str, Any]]: ...
 def locate_pair(
     cameras: list[Camera],

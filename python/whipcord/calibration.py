@@ -49,6 +49,8 @@ class Calibration:
     """Those of the distortion coefficients: 0 for one that was not sought, NaN for one that the photographs do not tell."""
     pixel_deviation: float
     """That of a column or row at which a corner was seen."""
+    covariance: Array
+    """(4 + c, 4 + c) of the focal lengths, the principal point and the c distortion coefficients that were sought."""
     tilt: float
     """Greatest angle between the boards in two photographs, in rad, seen from the camera."""
     warnings: tuple[str, ...]
@@ -72,7 +74,7 @@ def calibrate(
         # One at a time: photographs are large.
         seen = [looked_for.find(picture(_photo(photo), f"photos[{i}]")) for i, photo in enumerate(photos)]
     camera, sure, (rms, view_rms, tilt), used, refused, warnings = _core.calibrate(seen, str(distortion))
-    focal, centre, coefficients, pixel = sure
+    focal, centre, coefficients, pixel, covariance = sure
     return Calibration(
         camera=Camera._of(camera),
         rms=rms,
@@ -84,6 +86,7 @@ def calibrate(
         centre_deviation=np.array(centre),
         distortion_deviation=np.array([math.nan if d is None else d for d in coefficients]),
         pixel_deviation=pixel,
+        covariance=np.array(covariance),
         tilt=tilt,
         warnings=tuple(warnings),
     )

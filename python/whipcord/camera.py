@@ -184,8 +184,8 @@ class Camera:
     ) -> StereoCalibration:
         """Two cameras and their relative pose, by photographs of a flat board that both took at one time.
 
-        The standard deviations of the pose are those by the errors of the corners. They do not contain the errors of the lenses: lenses
-        that are sought from a few of the same photographs are less sure than that.
+        The standard deviations of the pose contain the errors of the corners and those of lenses that are sought in the same photographs; lenses that are
+        known are taken as they are.
 
         Parameters
         ----------

@@ -557,6 +557,10 @@ class Cable(Table):
         ``"fourier"``.
     routing
         Where it runs, as a curve; instead of `holes`.
+    hole_angle_offset
+        Angle in rad by which it runs beside the centres of its holes at every disk.
+    hole_radius_offset
+        By how many m it runs farther from the axis than the centres of its holes at every disk.
     ends_at
         Arc length in m at which it is anchored; the tip by default.
     friction
@@ -578,6 +582,8 @@ class Cable(Table):
     friction: float | None = None
     axial_stiffness: float | None = None
     group: str | None = None
+    hole_angle_offset: float | None = None
+    hole_radius_offset: float | None = None
 
     _name: ClassVar[str] = "cables"
     _inner: ClassVar[Mapping[str, type[Table]]] = {"routing": Routing}
@@ -593,6 +599,8 @@ class Cable(Table):
         friction: Quantity | None = None,
         axial_stiffness: Quantity | None = None,
         group: str | None = None,
+        hole_angle_offset: Quantity | None = None,
+        hole_radius_offset: Quantity | None = None,
     ) -> None:
         self._set(
             name=name,
@@ -603,6 +611,8 @@ class Cable(Table):
             friction=friction,
             axial_stiffness=axial_stiffness,
             group=group,
+            hole_angle_offset=hole_angle_offset,
+            hole_radius_offset=hole_radius_offset,
         )
 
 

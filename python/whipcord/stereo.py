@@ -120,7 +120,7 @@ class StereoCalibration:
     rotation: Array
     """(3,) rotation vector from the first to the second, in rad."""
     covariance: Array
-    """(6, 6) of position in m and rotation in rad, by the errors of the corners: the lenses are taken as they are."""
+    """(6, 6) of position in m and rotation in rad, by the errors of the corners and of lenses that were sought in the same photographs."""
     baseline: float
     """Distance of the cameras in m."""
     baseline_deviation: float
@@ -193,11 +193,17 @@ def calibrate_stereo(
             [looked_for.find(picture(_photo(photo), f"{name}[{i}]")) for i, photo in enumerate(views)]
             for name, views in zip(("first", "second"), photos)
         ]
-    cameras = [
-        calibrate(views, board, square, marker, dictionary, size, distortion).camera if lens is None else lens
-        for lens, views in zip(known, photos)
-    ]
-    placed, values = _core.calibrate_two([camera._camera for camera in cameras], seen, looked_for)
+    cameras: list[Camera] = []
+    covariances: list[list[list[float]] | None] = []
+    for lens, views in zip(known, photos):
+        if lens is not None:
+            cameras.append(lens)
+            covariances.append(None)
+            continue
+        found = calibrate(views, board, square, marker, dictionary, size, distortion)
+        cameras.append(found.camera)
+        covariances.append(found.covariance.tolist())
+    placed, values = _core.calibrate_two([camera._camera for camera in cameras], seen, looked_for, covariances)
     pairs = [
         StereoPair(number, common, (rms[0], rms[1]), epipolar, renumbered)
         for number, common, rms, epipolar, renumbered in values["pairs"]

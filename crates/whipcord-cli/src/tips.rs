@@ -20,7 +20,8 @@ const KEYS: [(&[&str], &str, &str); 10] = [
     (&["--tip-moment", "--moment"], "loads.tip_moment", ""),
 ];
 /// Verbs that take `--set`.
-const VERBS: [&str; 6] = ["solve", "stiffness", "compare", "bench", "overlay", "check"];
+const VERBS: [&str; 8] =
+    ["solve", "stiffness", "compare", "bench", "overlay", "check", "score", "fit"];
 
 /// The message for an option that is a key of the robot file.
 pub fn for_unknown(error: &Error, arguments: &[OsString]) -> Option<String> {

@@ -91,6 +91,17 @@ impl Spread {
         }
         Self { deviations, correlations, weak }
     }
+
+    /// By rows; zero where the measurements say nothing of an unknown. Of an exact fit there are no correlations.
+    pub(crate) fn covariance(&self) -> Vec<Vec<f64>> {
+        let deviation = |i: usize| self.deviations[i].unwrap_or(0.0);
+        let rows = self.correlations.iter().enumerate();
+        rows.map(|(i, row)| {
+            let row = row.iter().enumerate();
+            row.map(|(j, of)| deviation(i) * deviation(j) * of.unwrap_or(0.0)).collect()
+        })
+        .collect()
+    }
 }
 
 #[cfg(test)]

@@ -298,6 +298,8 @@ pub enum FileProblem {
         length: f64,
         /// The number, where the file gives it without a unit.
         without_unit: Option<String>,
+        /// The motor that the shortening comes from, in quotes, with its command in rad or m and whether that is an angle.
+        motor: Option<(String, f64, bool)>,
     },
     /// A motor that names a cable that there is not.
     #[error("there is no cable `{name}`")]

@@ -110,6 +110,13 @@ impl FileProblem {
                 "is this the file you meant? If so, export the part anew as binary STL".to_owned()
             }
             Self::Physical { problem, .. } => physical_help(problem),
+            Self::ShorterThanNothing { motor: Some((name, told, is_angle)), .. } => {
+                let (si, unit) = if *is_angle { ("rad", "deg") } else { ("m", "mm") };
+                format!(
+                    "the motor `{name}` is told {} {si}: give the unit of its command, in a table in the name of the column, as `{name} [{unit}]`",
+                    number(*told)
+                )
+            }
             Self::ShorterThanNothing { without_unit: Some(number), .. } => format!(
                 "a number without a unit is in metres: write \"{number} %\" of the cable's length, or \"{number} mm\""
             ),

@@ -2,8 +2,8 @@
 
 use whipcord::robot::limits::Range;
 use whipcord::{
-    Backbone, Cable, CableCommand, Case, Disks, Loads, Obstacle, Pose, Problem, Robot, RobotError,
-    Shortening, SolveError,
+    Backbone, Cable, CableCommand, Case, Disks, Drive, Loads, Motor, Obstacle, Pose, Problem,
+    Robot, RobotError, Shortening, SolveError,
 };
 use whipcord_motion::MotionError;
 
@@ -12,7 +12,7 @@ use crate::error::{Diagnostic, FileProblem, Problems};
 use crate::node::{Node, Value};
 use crate::read::{CommandTable, Motors};
 use crate::schema::ROOT;
-use crate::source::Span;
+use crate::source::{Span, quoted};
 
 /// The parts of a robot and of a case as the file gives them.
 pub(crate) struct Parts {
@@ -153,9 +153,22 @@ fn shortenings(
                 value,
                 length,
                 without_unit,
+                motor: motor_of(robot, case, (k, i)),
             });
         }
     }
+}
+
+/// The motor that drives a cable in a step, with what it is told.
+fn motor_of(
+    robot: &Robot,
+    case: &Case,
+    (step, cable): (usize, usize),
+) -> Option<(String, f64, bool)> {
+    let drives = |motor: &&Motor| motor.cables.iter().any(|of| of.cable == cable);
+    let (number, motor) = robot.motors().iter().enumerate().find(|(_, motor)| drives(motor))?;
+    let told = (*case.motors.get(step)?.get(number)?)?;
+    Some((quoted(&motor.name), told, matches!(motor.drive, Drive::Spool { .. })))
 }
 
 /// The number of the cable that an error is about.

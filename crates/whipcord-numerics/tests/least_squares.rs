@@ -7,7 +7,7 @@
 
 use whipcord_numerics::SingularValues;
 use whipcord_numerics::least_squares::{
-    Loss, NoResiduals, Options, Residuals, Status, Workspace, minimise,
+    Loss, Negligible, NoResiduals, Options, Residuals, Status, Workspace, minimise,
 };
 
 /// `y = f(b; x)`, with its slopes by `b`.
@@ -423,4 +423,65 @@ fn nearly_exact_problems_converge() {
             assert!(apart.sum::<f64>() < 1e-10 + 1e-2 * noise);
         }
     }
+}
+
+/// A curved valley whose bottom hardly falls, beside noise: `y = (b₁ − b₂²)·x + noise`, and a slight pull along the valley.
+struct CurvedValley {
+    noise: Vec<f64>,
+    evaluations: usize,
+}
+
+impl Residuals for CurvedValley {
+    type Refusal = ();
+
+    fn count(&self) -> usize {
+        self.noise.len() + 1
+    }
+
+    fn residuals(&mut self, b: &[f64], into: &mut [f64]) -> Result<(), ()> {
+        self.evaluations += 1;
+        for (i, (into, noise)) in into.iter_mut().zip(&self.noise).enumerate() {
+            *into = 1e3 * (b[0] - b[1] * b[1]) * (1.0 + i as f64 / 50.0) + noise;
+        }
+        into[self.noise.len()] = 1e-2 * (b[1] - 10.0);
+        Ok(())
+    }
+
+    fn jacobian(&mut self, b: &[f64], into: &mut [f64]) -> Result<(), ()> {
+        for (i, row) in into.chunks_exact_mut(2).enumerate() {
+            let x = 1e3 * (1.0 + i as f64 / 50.0);
+            row.copy_from_slice(&[x, -2.0 * x * b[1]]);
+        }
+        into[2 * self.noise.len()..].copy_from_slice(&[0.0, 1e-2]);
+        Ok(())
+    }
+}
+
+/// In a valley along which nothing is known the search ends once what is left to gain is far below the noise, and it says that it
+/// has converged; on the wall of the valley nothing is lost of the accuracy.
+#[test]
+fn a_search_ends_where_less_than_the_noise_is_to_be_gained() {
+    let noise: Vec<f64> = (0..100).map(|i: i32| (f64::from(i) * 1.7).sin() * 1.5).collect();
+    let search = |negligible| {
+        let mut problem = CurvedValley { noise: noise.clone(), evaluations: 0 };
+        let mut b = [3.0, 1.0];
+        let options = Options { negligible, iterations: 100_000, ..Options::default() };
+        let outcome = minimise(&mut problem, &mut b, &options, &mut Workspace::default()).unwrap();
+        (outcome, b, problem.evaluations)
+    };
+    let (exact, full, all) = search(Negligible::Nothing);
+    assert!(exact.status.is_converged(), "{exact:?}");
+    assert!((full[1] - 10.0).abs() < 0.1, "{full:?}");
+    let part = 1e-4;
+    let (outcome, b, evaluations) = search(Negligible::PartOfCost(part / 99.0));
+    assert_eq!(outcome.status, Status::Cost);
+    assert!(evaluations * 4 < all, "{evaluations} of {all}");
+    // The valley: one deviation of what is known is about 1/8000.
+    assert!((b[0] - b[1] * b[1] - (full[0] - full[1] * full[1])).abs() < 0.2 / 8000.0, "{b:?}");
+    // And no more than what the criterion says is above the least cost, in units of the variance.
+    let variance = 2.0 * exact.cost / 99.0;
+    assert!(2.0 * (outcome.cost - exact.cost) / variance < 0.1, "{outcome:?} {exact:?}");
+    let (known, c, _) = search(Negligible::Cost(0.5 * part * variance));
+    assert_eq!(known.status, Status::Cost);
+    assert!((c[0] - b[0]).abs() < 1e-6 * b[0].abs(), "{b:?} {c:?}");
 }

@@ -24,7 +24,7 @@ pub struct Seen {
 }
 
 /// Focal lengths, principal point, distortion coefficients and pixels: the standard deviations of them.
-type Deviations = ([f64; 2], [f64; 2], Vec<Option<f64>>, f64);
+type Deviations = ([f64; 2], [f64; 2], Vec<Option<f64>>, f64, Vec<Vec<f64>>);
 /// Camera; deviations; RMS, those of the photographs, and tilt; photographs that were used, and those that were not and why;
 /// warnings.
 type Calibrated =
@@ -101,7 +101,7 @@ pub fn calibrate(
     let camera::Calibrated { deviations: sure, rms, view_rms, tilt, .. } = found.calibrated;
     Ok((
         Camera::of(camera),
-        (sure.focal, sure.centre, sure.distortion, sure.pixel),
+        (sure.focal, sure.centre, sure.distortion, sure.pixel, sure.covariance),
         (rms, view_rms, tilt),
         found.used,
         found.refused.into_iter().map(|(number, why)| (number, why.to_string())).collect(),

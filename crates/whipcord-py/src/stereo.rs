@@ -44,14 +44,15 @@ pub fn locate_pair<'py>(
 }
 
 /// The pose of the second camera relative to the first, from what both show of a board at each time. Without a board, the points of
-/// each photograph are given, in one numbering.
+/// each photograph are given, in one numbering. The covariances are those of lenses that were calibrated, as `calibrate` gives them.
 #[pyfunction]
-#[pyo3(signature = (cameras, seen, board = None))]
+#[pyo3(signature = (cameras, seen, board = None, lens_covariances = [None, None]))]
 pub fn calibrate_two<'py>(
     py: Python<'py>,
     cameras: [PyRef<'_, Camera>; 2],
     seen: [Vec<PyRef<'_, Seen>>; 2],
     board: Option<&Board>,
+    lens_covariances: [Option<Vec<Vec<f64>>>; 2],
 ) -> PyResult<([Camera; 2], Bound<'py, PyDict>)> {
     let mut lenses: Vec<Pinhole> = Vec::with_capacity(2);
     for camera in &cameras {
@@ -74,7 +75,8 @@ pub fn calibrate_two<'py>(
         stereo(board.as_ref(), [&found[0], &found[1]], [&lenses[0], &lenses[1]], sizes)
     })?;
     let found = found.map_err(|error| errors::stereo(py, &error))?;
-    let of = found.calibrated;
+    let of =
+        found.calibrated.with_lens_covariances(lens_covariances.each_ref().map(Option::as_deref));
     let relative = of.cameras[1].pose();
     let values = PyDict::new(py);
     values.set_item("rms", of.rms)?;

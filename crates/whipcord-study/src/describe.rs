@@ -6,9 +6,9 @@ use whipcord::case::Piece;
 use whipcord::obstacle::Bends;
 use whipcord::robot::SectionProperties;
 use whipcord::{
-    Actuation, Along, Cable, CableCommand, Case, Disks, DistributedLoad, Form, Interpolation,
-    LengthMiss, LoadFrame, Loads, ModelKind, NoStability, Pose, RestCurvature, Robot, Routing,
-    Section, Solution, Stiffness, Vec3,
+    Actuation, Along, Cable, CableCommand, Case, Disks, DistributedLoad, Form, HoleOffset,
+    Interpolation, LengthMiss, LoadFrame, Loads, ModelKind, NoStability, Pose, RestCurvature,
+    Robot, Routing, Section, Solution, Stiffness, Vec3,
 };
 use whipcord_io::CaseFile;
 
@@ -300,6 +300,14 @@ fn command_words(command: &CableCommand) -> String {
 
 fn cable_words(cable: &Cable, ends_midway: Option<f64>, command: Option<&CableCommand>) -> String {
     let mut parts = vec![routing(&cable.routing)];
+    let HoleOffset { angle, radius } = cable.hole_offset;
+    if angle != 0.0 {
+        parts.push(format!("{} beside them", degrees(angle)));
+    }
+    if radius != 0.0 {
+        let side = if radius > 0.0 { "beyond" } else { "within" };
+        parts.push(format!("{} {side} their circle", millimetres(radius.abs())));
+    }
     if let Some(end) = ends_midway {
         parts.push(format!("ends at {}", millimetres(end)));
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use whipcord::robot::Route;
-use whipcord::{Cable, Disks, Interpolation, Robot, RobotError, Routing};
+use whipcord::{Cable, Disks, HoleOffset, Interpolation, Robot, RobotError, Routing};
 
 /// Holes of the resampled disks. A cable that ran through a hole of each disk runs between the
 /// holes of the new ones: with so many holes there is one within 3·10⁻¹¹ m of any place, so that a
@@ -61,6 +61,8 @@ fn through_holes(cable: &Cable, route: &Route, disks: &Disks) -> Cable {
         .collect();
     Cable {
         routing: Routing::Holes { holes, interpolation: Interpolation::Spline },
+        // The holes are where the cable runs, on the circle of the disks.
+        hole_offset: HoleOffset { angle: 0.0, ..cable.hole_offset },
         ends_at: Some(end),
         ..cable.clone()
     }

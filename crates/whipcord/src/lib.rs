@@ -66,7 +66,7 @@ pub use obstacle::{Form, MovableBody, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
 pub use presets::ModelPreset;
 pub use robot::{
-    Along, Backbone, Cable, Disks, Drive, Interpolation, Material, Motor, MotorCable,
+    Along, Backbone, Cable, Disks, Drive, HoleOffset, Interpolation, Material, Motor, MotorCable,
     MotorDynamics, MotorLimits, Problem, RestCurvature, Robot, RobotError, Routing, Section,
     Stiffness,
 };

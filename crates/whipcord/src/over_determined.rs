@@ -12,7 +12,8 @@
 //! by which the lengths must be missed, and of all shapes that miss them so little the limit has the least energy.
 //!
 //! The tensions `eᵢ/c` grow beyond any bound, and between disks cables that are straight there would buckle the backbone. So (7) is followed only until the
-//! `eᵢ` have a limit; then the lengths `ℓᵢ* + eᵢ` are prescribed to cables that give by next to nothing.
+//! `eᵢ` have a limit, or to the last `c` at which the backbone bears its tensions: the limit is then that of the values of `c` between which it changed least.
+//! In the end the lengths `ℓᵢ* + eᵢ` are prescribed to cables that give by next to nothing.
 
 use crate::case::{Case, Shortening};
 use crate::error::SolveError;
@@ -32,10 +33,10 @@ const LEVELS: usize = 12;
 const LAST: f64 = 1e-4;
 /// The limit is that of the polynomial in `c` through so many of the last values.
 const THROUGH: usize = 5;
-/// The limit is known when it changes by less than this of its largest entry, or where the robot does not bear the tensions of a smaller `c`, by less than
-/// this.
+/// The limit is known when it changes by less than this of its largest entry. Where the robot does not bear the tensions of a smaller `c`, it is the one that
+/// changed least, by less than the other.
 const SETTLED: f64 = 1e-4;
-const ROUGHLY_SETTLED: f64 = 2e-2;
+const ROUGHLY_SETTLED: f64 = 0.1;
 /// A cable takes part when it misses its length by more than this of the largest miss.
 const TAKES_PART: f64 = 1e-2;
 /// Greatest miss as a part of the length of the backbone: beyond it the commands are wrong, and no shape is an answer to them.
@@ -68,43 +69,53 @@ pub const fn may_be(error: &SolveError) -> bool {
     )
 }
 
+/// A limit of the misses, and how much it changed with the last value of `c`.
+struct Settled {
+    change: f64,
+    misses: Vec<f64>,
+    near: Solution,
+}
+
 /// Robot and case that lead to the least-squares answer of a single step. `None` where the lengths do not contradict each other, where one would be missed by more
 /// than [`GREATEST_MISS`], and where the misses have no limit that the model finds.
 #[must_use]
 pub fn relaxed(model: &Model, robot: &Robot, case: &Case) -> Option<Relaxed> {
     let scale = bending_compliance(robot)?;
-    let mut near: Option<Solution> = None;
+    let mut last: Option<Solution> = None;
     let (mut known, mut limit) = (Vec::<(f64, Vec<f64>)>::new(), None::<Vec<f64>>);
-    let mut change = f64::INFINITY;
+    let mut best: Option<Settled> = None;
     let mut give = FIRST * scale;
     for _ in 0..LEVELS {
         let softened = robot.giving(give);
         let Ok(mut prepared) = model.prepare(&softened, &case.loads) else { break };
-        let Ok(solution) = prepared.solve(case, near.as_ref()) else { break };
+        let Ok(solution) = prepared.solve(case, last.as_ref()) else { break };
         if solution.diagnostics.is_unstable() {
             break;
         }
         known.push((give, misses(model, robot, case, &solution)?));
-        near = Some(solution);
         let next = without_compliance(&known[known.len().saturating_sub(THROUGH)..]);
         if let Some(limit) = limit.filter(|_| known.len() > 2) {
             let moved = next.iter().zip(&limit).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            change = moved / greatest(&next);
+            let change = moved / greatest(&next);
+            // Before the backbone buckles between its disks it bends there, and lets the lengths contradict each other less.
+            if change.is_finite() && best.as_ref().is_none_or(|best| change < best.change) {
+                best = Some(Settled { change, misses: next.clone(), near: solution.clone() });
+            }
+            if change <= SETTLED {
+                break;
+            }
         }
         limit = Some(next);
-        if change <= SETTLED {
-            break;
-        }
+        last = Some(solution);
         give *= RATIO;
     }
-    let mut misses = limit.filter(|_| change <= ROUGHLY_SETTLED)?;
+    let Settled { mut misses, near, .. } = best.filter(|best| best.change <= ROUGHLY_SETTLED)?;
     let most = greatest(&misses);
     misses.iter_mut().filter(|miss| **miss <= TAKES_PART * most).for_each(|miss| *miss = 0.0);
     let several = misses.iter().filter(|miss| **miss > 0.0).count() >= 2;
     if !several || most > GREATEST_MISS * robot.backbone().length {
         return None;
     }
-    let near = near?;
     let mut case = case.clone();
     for ((command, state), miss) in case.commands.iter_mut().zip(&near.cables).zip(&misses) {
         if *miss > 0.0

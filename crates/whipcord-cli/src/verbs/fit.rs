@@ -31,6 +31,8 @@ pub struct FitArgs {
     /// Robot files, or folders of them
     #[arg(required = true)]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    settings: inputs::Settings,
     /// Model
     #[arg(long, value_name = "NAME", default_value = "cosserat", value_parser = model_parser())]
     model: ModelKind,
@@ -147,7 +149,7 @@ fn fraction(text: &str) -> Result<f64, String> {
 
 /// Fits, writes the files, and returns what standard output shows.
 pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
-    let Inputs { cases, .. } = Inputs::read(&args.files, &inputs::Settings::default())?;
+    let Inputs { cases, .. } = Inputs::read(&args.files, &args.settings)?;
     if args.output.is_some() && cases.len() > 1 {
         return Err(Failure::Input(String::from(
             "error: --output is for one file; with several give --out, the folder for all of them",
@@ -185,7 +187,7 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         experiments = kept;
         test = Some((held, true));
     } else if !args.test.is_empty() {
-        test = Some((measurements_of(&args.test, &cases)?, false));
+        test = Some((measurements_of(&args.test, &cases, &args.settings)?, false));
     }
     let bar = progress::bar(0);
     let shown = bar.clone();
@@ -316,8 +318,12 @@ fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
 }
 
 /// What was measured in files that are not fitted.
-fn measurements_of(paths: &[PathBuf], fitted: &[CaseFile]) -> Result<Vec<Experiment>, Failure> {
-    let Inputs { cases, .. } = Inputs::read(paths, &inputs::Settings::default())?;
+fn measurements_of(
+    paths: &[PathBuf],
+    fitted: &[CaseFile],
+    settings: &inputs::Settings,
+) -> Result<Vec<Experiment>, Failure> {
+    let Inputs { cases, .. } = Inputs::read(paths, settings)?;
     let all: Vec<CaseFile> = fitted.iter().take(1).chain(&cases).cloned().collect();
     same_robot(&all)?;
     cases.iter().map(experiment).collect()

@@ -7,6 +7,9 @@ use whipcord::robot::limits::{FOCAL_LENGTH, IMAGE_SCALE, PIXEL};
 /// What is nearer to the centre of projection than 1 nm is at it.
 const NEAREST: f64 = 1e-9;
 
+/// Focal lengths, principal point and twelve distortion coefficients.
+pub const LENS_PARAMETERS: usize = 16;
+
 /// How points in the camera's frame are seen.
 #[expect(clippy::large_enum_variant, reason = "there are as many lenses as cameras: a few")]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,10 +148,10 @@ impl Pinhole {
 
     /// Derivatives of the pixel of a point in the camera's frame, which it sees, by the focal
     /// lengths, the principal point and the first twelve coefficients of a lens without tilt.
-    pub(super) fn by_parameters(&self, point: Vec3) -> [[f64; 2]; 16] {
+    pub(super) fn by_parameters(&self, point: Vec3) -> [[f64; 2]; LENS_PARAMETERS] {
         let ideal = [point.x / point.z, point.y / point.z];
         let [fx, fy] = self.focal;
-        let mut all = [[0.0; 2]; 16];
+        let mut all = [[0.0; 2]; LENS_PARAMETERS];
         if let Some(bent) = self.distortion.bend(ideal) {
             all[0] = [bent.at[0], 0.0];
             all[1] = [0.0, bent.at[1]];

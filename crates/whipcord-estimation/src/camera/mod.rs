@@ -20,7 +20,7 @@ pub use calibrate::{
 };
 pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
-pub use lens::{Lens, Orthographic, Pinhole};
+pub use lens::{LENS_PARAMETERS, Lens, Orthographic, Pinhole};
 pub use locate::{
     Alternative, LocateError, Located, LocatedRig, Sighting, locate, locate_orthographic,
     locate_rig,

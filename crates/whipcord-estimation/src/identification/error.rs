@@ -116,7 +116,7 @@ pub enum IdentifyError {
     Cancelled,
     /// Nothing that could be held out.
     #[error(
-        "nothing can be held out: there is a single case with a single step, or each has an unknown of its own and a single step"
+        "nothing can be held out: what is fitted is a single group of rows, or a single case with a single step, or each case has an unknown of its own and a single step"
     )]
     NothingToHoldOut,
     /// A search without a part of the measurements did not converge.

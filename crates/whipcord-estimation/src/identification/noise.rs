@@ -1,7 +1,7 @@
 //! The fit, and how large the noise is.
 
 use whipcord_numerics::least_squares::{
-    Loss, NoResiduals, Options, Outcome, Residuals, Status, Workspace,
+    Loss, Negligible, NoResiduals, Options, Outcome, Residuals, Status, Workspace,
 };
 
 use super::corners;
@@ -33,6 +33,10 @@ const NEAR: f64 = 1e-4;
 /// Of what is normally distributed, the deviation is this many times the median of the sizes.
 const MEDIAN: f64 = 1.482_602_218_505_602;
 
+/// The search ends where the linearised problem moves no estimate by more than this part of its standard deviation. In a valley so curved
+/// that steps are far shorter, it ends at `√CURVED` times as much.
+const PART_OF_DEVIATION: f64 = 0.01;
+
 /// Noise below this share of the numbers that were seen is lost in rounding.
 const LEAST: f64 = 1e-13;
 
@@ -48,8 +52,10 @@ pub(super) fn fit(
     let freedom = (seen + priors - problem.unknowns()) as f64;
     let loss = robustness.loss();
     let squares = robustness == Robustness::Squares;
+    let squared = PART_OF_DEVIATION * PART_OF_DEVIATION;
+    let of_noise = Options { negligible: Negligible::Cost(0.5 * squared), ..options.clone() };
     if problem.is_noise_known() {
-        let outcome = run(problem, x, options, loss, workspace)?;
+        let outcome = run(problem, x, &of_noise, loss, workspace)?;
         let residuals = workspace.residuals();
         return Ok(Fitted {
             outcome,
@@ -64,7 +70,9 @@ pub(super) fn fit(
     let least = LEAST * problem.extent();
     let mut noise = if priors == 0 {
         // Least squares do not depend on the noise.
-        let outcome = run(problem, x, options, Loss::Squares, workspace)?;
+        let negligible = Negligible::PartOfCost(squared / freedom);
+        let options = Options { negligible, ..options.clone() };
+        let outcome = run(problem, x, &options, Loss::Squares, workspace)?;
         let sum = 2.0 * outcome.cost;
         let noise = (sum / freedom).sqrt();
         if squares || noise <= least {
@@ -90,7 +98,7 @@ pub(super) fn fit(
     loop {
         noise = noise.max(least);
         problem.set_noise(noise);
-        let mut outcome = run(problem, x, options, loss, workspace)?;
+        let mut outcome = run(problem, x, &of_noise, loss, workspace)?;
         let residuals = workspace.residuals();
         let next = (noise * level(&residuals[..seen], freedom, squares)).max(least);
         let is_settled = (next / noise - 1.0).abs() < NEAR;

@@ -13,7 +13,7 @@ use whipcord::robot::{BackboneSegment, Cable, Motor, Robot};
 ///
 /// `cables[*].axial_stiffness` is one number for all cables, `cables[segment 1].axial_stiffness` one for the cables of a group,
 /// `motors[left].stiffness` that of the motor with this name, and `backbone.segments[near].bending_factor` that of the segment with this
-/// name. Of `routing`, the number is a change that all of them share.
+/// name. Of `routing`, the number is a change that all of them share, and of a cable through holes a change too: of how far it is beside their centres.
 ///
 /// ```
 /// use whipcord::{Cable, Routing};
@@ -155,7 +155,15 @@ impl ParameterPath {
     pub fn unknown<'a>(&self, parts: impl Into<Parts<'a>>) -> Result<Unknown, UnknownGroup> {
         let Parts { cables, motors, segments } = parts.into();
         let (list, name, rest) = match self {
-            Self::One(quantity) => return Ok(Unknown::new(*quantity)),
+            Self::One(quantity) => {
+                let unknown = Unknown::new(*quantity);
+                if !quantity.is_of_holes(cables) {
+                    return Ok(unknown);
+                }
+                // It may be negative, which a radius may not.
+                let shared = Shared { path: self.to_string(), others: Vec::new(), is_change: true };
+                return Ok(Unknown { shared: Some(shared), ..unknown });
+            }
             Self::Named { list, name, rest } => (*list, name, rest),
         };
         let entries: Vec<(&str, Option<&str>)> = match list {
@@ -180,7 +188,7 @@ impl ParameterPath {
         let Some((first, others)) = quantities.split_first() else {
             return Err(UnknownGroup { list, name: name.clone(), known: known(list, &entries) });
         };
-        let is_change = is_group && first.differs_between_cables();
+        let is_change = (is_group && first.differs_between_cables()) || first.is_of_holes(cables);
         let shared = Shared { path: self.to_string(), others: others.to_vec(), is_change };
         Ok(Unknown { shared: Some(shared), ..Unknown::new(*first) })
     }

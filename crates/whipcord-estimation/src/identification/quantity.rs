@@ -4,7 +4,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use whipcord::parameter::{Parameter, StiffnessPart, numbered};
-use whipcord::robot::limits;
+use whipcord::robot::{Cable, Routing, limits};
 
 /// A number of a robot or a case that can be estimated. Indices count from 0; `axis` is 0, 1 or 2 for x, y
 /// or z.
@@ -326,6 +326,14 @@ impl Quantity {
                     | P::Coefficient { .. }
             )
         )
+    }
+
+    /// Whether it says how far a cable runs beside the centres of its holes.
+    pub(super) fn is_of_holes(&self, cables: &[Cable]) -> bool {
+        let Self::Parameter(Parameter::Angle { cable } | Parameter::Radius { cable }) = self else {
+            return false;
+        };
+        cables.get(*cable).is_some_and(|of| matches!(of.routing, Routing::Holes { .. }))
     }
 
     /// Whether it cannot be negative, so that changes are seen as fractions of it.

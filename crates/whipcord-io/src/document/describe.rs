@@ -286,6 +286,11 @@ fn cable(cable: &Cable, command: Option<&CableCommand>) -> Table {
                 Interpolation::Fourier => Some("fourier"),
             };
             table.insert_some("interpolation", name);
+            let of = cable.hole_offset;
+            for (key, value) in [("hole_angle_offset", of.angle), ("hole_radius_offset", of.radius)]
+            {
+                table.insert_some(key, (value != 0.0).then_some(value));
+            }
         }
         curve => table.insert("routing", routing(curve)),
     }

@@ -1,4 +1,4 @@
-use whipcord::{Cable, CableCommand, Interpolation, Routing, Shortening};
+use whipcord::{Cable, CableCommand, HoleOffset, Interpolation, Routing, Shortening};
 
 use crate::check::{Data, Fields};
 use crate::overlay::default_name;
@@ -10,6 +10,10 @@ pub(crate) fn cable(fields: &Fields, index: usize) -> Option<Cable> {
         name: fields.text("name").map_or_else(|| default_name("cable", index), str::to_owned),
         group: fields.text("group").map(str::to_owned),
         routing: routing(fields)?,
+        hole_offset: HoleOffset {
+            angle: fields.number("hole_angle_offset").unwrap_or(0.0),
+            radius: fields.number("hole_radius_offset").unwrap_or(0.0),
+        },
         ends_at: fields.number("ends_at"),
         friction: fields.number("friction"),
         axial_stiffness: fields.number("axial_stiffness"),

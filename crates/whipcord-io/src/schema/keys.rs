@@ -167,6 +167,18 @@ static CABLE: Table = Table {
             "How the continuous models lead it from hole to hole: a twice continuously differentiable cubic spline of hole angle and radius (default), monotone cubics, or a Fourier series of order 8 in x and y.",
         ),
         key(
+            "hole_angle_offset",
+            ANGLE,
+            r#""1.5 deg""#,
+            "Angle by which it runs beside the centres of its holes at every disk, counter-clockwise seen from the tip; 0 by default. A fit finds it as cables[0].routing.angle.",
+        ),
+        key(
+            "hole_radius_offset",
+            Kind::Quantity(&[Dimension::Length], limits::COORDINATE),
+            r#""0.2 mm""#,
+            "By how much it runs farther from the axis than the centres of its holes at every disk, negative if nearer: a thin cable lies at the side of a wide hole; 0 by default. A fit finds it as cables[0].routing.radius.",
+        ),
+        key(
             "routing",
             Kind::Variants { tag: &ROUTING_KIND, variants: ROUTINGS },
             r#"{ kind = "straight", angle = "90 deg", radius = "8 mm" }"#,
@@ -211,6 +223,8 @@ static CABLE: Table = Table {
         Rule::MergedByName("cable"),
         Rule::ExactlyOne(&["holes", "routing"]),
         Rule::AtMostOne(&["interpolation", "routing"]),
+        Rule::AtMostOne(&["hole_angle_offset", "routing"]),
+        Rule::AtMostOne(&["hole_radius_offset", "routing"]),
     ],
 };
 
@@ -542,7 +556,7 @@ static FIT: Table = Table {
             "parameters",
             Kind::List(&Kind::Text, 1),
             r#"["backbone.diameter", "cables.friction"]"#,
-            "Paths of what is estimated, once for all files that are fitted together, counting from 0: numbers of this file such as backbone.young_modulus, disks.hole_circle_radius, cables[0].routing.radius, loads.tip_force[2] or base.position[0]; and cables.friction (of all cables alike), cables[0].tension_offset, cables[0].shortening_offset (slack is negative), cables[0].gain (a factor on the command), measured.offset[0] (of the markers from where the measurement says), base.turn[0] (about x, then y, then z of the world), backbone.torsion_factor and bending_factor, of the whole backbone or of a segment (backbone.segments[near].bending_factor). One number for several cables, motors or segments: cables[*].axial_stiffness for all, cables[segment 1].friction for a `group`, motors[left].stiffness by a name; of `routing` a change that all of them share.",
+            "Paths of what is estimated, once for all files that are fitted together, counting from 0: numbers of this file such as backbone.young_modulus, disks.hole_circle_radius, cables[0].routing.radius, loads.tip_force[2] or base.position[0]; and cables.friction (of all cables alike), cables[0].tension_offset, cables[0].shortening_offset (slack is negative), cables[0].gain (a factor on the command), measured.offset[0] (of the markers from where the measurement says), base.turn[0] (about x, then y, then z of the world), backbone.torsion_factor and bending_factor, of the whole backbone or of a segment (backbone.segments[near].bending_factor). One number for several cables, motors or segments: cables[*].axial_stiffness for all, cables[segment 1].friction for a `group`, motors[left].stiffness by a name; of `routing` a change that all of them share. For a cable through holes `routing.angle` and `routing.radius` are its `hole_angle_offset` and `hole_radius_offset`.",
         ),
         key(
             "each",

@@ -338,6 +338,8 @@ static ALIASES: &[Alias] = &[
         &["young_modulus", "e", "diameter"],
         Say("write `axial_stiffness`, Young's modulus times cross-section in N"),
     ),
+    alias(CABLES, &["angle_offset", "hole_turn", "holes_angle"], Key("hole_angle_offset")),
+    alias(CABLES, &["radius_offset", "hole_shift", "holes_radius"], Key("hole_radius_offset")),
     alias(CABLES, &["end", "end_at", "anchor", "anchored_at", "terminates_at"], Key("ends_at")),
     alias(
         CABLES,

@@ -753,3 +753,24 @@ fn a_shortening_is_refused_only_beyond_the_length_of_the_cable() {
     assert!(with(straight, "0.1001").is_err());
     assert!(with(straight, "-5").is_ok());
 }
+
+/// How far a cable is beside its holes is read, written and read again; a cable along a curve has no holes to be beside.
+#[test]
+fn cables_beside_the_centres_of_their_holes() {
+    let robot = |routing: &str| {
+        format!(
+            "[backbone]\nlength = 0.1\ndiameter = 0.002\nyoung_modulus = 1e9\npoisson_ratio = 0.3\n\
+             [disks]\ncount = 3\nhole_circle_radius = 0.008\nholes = 4\n[[cables]]\nname = 'a'\n{routing}\n\
+             hole_angle_offset = '3 deg'\nhole_radius_offset = '-0.2 mm'\n"
+        )
+    };
+    let file = parse(&robot("holes = [1, 2, 2]"), Path::new("robot.toml")).unwrap();
+    let off = file.robot.cables()[0].hole_offset;
+    assert_eq!([off.angle, off.radius], [3f64.to_radians(), -2e-4]);
+    let table = whipcord_io::describe(None, &file.robot, &file.case).unwrap();
+    let again = parse(&whipcord_io::toml(&table), Path::new("robot.toml")).unwrap();
+    assert_eq!(again.robot.cables()[0].hole_offset, off);
+    let curve = robot("routing = { kind = 'straight', angle = 0.0, radius = 0.008 }");
+    let error = parse(&curve, Path::new("robot.toml")).unwrap_err().to_string();
+    assert!(error.contains("hole_angle_offset") && error.contains("routing"), "{error}");
+}

@@ -63,8 +63,28 @@ pub struct Options {
     /// Done when a step changes the cost by less than this fraction, and could not be expected to change it
     /// by more.
     pub cost: f64,
+    /// Done when the linearised problem promises no decrease of the cost that matters, however long a step is. The step of which this
+    /// is true is still taken. Where the curvature of a valley holds steps back, the search ends once [`CURVED`] times as much is promised.
+    pub negligible: Negligible,
     /// Steps that may be taken.
     pub iterations: usize,
+}
+
+/// See [`Options::negligible`].
+pub const CURVED: f64 = 400.0;
+
+/// What decrease of the cost does not matter. For residuals with noise of the deviation σ, a decrease of `½ ε σ²` that is promised is a step that moves no unknown by
+/// more than `√ε` of its standard deviation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Negligible {
+    /// Each matters.
+    #[default]
+    Nothing,
+    /// One that is no greater than this part of the cost: `ε/(m − n)` of `m` residuals and `n` unknowns where nothing but the residuals says how large the
+    /// noise is.
+    PartOfCost(f64),
+    /// One that is no greater than this.
+    Cost(f64),
 }
 
 impl Default for Options {
@@ -76,6 +96,7 @@ impl Default for Options {
             gradient: 1e-12,
             step: 1e-10,
             cost: 1e-12,
+            negligible: Negligible::Nothing,
             iterations: 100,
         }
     }
@@ -88,7 +109,7 @@ pub enum Status {
     Gradient,
     /// The unknowns no longer change.
     Step,
-    /// The cost no longer changes.
+    /// The cost no longer changes, or not by what matters ([`Options::negligible`]).
     Cost,
     /// No step, however short, lowers the cost, though the derivatives promise it.
     Stalled,

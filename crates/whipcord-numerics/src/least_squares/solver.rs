@@ -1,5 +1,5 @@
 use super::step::{Linear, Room, Step, is_held};
-use super::{Loss, NoResiduals, Options, Outcome, Residuals, Status};
+use super::{CURVED, Loss, Negligible, NoResiduals, Options, Outcome, Residuals, Status};
 use crate::orthogonal::{norm, triangularise};
 
 /// The first radius, as a multiple of the size of the unknowns and of the residuals.
@@ -244,6 +244,24 @@ fn descend<P: Residuals>(
 ) -> Option<Status> {
     // Of the first step the length and what it promises, and what rounding makes of the cost.
     let (mut first, mut rounding) = (None, 0.0_f64);
+    let negligible = match options.negligible {
+        Negligible::Nothing => 0.0,
+        Negligible::PartOfCost(part) => part * outcome.cost,
+        Negligible::Cost(cost) => cost,
+    };
+    let mut is_last = false;
+    if negligible > 0.0 {
+        let linear =
+            Linear { jacobian: &ws.reduced, residuals: &ws.reduced_residuals, scale: &ws.scale };
+        let room = Room { down: &ws.down, up: &ws.up };
+        ws.step.find(linear, &ws.gradient, &room, f64::INFINITY);
+        let Step { length, promised, .. } = ws.step;
+        let is_held_back = length > radius.size;
+        if (0.0..=negligible * CURVED).contains(&promised) && is_held_back {
+            return Some(Status::Cost);
+        }
+        is_last = (0.0..=negligible).contains(&promised);
+    }
     loop {
         let linear =
             Linear { jacobian: &ws.reduced, residuals: &ws.reduced_residuals, scale: &ws.scale };
@@ -313,6 +331,9 @@ fn descend<P: Residuals>(
         }
         if ws.step.is_full && length <= options.step * extent {
             return Some(Status::Step);
+        }
+        if is_last && gained.abs() <= negligible {
+            return Some(Status::Cost);
         }
         if taken {
             return None;

@@ -159,7 +159,7 @@ struct Ended {
 }
 
 /// [`Forcing`] at a stage for each column of a pass.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Push {
     force_balance: LaneVec,
     moment_balance: LaneVec,
@@ -283,6 +283,11 @@ impl WithSimd for AllSteps<'_> {
             let mut map = StepMap { force, ..StepMap::default() };
             for first in (0..columns).step_by(LANES) {
                 let pushes = maps.pushes(replay, k, (cables, pulls), active, first, forcing);
+                // Nothing moves where nothing acts: the effects stay zero.
+                let rests = |push: &Push| *push == Push::default();
+                if first >= STATES && pushes.is_some_and(|pushes| pushes.iter().all(rests)) {
+                    continue;
+                }
                 lengths.fill(Lane::default());
                 let start = start(replay, k, first);
                 let pushes = pushes.as_ref();

@@ -146,7 +146,7 @@ impl Partial {
 
     /// Whether anything acts within a step.
     pub fn acts(&self) -> bool {
-        !self.forcing.is_empty()
+        !self.forcing.is_empty() || self.routes.iter().any(Option::is_some)
     }
 
     fn wrench(&self, setting: &Setting<'_>) -> Option<(usize, Wrench)> {
@@ -233,10 +233,14 @@ impl Partial {
 
     /// Whether the strain at rest or a course changes.
     fn changes_rest(&self) -> bool {
+        self.changes_rest_curvature() || self.routes.iter().any(Option::is_some)
+    }
+
+    const fn changes_rest_curvature(&self) -> bool {
         matches!(
             self.parameter,
             Parameter::RestCurvature { .. } | Parameter::RestCurvatureAt { .. }
-        ) || self.routes.iter().any(Option::is_some)
+        )
     }
 
     /// Rate of the stretch at rest of a cable at an arc length, and a bound of its magnitude.
@@ -328,7 +332,9 @@ impl Partial {
     fn act(&mut self, setting: &Setting<'_>, linear: &Linear, ends: Option<&StepEnds>) -> Vec<f64> {
         let Setting { grid, .. } = *setting;
         let cables = self.routes.len();
-        let acts = self.changes_rest()
+        // Where cables are straight, a course that changes acts by the holes alone.
+        let acts = self.changes_rest_curvature()
+            || (self.routes.iter().any(Option::is_some) && linear.spans().is_none())
             || self.masses.any()
             || !self.spread.pieces.is_empty()
             || self.history.is_some()

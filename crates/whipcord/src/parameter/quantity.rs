@@ -94,12 +94,12 @@ pub enum Parameter {
         /// Disk.
         disk: usize,
     },
-    /// Angle of a straight cable, or the angle at the base of a helical one, in rad.
+    /// Angle of a straight cable, the angle at the base of a helical one, or the angle by which one through holes is off all of them, in rad.
     Angle {
         /// Cable.
         cable: usize,
     },
-    /// Distance of a straight or helical cable from the axis in m.
+    /// Distance of a straight or helical cable from the axis, or what that of one through holes is more than that of its holes, in m.
     Radius {
         /// Cable.
         cable: usize,

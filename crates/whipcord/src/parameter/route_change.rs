@@ -6,7 +6,7 @@ use whipcord_numerics::{PiecewiseCubic, Vec3};
 
 use super::quantity::Parameter;
 use crate::robot::fourier::Fourier;
-use crate::robot::route::{Curve, Route, plane, polynomial, unwrapped_angles};
+use crate::robot::route::{Curve, HolePlaces, Route, hole_places, plane, polynomial};
 use crate::robot::{Interpolation, Robot, Routing};
 
 /// Derivative of a [`Route`] by a parameter.
@@ -116,11 +116,12 @@ impl RouteChange {
             Parameter::HoleAngle { cable: c, disk } if c == cable && disk < n => {
                 (unit(disk), vec![0.0; n])
             }
+            Parameter::Angle { cable: c } if c == cable => (vec![1.0; n], vec![0.0; n]),
+            Parameter::Radius { cable: c } if c == cable => (vec![0.0; n], vec![1.0; n]),
             _ => return None,
         };
         let knots = &disks.arc_lengths[..n];
-        let angles = unwrapped_angles(holes, disks.holes.unwrap_or(1));
-        let radii = &disks.hole_circle_radii[..n];
+        let HolePlaces { angles, radii } = hole_places(&robot.cables()[cable], holes, disks);
         let curve = match interpolation {
             Interpolation::Fourier => {
                 let along = |f: &dyn Fn(usize) -> f64| -> Vec<f64> { (0..n).map(f).collect() };
@@ -139,7 +140,7 @@ impl RouteChange {
             },
             Interpolation::Pchip => Change::Polar {
                 angle: Along::Cubic(PiecewiseCubic::pchip_change(knots, &angles, &d_angles).ok()?),
-                radius: Along::Cubic(PiecewiseCubic::pchip_change(knots, radii, &d_radii).ok()?),
+                radius: Along::Cubic(PiecewiseCubic::pchip_change(knots, &radii, &d_radii).ok()?),
             },
         };
         Some(Self { curve })

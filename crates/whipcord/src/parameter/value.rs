@@ -268,11 +268,9 @@ impl Parameter {
             | Self::Turns { cable }
             | Self::Start { cable, .. }
             | Self::End { cable, .. }
-            | Self::Coefficient { cable, .. } => cables
-                .get_mut(cable)
-                .and_then(|c| self.of_routing(&mut c.routing))
-                .into_iter()
-                .collect(),
+            | Self::Coefficient { cable, .. } => {
+                cables.get_mut(cable).and_then(|c| self.of_course(c)).into_iter().collect()
+            }
             Self::Gravity { axis } if axis < 3 => {
                 vec![&mut case.loads.gravity.get_or_insert_default()[axis]]
             }
@@ -337,8 +335,10 @@ impl Parameter {
         }
     }
 
-    fn of_routing<'a>(&self, routing: &'a mut Routing) -> Option<&'a mut f64> {
-        match (*self, routing) {
+    fn of_course<'a>(&self, cable: &'a mut Cable) -> Option<&'a mut f64> {
+        match (*self, &mut cable.routing) {
+            (Self::Angle { .. }, Routing::Holes { .. }) => Some(&mut cable.hole_offset.angle),
+            (Self::Radius { .. }, Routing::Holes { .. }) => Some(&mut cable.hole_offset.radius),
             (Self::Angle { .. }, Routing::Straight { angle, .. }) => Some(angle),
             (Self::Angle { .. }, Routing::Helix { start_angle, .. }) => Some(start_angle),
             (

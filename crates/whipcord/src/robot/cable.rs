@@ -7,6 +7,8 @@ pub struct Cable {
     pub group: Option<String>,
     /// Where it runs in the cross-sections.
     pub routing: Routing,
+    /// How far it runs from the centres of its holes; of no effect where it is not led through holes.
+    pub hole_offset: HoleOffset,
     /// Arc length in m at which it is anchored; `None` is the tip, or, for a list of holes, the disk of its
     /// last hole.
     pub ends_at: Option<f64>,
@@ -14,6 +16,16 @@ pub struct Cable {
     pub friction: Option<f64>,
     /// Axial stiffness E·A in N; `None` is inextensible.
     pub axial_stiffness: Option<f64>,
+}
+
+/// How far a cable runs from the centres of its holes, the same at all disks: it lies at the side of a hole that is wider than
+/// itself, or the holes were drilled on another circle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HoleOffset {
+    /// About the axis of the backbone in rad, from x towards y.
+    pub angle: f64,
+    /// Away from the axis in m, negative towards it.
+    pub radius: f64,
 }
 
 /// How a cable runs along the robot. Lengths in m, angles in rad from x towards y.
@@ -88,6 +100,7 @@ impl Cable {
             name: name.into(),
             group: None,
             routing,
+            hole_offset: HoleOffset::default(),
             ends_at: None,
             friction: None,
             axial_stiffness: None,

@@ -95,6 +95,17 @@ pub enum Problem {
         /// Values that are possible.
         range: Range,
     },
+    /// A cable that would run beyond the axis of the backbone.
+    #[error(
+        "must not take the cable beyond the axis, which is {} m from its nearest hole, but is {}",
+        number(*least), number(*value)
+    )]
+    BeyondAxis {
+        /// Value given in m.
+        value: f64,
+        /// Distance of its nearest hole from the axis in m.
+        least: f64,
+    },
     /// A list of the wrong length.
     #[error("must have {expected} entries, one for each disk, but has {given}")]
     Count {
@@ -486,7 +497,7 @@ pub enum Problem {
     LoadPlaces,
     /// A parameter that the robot or the case does not have.
     #[error(
-        "is no number of this robot and case that could change: give it in the file, as the value to start from (a cable with a list of `holes` has no angle and radius of its own)"
+        "there is no such number in this robot and case: give it in the file, as the value to start from"
     )]
     NoSuchQuantity,
     /// A case whose list does not fit the robot.

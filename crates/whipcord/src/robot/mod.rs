@@ -21,7 +21,7 @@ use whipcord_numerics::{Vec3, integral};
 pub use along::{Along, Linear};
 pub use backbone::{Backbone, Material, RestCurvature};
 pub use bending_friction::BendingFriction;
-pub use cable::{Cable, Interpolation, Routing};
+pub use cable::{Cable, HoleOffset, Interpolation, Routing};
 pub use disks::Disks;
 pub(crate) use error::check_on_backbone;
 pub use error::{Problem, RobotError, in_words};

@@ -3,7 +3,7 @@ use core::f64::consts::{PI, TAU};
 use whipcord_numerics::{PiecewiseCubic, Vec3};
 
 use super::backbone::Backbone;
-use super::cable::{Cable, Interpolation, Routing};
+use super::cable::{Cable, HoleOffset, Interpolation, Routing};
 use super::disks::Disks;
 use super::error::{Problem, RobotError, check_on_backbone};
 use super::fourier::Fourier;
@@ -54,7 +54,16 @@ impl Route {
                 let knots = hole_disks(holes, disks)?;
                 longest = knots[knots.len() - 1];
                 breakpoints.extend_from_slice(&knots[1..knots.len() - 1]);
-                holes_curve(holes, *interpolation, knots, disks)
+                ANGLE.check("hole_angle_offset", cable.hole_offset.angle)?;
+                COORDINATE.check("hole_radius_offset", cable.hole_offset.radius)?;
+                let least = disks.hole_circle_radii[..holes.len()].iter().copied();
+                let least = least.fold(f64::INFINITY, f64::min);
+                if least + cable.hole_offset.radius < 0.0 {
+                    let problem = Problem::BeyondAxis { value: cable.hole_offset.radius, least };
+                    return Err(RobotError::new("hole_radius_offset", problem));
+                }
+                let places = hole_places(cable, holes, disks);
+                holes_curve(&places, *interpolation, knots)
             }
             Routing::Straight { angle, radius } => {
                 ANGLE.check("routing.angle", *angle)?;
@@ -188,15 +197,25 @@ pub(crate) fn unwrapped_angles(holes: &[usize], count: usize) -> Vec<f64> {
     angles
 }
 
-fn holes_curve(
-    holes: &[usize],
-    interpolation: Interpolation,
-    knots: &[f64],
-    disks: &Disks,
-) -> Curve {
-    // `hole_disks` has checked that the number of holes is given.
-    let angles = unwrapped_angles(holes, disks.holes.unwrap_or(1));
-    let radii = &disks.hole_circle_radii[..holes.len()];
+/// Where a cable passes the disks.
+pub(crate) struct HolePlaces {
+    /// Unwrapped, in rad.
+    pub angles: Vec<f64>,
+    /// Distances from the axis in m.
+    pub radii: Vec<f64>,
+}
+
+/// Where a cable with these holes passes the disks; a robot's disks have the number of holes and their circles.
+pub(crate) fn hole_places(cable: &Cable, holes: &[usize], disks: &Disks) -> HolePlaces {
+    let HoleOffset { angle, radius } = cable.hole_offset;
+    let mut angles = unwrapped_angles(holes, disks.holes.unwrap_or(1));
+    angles.iter_mut().for_each(|at| *at += angle);
+    let radii = disks.hole_circle_radii[..holes.len()].iter().map(|at| at + radius).collect();
+    HolePlaces { angles, radii }
+}
+
+fn holes_curve(places: &HolePlaces, interpolation: Interpolation, knots: &[f64]) -> Curve {
+    let HolePlaces { angles, radii } = places;
     let cubic = |values: &[f64]| {
         let fit = match interpolation {
             Interpolation::Pchip => PiecewiseCubic::pchip(knots, values),
@@ -218,7 +237,7 @@ fn holes_curve(
             }
         }
         Interpolation::Spline | Interpolation::Pchip => {
-            Curve::Polar { angle: cubic(&angles), radius: cubic(radii) }
+            Curve::Polar { angle: cubic(angles), radius: cubic(radii) }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
-use crate::robot::{Robot, Routing};
+use crate::robot::{HoleOffset, Robot, Routing};
 
 /// A cable's way from the hole of one disk to that of the next, in the frames of the disks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,8 +66,9 @@ fn hole(robot: &Robot, cable: usize, disk: usize) -> Vec3 {
     let disks = robot.disks();
     match (&robot.cables()[cable].routing, disks.holes) {
         (Routing::Holes { holes, .. }, Some(count)) => {
-            let angle = core::f64::consts::TAU * (holes[disk] as f64 - 1.0) / count as f64;
-            let radius = disks.hole_circle_radii[disk];
+            let HoleOffset { angle, radius } = robot.cables()[cable].hole_offset;
+            let angle = core::f64::consts::TAU * (holes[disk] as f64 - 1.0) / count as f64 + angle;
+            let radius = disks.hole_circle_radii[disk] + radius;
             Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
         }
         _ => robot.routes()[cable].at(disks.arc_lengths[disk]).offset,

@@ -66,7 +66,10 @@ pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
         [&sides[0].lens, &sides[1].lens],
         [sides[0].size, sides[1].size],
     );
-    let found = found.map_err(|error| failure(&sides, &error))?;
+    let mut found = found.map_err(|error| failure(&sides, &error))?;
+    let lenses = sides.each_ref().map(|side| side.calibration.as_ref());
+    let deviations = lenses.map(|of| of.map(|found| &found.calibrated.deviations));
+    found.calibrated = found.calibrated.with_lenses(deviations);
     // The first camera keeps the pose that its file gives it.
     let pose = sides[0].camera.pose();
     let mut written = found.calibrated.cameras;

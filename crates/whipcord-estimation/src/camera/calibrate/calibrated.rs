@@ -34,6 +34,9 @@ pub struct LensDeviations {
     pub distortion: Vec<Option<f64>>,
     /// Of a column or row at which a point was seen, in pixels, as what is left of them tells.
     pub pixel: f64,
+    /// Covariance of the focal lengths, the principal point and the distortion coefficients that were sought, in this order, by rows; of a coefficient that
+    /// the photographs do not tell zero.
+    pub covariance: Vec<Vec<f64>>,
 }
 
 /// Which distortion coefficients are sought; the others are zero.

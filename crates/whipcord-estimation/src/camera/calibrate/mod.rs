@@ -114,6 +114,7 @@ pub fn calibrate(
             .map(|i| if i < found { deviation(4 + i) } else { Some(0.0) })
             .collect(),
         pixel: variance.sqrt(),
+        covariance: spread.covariance(),
     };
     let lens = problem.lens(&unknowns)?;
     Ok(Calibrated { lens, free_parameters, deviations, poses, tilt, view_rms, rms })

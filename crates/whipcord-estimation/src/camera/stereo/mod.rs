@@ -7,7 +7,8 @@ mod start;
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::lens::{Lens, Pinhole};
+use super::calibrate::LensDeviations;
+use super::lens::{LENS_PARAMETERS, Lens, Pinhole};
 use super::locate::Sighting;
 use super::triangulate::triangulate;
 use super::view::Camera;
@@ -24,8 +25,10 @@ pub struct StereoCalibration {
     /// The cameras; the pose of the second is that in the frame of the first.
     pub cameras: [Camera; 2],
     /// Covariance of position (m) and rotation (rad) of the second camera along and about the axes of the first, eq. (s8), by
-    /// the errors of the corners alone: the lenses are taken as they are.
+    /// the errors of the corners alone: the lenses are taken as they are, unless [`Self::with_lenses`] was asked.
     pub covariance: [[f64; 6]; 6],
+    /// How position and rotation follow the focal lengths, the principal point and the first twelve distortion coefficients of each lens, eq. (s9).
+    pub by_lenses: [[[f64; LENS_PARAMETERS]; 6]; 2],
     /// Distance of the cameras in m, and its standard deviation.
     pub baseline: [f64; 2],
     /// Standard deviation of a column or row at which a corner was seen, in pixels, as what is left of them tells.
@@ -61,6 +64,32 @@ impl StereoCalibration {
     #[must_use]
     pub fn position_deviation(&self) -> Vec3 {
         Vec3::from([0, 1, 2].map(|i| self.covariance[i][i].max(0.0).sqrt()))
+    }
+
+    /// The same with the errors of lenses that were calibrated, eq. (s10); of one that is not given nothing is known but what it is.
+    #[must_use]
+    pub fn with_lenses(self, lenses: [Option<&LensDeviations>; 2]) -> Self {
+        self.with_lens_covariances(lenses.map(|of| of.map(|of| &of.covariance[..])))
+    }
+
+    /// [`Self::with_lenses`], by [`LensDeviations::covariance`] of each.
+    #[must_use]
+    pub fn with_lens_covariances(mut self, lenses: [Option<&[Vec<f64>]>; 2]) -> Self {
+        for (by_lens, lens) in self.by_lenses.iter().zip(lenses) {
+            let Some(covariance) = lens else { continue };
+            for (i, row) in self.covariance.iter_mut().enumerate() {
+                for (j, entry) in row.iter_mut().enumerate() {
+                    for (of_lens, a) in covariance.iter().zip(by_lens[i]) {
+                        for (own, b) in of_lens.iter().zip(by_lens[j]) {
+                            *entry += a * own * b;
+                        }
+                    }
+                }
+            }
+        }
+        let position = self.cameras[1].pose().position;
+        self.baseline[1] = distance_deviation(position, &self.covariance);
+        self
     }
 
     /// Standard deviations of the rotation of the second camera in rad, about the axes of the first.
@@ -134,6 +163,24 @@ fn refuse_ambiguous(
     Ok(())
 }
 
+/// Standard deviation of the distance of the cameras.
+fn distance_deviation(position: Vec3, covariance: &[[f64; 6]; 6]) -> f64 {
+    let variance: f64 = (0..3)
+        .flat_map(|i| (0..3).map(move |j| (i, j)))
+        .map(|(i, j)| position[i] * covariance[i][j] * position[j])
+        .sum();
+    let baseline = position.norm();
+    // Of cameras in one place the distance has no direction.
+    match baseline > 0.0 {
+        true => variance.max(0.0).sqrt() / baseline,
+        false => greatest_deviation(covariance),
+    }
+}
+
+fn greatest_deviation(covariance: &[[f64; 6]; 6]) -> f64 {
+    (0..3).map(|i| covariance[i][i].max(0.0)).fold(0.0, f64::max).sqrt()
+}
+
 fn measured(
     found: Refined,
     refused: Vec<(usize, RefusedPair)>,
@@ -143,13 +190,8 @@ fn measured(
     let cameras = [found.cameras[0], second];
     let position = found.relative.position;
     let baseline = position.norm();
-    let variance: f64 = (0..3)
-        .flat_map(|i| (0..3).map(move |j| (i, j)))
-        .map(|(i, j)| position[i] * covariance[i][j] * position[j])
-        .sum();
-    // Of cameras in one place the distance has no direction.
-    let largest = (0..3).map(|i| covariance[i][i].max(0.0)).fold(0.0, f64::max).sqrt();
-    let deviation = if baseline > 0.0 { variance.max(0.0).sqrt() / baseline } else { largest };
+    let deviation = distance_deviation(position, &covariance);
+    let largest = greatest_deviation(&covariance);
     if baseline <= 3.0 * largest {
         return Err(StereoError::NoBaseline { baseline, deviation: largest });
     }
@@ -174,6 +216,7 @@ fn measured(
     Ok(StereoCalibration {
         cameras,
         covariance,
+        by_lenses: found.by_lenses,
         baseline: [baseline, deviation],
         pixel: found.pixel,
         rms: found.rms,

@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 
 use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
-use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
+use whipcord_numerics::{DenseLu, Pose, Twist, UnitQuaternion, Vec3};
 
 use super::error::{RefusedPair, StereoError};
 use crate::camera::deflation::without_places;
 use crate::camera::error::ViewError;
+use crate::camera::lens::{LENS_PARAMETERS, Lens};
 use crate::camera::locate::{Freedoms, InImage, Sighting};
 use crate::camera::view::Camera;
 use crate::uncertainty::Spread;
@@ -44,6 +45,8 @@ pub(super) struct Refined {
     pub(super) relative: Pose,
     /// Of position and rotation; none where the pairs do not determine them.
     pub(super) covariance: Option<[[f64; 6]; 6]>,
+    /// How position and rotation follow the parameters of each lens.
+    pub(super) by_lenses: [[[f64; LENS_PARAMETERS]; 6]; 2],
     pub(super) pixel: f64,
     pub(super) rms: f64,
     pub(super) view_rms: Vec<[f64; 2]>,
@@ -99,7 +102,24 @@ pub(super) fn refine(
     let mut jacobian = vec![0.0; count * unknowns.len()];
     problem.jacobian(&unknowns, &mut jacobian).map_err(|_| failed)?;
     let rows: Vec<usize> = problem.views.iter().map(View::rows).collect();
-    let own = without_places(jacobian, unknowns.len(), 6, rows.iter().copied());
+    let width = unknowns.len();
+    let by_lenses = [0, 1].map(|camera| {
+        let columns = problem.by_lens(camera, &unknowns).ok()?;
+        let mut with_lens = Vec::with_capacity(count * (width + LENS_PARAMETERS));
+        for (row, of_lens) in jacobian.chunks_exact(width).zip(columns) {
+            with_lens.extend_from_slice(&row[..6]);
+            with_lens.extend_from_slice(&of_lens);
+            with_lens.extend_from_slice(&row[6..]);
+        }
+        Some(by_lens(&without_places(
+            with_lens,
+            width + LENS_PARAMETERS,
+            6 + LENS_PARAMETERS,
+            rows.iter().copied(),
+        )))
+    });
+    let [Some(first), Some(second)] = by_lenses else { return Err(StereoError::NoPose) };
+    let own = without_places(jacobian, width, 6, rows.iter().copied());
     let spare = count.saturating_sub(unknowns.len()).max(1);
     let variance = 2.0 * outcome.cost / spare as f64;
     let (mut view_rms, mut rest) = (Vec::new(), &residuals[..]);
@@ -115,6 +135,7 @@ pub(super) fn refine(
         cameras: *cameras,
         relative: problem.relative,
         covariance: covariance(&own, variance),
+        by_lenses: [first, second],
         views: problem.views,
         pixel: variance.sqrt(),
         rms,
@@ -124,15 +145,41 @@ pub(super) fn refine(
 
 fn covariance(jacobian: &[f64], variance: f64) -> Option<[[f64; 6]; 6]> {
     let spread = Spread::of(jacobian, &[true; 6], variance, false);
-    let mut covariance = [[0.0; 6]; 6];
-    for (i, row) in covariance.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            let (a, b) = (spread.deviations[i]?, spread.deviations[j]?);
-            // Of an exact fit there are no correlations.
-            *entry = a * b * spread.correlations[i][j].unwrap_or(0.0);
+    if spread.deviations.iter().any(Option::is_none) {
+        return None;
+    }
+    let all = spread.covariance();
+    Some(core::array::from_fn(|i| core::array::from_fn(|j| all[i][j])))
+}
+
+/// Eq. (s9): how the relative pose follows the parameters of one lens, of the Jacobian by rows whose columns are those of the pose and of
+/// the lens, less what the places of the boards can make up for. Zero where the pairs do not determine the pose.
+fn by_lens(jacobian: &[f64]) -> [[f64; LENS_PARAMETERS]; 6] {
+    let width = 6 + LENS_PARAMETERS;
+    let product =
+        |i: usize, j: usize| jacobian.chunks_exact(width).map(|row| row[i] * row[j]).sum();
+    // Metres and radians are of one size then.
+    let sizes: [f64; 6] = core::array::from_fn(|i| f64::sqrt(product(i, i)));
+    let mut by_lens = [[0.0; LENS_PARAMETERS]; 6];
+    if sizes.contains(&0.0) {
+        return by_lens;
+    }
+    let normal: Vec<f64> = (0..36)
+        .map(|at| (at / 6, at % 6))
+        .map(|(i, j)| product(i, j) / (sizes[i] * sizes[j]))
+        .collect();
+    let mut factors = DenseLu::default();
+    if factors.factor(6, &normal).is_err() {
+        return by_lens;
+    }
+    for parameter in 0..LENS_PARAMETERS {
+        let mut column: [f64; 6] = core::array::from_fn(|i| -product(i, 6 + parameter) / sizes[i]);
+        factors.solve(&mut column);
+        for (row, (value, size)) in by_lens.iter_mut().zip(column.iter().zip(sizes)) {
+            row[parameter] = value / size;
         }
     }
-    Some(covariance)
+    by_lens
 }
 
 /// All pairs: the unknowns are shift τ and turn φ of the second camera along and about the axes of the first, then three shifts
@@ -161,7 +208,36 @@ impl<'a> Rig<'a> {
         Ok([at(0, view.first)?, at(1, view.first * relative)?])
     }
 
-    /// The same, as the unknowns have it.
+    /// Derivatives of the residuals by the parameters of one of the lenses.
+    fn by_lens(
+        &self,
+        camera: usize,
+        unknowns: &[f64],
+    ) -> Result<Vec<[f64; LENS_PARAMETERS]>, ViewError> {
+        let relative = self.relative(unknowns);
+        let mut all = Vec::new();
+        for (view, place) in self.views.iter().zip(unknowns[6..].chunks_exact(6)) {
+            let pivot = view.centre();
+            for (number, (start, seen)) in
+                self.before(view, relative)?.iter().zip(&view.seen).enumerate()
+            {
+                let in_image = InImage { start, seen, pivot, freedoms: self.freedoms };
+                let moved = in_image.camera(place)?;
+                for at in seen {
+                    let own = match moved.lens() {
+                        Lens::Pinhole(lens) if number == camera => {
+                            lens.by_parameters(moved.in_view(at.point))
+                        }
+                        _ => [[0.0; 2]; LENS_PARAMETERS],
+                    };
+                    all.extend([0, 1].map(|i| own.map(|by| by[i])));
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// The rig, as the unknowns have it.
     fn ended(&self, unknowns: &[f64]) -> Result<Self, ViewError> {
         let relative = self.relative(unknowns);
         let mut views = self.views.clone();

@@ -18,6 +18,8 @@ struct Study {
     /// The unknowns with their true values.
     unknowns: [(&'static str, f64); 4],
     rows: usize,
+    /// Whether each run is told.
+    tells: bool,
 }
 
 impl Study {
@@ -35,6 +37,7 @@ impl Study {
                 ("cables[*].routing.angle", 0.02),
             ],
             rows,
+            tells: false,
         }
     }
 
@@ -51,6 +54,7 @@ impl Study {
                 ("cables[*].friction", 0.15),
             ],
             rows,
+            tells: false,
         }
     }
 
@@ -81,6 +85,16 @@ impl Study {
         (held, test.rms_distance.unwrap().powi(2))
     }
 
+    #[expect(clippy::print_stdout, reason = "a study that takes long")]
+    fn tell(&self, run: u64, (held, square): (usize, f64)) {
+        if self.tells {
+            let off = square.sqrt() / (NOISE * 3f64.sqrt());
+            println!(
+                "run {run}: {held} of 4 intervals hold the truth; held out: {off:.3} × the noise"
+            );
+        }
+    }
+
     /// In how many of the runs, and of the unknowns, the interval holds the truth; and the root mean square distance of what was not
     /// fitted, in units of the noise. The same for any number of threads.
     fn held(&self, runs: u64) -> (usize, f64) {
@@ -96,6 +110,7 @@ impl Study {
                         }
                         let one = self.run(run);
                         found.lock().unwrap()[run as usize] = one;
+                        self.tell(run, one);
                     }
                 });
             }
@@ -123,9 +138,16 @@ fn of_few_runs_with_friction() {
     assert!((rms - 1.0).abs() < 0.3, "{rms}");
 }
 
+/// A number that a variable of the environment gives.
+fn asked(name: &str) -> Option<u64> {
+    std::env::var(name).ok().and_then(|number| number.parse().ok())
+}
+
 #[expect(clippy::print_stdout, reason = "the result of a study")]
-fn study(of: &Study) {
-    let runs: u64 = std::env::var("RUNS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(200);
+fn study(mut of: Study) {
+    of.rows = asked("ROWS").map_or(of.rows, |rows| rows as usize);
+    of.tells = true;
+    let runs = asked("RUNS").unwrap_or(200);
     let (held, floor) = of.held(runs);
     let all = 4 * runs;
     println!(
@@ -143,12 +165,13 @@ fn study(of: &Study) {
 #[test]
 #[ignore = "a study of many minutes; of_few_runs asks the same of fewer"]
 fn study_of_motors() {
-    study(&Study::of_drives(2000));
+    study(Study::of_drives(2000));
 }
 
-/// As above, of rows in order with friction. 200 runs take an hour and more on two cores; the variable `RUNS` asks for another number.
+/// As above, of rows in order with friction. `RUNS=200 ROWS=2000`, which is the default, takes ten hours of processor time: these variables ask for less, and what is
+/// known so far is told after each run.
 #[test]
-#[ignore = "a study of an hour; of_few_runs_with_friction asks the same of fewer"]
+#[ignore = "a study of hours; of_few_runs_with_friction asks the same of fewer"]
 fn study_of_motors_with_friction() {
-    study(&Study::of_friction(40));
+    study(Study::of_friction(2000));
 }

@@ -5,6 +5,7 @@ mod columns;
 mod coverage;
 mod coverage_of_motors;
 mod estimates;
+mod holes;
 mod laboratory;
 mod over_determined;
 mod refusals;

@@ -4,8 +4,8 @@ use core::f64::consts::PI;
 
 use whipcord::{Pose, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::{
-    Camera, Distortion, Lens, Pinhole, RefusedPair, SeenByBoth, Sighting, StereoError,
-    calibrate_stereo,
+    Camera, Distortion, FreeParameters, Lens, Pinhole, RefusedPair, SeenByBoth, Sighting,
+    StereoError, calibrate, calibrate_stereo,
 };
 
 use super::noise::Noise;
@@ -127,6 +127,78 @@ fn coverage(trials: usize, margin: f64) {
     assert!((share - 0.95).abs() < margin, "{share}");
     assert!((pixel - deviation).abs() < 0.003, "{pixel}");
     assert!((epipolar - deviation).abs() < 0.01, "{epipolar}");
+}
+
+/// The same of rigs whose lenses are calibrated by the same photographs. Without their errors the deviations are too small.
+#[test]
+fn the_pose_lies_within_its_covariance_with_that_of_the_lenses() {
+    coverage_with_lenses(30, 8);
+}
+
+#[test]
+#[ignore = "a study"]
+fn the_pose_lies_within_its_covariance_with_that_of_the_lenses_in_hundreds_of_sets() {
+    coverage_with_lenses(300, 8);
+}
+
+fn coverage_with_lenses(trials: usize, pairs: usize) {
+    let (mut alone, mut as_if_known) = (0, 0);
+    for trial in 0..trials {
+        let mut noise = Noise::of(900 + trial as u64);
+        let pairs: Vec<SeenByBoth> = (0..pairs).map(|_| pair(&mut noise, 0.2)).collect();
+        let lens = |i: usize| {
+            let views: Vec<_> = pairs.iter().map(|pair| pair[i].clone()).collect();
+            let free = [FreeParameters::Four, FreeParameters::None][i];
+            calibrate(SIZE, &views, free).unwrap()
+        };
+        let [a, b] = [lens(0), lens(1)];
+        let found = calibrate_stereo([&a.lens, &b.lens], [Some(SIZE); 2], &pairs, &[]).unwrap();
+        let off = off(found.cameras[1].pose());
+        let whole = found.clone().with_lenses([Some(&a.deviations), Some(&b.deviations)]);
+        assert!(whole.baseline[1] > found.baseline[1]);
+        for k in 0..6 {
+            as_if_known += usize::from(off[k].abs() < 1.96 * found.covariance[k][k].sqrt());
+            alone += usize::from(off[k].abs() < 1.96 * whole.covariance[k][k].sqrt());
+        }
+    }
+    let share = |held: usize| held as f64 / (6 * trials) as f64;
+    // Six correlated coordinates are in each trial.
+    let margin = 0.22 / (trials as f64).sqrt() + 0.02;
+    println!("{} {}", share(alone), share(as_if_known));
+    assert!((share(alone) - 0.95).abs() < margin, "{}", share(alone));
+    assert!(share(as_if_known) < 0.8, "{}", share(as_if_known));
+}
+
+/// How the pose follows a parameter of a lens, by calibrations with lenses that are slightly other.
+#[test]
+fn the_pose_follows_the_lenses_as_said() {
+    let mut noise = Noise::of(7);
+    let pairs: Vec<SeenByBoth> = (0..4).map(|_| pair(&mut noise, 0.2)).collect();
+    let [a, b] = lenses();
+    let moved = |which: usize, parameter: usize, by: f64| {
+        let lens = [a, b][which];
+        let ([mut fx, mut fy], [mut cx, mut cy]) = (lens.focal(), lens.centre());
+        *[&mut fx, &mut fy, &mut cx, &mut cy][parameter] += by;
+        let lens = Pinhole::new([fx, fy], [cx, cy], *lens.distortion()).unwrap();
+        let both = if which == 0 { [&lens, &b] } else { [&a, &lens] };
+        calibrate_stereo(both, [Some(SIZE); 2], &pairs, &[]).unwrap()
+    };
+    let found = calibrated(&pairs, &[]).unwrap();
+    for which in 0..2 {
+        for parameter in 0..4 {
+            let h = 0.02;
+            let [before, after] =
+                [-h, h].map(|by| off(moved(which, parameter, by).cameras[1].pose()));
+            for k in 0..6 {
+                let slope = (after[k] - before[k]) / (2.0 * h);
+                let said = found.by_lenses[which][k][parameter];
+                // What the derivatives take for constant is of the size of the residuals.
+                let size = found.by_lenses[which].map(|row| row[parameter].abs());
+                let near = 0.02 * size[3 * (k / 3)..][..3].iter().fold(0.0, |m: f64, x| m.max(*x));
+                assert!((said - slope).abs() < near, "{which} {parameter} {k}: {said} {slope}");
+            }
+        }
+    }
 }
 
 /// xᵀ C⁻¹ x by elimination.

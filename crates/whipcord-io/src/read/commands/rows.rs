@@ -126,7 +126,7 @@ fn command(
 /// A number in SI; `None` where it is missing or none.
 fn number(cell: &Cell, row: &Row, name: &str, unit: &Unit, problems: &mut Problems) -> Option<f64> {
     let Some(text) = cell.value.text() else {
-        let message = format!("this row has no `{}`", quoted(name));
+        let message = format!("this row has no number for `{}`", quoted(name));
         problems.push(row.span, || {
             problem(
                 message,

@@ -63,6 +63,8 @@ impl Column {
 pub(super) struct Read {
     pub column: Column,
     pub unit: &'static str,
+    /// Whether its header names that unit, else `unit` of [measured] does or says nothing.
+    pub names_unit: bool,
     /// Number of the marker in [[measured.markers]] that the column is named after.
     pub marker: Option<usize>,
 }
@@ -107,28 +109,50 @@ pub(super) fn columns(
         problems.push(grid.header, || unnamed(&names().collect::<Vec<_>>()));
         return None;
     }
+    // The column by which rows are found, where no column has its name.
+    let lost_key = known.key.filter(|_| !known.same_file).filter(|_| {
+        names().all(|name| !matches!(found(name, known), Some((Column::Key | Column::Step, _))))
+    });
     let mut columns: Vec<Read> = Vec::new();
     for (name, cell) in names().zip(&grid.columns) {
         let (bare, unit) = split_unit(name);
         match found(name, known) {
             Some((Column::Ignored, marker)) => {
-                columns.push(Read { column: Column::Ignored, unit: known.unit, marker });
+                columns.push(Read {
+                    column: Column::Ignored,
+                    unit: known.unit,
+                    names_unit: false,
+                    marker,
+                });
             }
             Some((column, marker))
                 if columns.iter().any(|read| (read.column, read.marker) == (column, marker)) =>
             {
                 let message = format!("the column `{}` is there twice", quoted(bare));
-                problems.push(cell.span, || problem(message, HEADER));
+                let help = "give each column a name of its own, or leave out one of the two";
+                problems.push(cell.span, || problem(message, help));
             }
             Some((column, marker)) => match unit_of(column, unit, known) {
-                Ok(unit) => columns.push(Read { column, unit, marker }),
+                Ok(found) => {
+                    columns.push(Read { column, unit: found, names_unit: unit.is_some(), marker })
+                }
                 Err(told) => problems.push(cell.span, || told),
             },
             None if name.is_empty() => {
                 let help = "name it; or leave out row numbers, as pandas does with index=False";
                 problems.push(cell.span, || problem("this column has no name", help));
             }
-            None => problems.push(cell.span, || unknown(name, known)),
+            None => problems.push(cell.span, || match lost_key {
+                Some(key) => problem(
+                    format!("there is no column `{}`", quoted(name)),
+                    format!(
+                        "if it has the keys of the rows, name it `{0}`, as `key` of [commands] says, or write `key = \"{1}\"` under [measured]",
+                        quoted(key),
+                        quoted(name)
+                    ),
+                ),
+                None => unknown(name, known),
+            }),
         }
     }
     let complete = columns.len() == grid.columns.len();

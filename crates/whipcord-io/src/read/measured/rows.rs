@@ -23,8 +23,6 @@ const FARTHEST_PIXEL: f64 = 1e6;
 
 pub(super) const PIXELS: &str =
     "u is the column and v the row in pixels, the centre of the first pixel at (0, 0)";
-const NUMBERS: &str =
-    "write lengths as plain numbers with a decimal point, in m or in the `unit` of [measured]";
 
 /// All that was seen, by step, then by place, and the orientations of tracked bodies. `None` when something was refused, which
 /// has been reported.
@@ -82,13 +80,19 @@ pub(super) fn observations(
                 let message = match known.rows() {
                     Some(rows) => format!(
                         "{} is given twice for {}",
-                        named(observation.place),
+                        named(observation.place, is_tip),
                         rows.label(observation.step)
                     ),
-                    None => format!("{} is given twice", named(observation.place)),
+                    None => format!("{} is given twice", named(observation.place, is_tip)),
                 };
-                let help =
-                    "give each disk one line in each step, or markers beside it their offset";
+                let help = match is_tip {
+                    true => {
+                        "give each row of commands one line; or add the column `disk` or `arc_length` where the lines are of several markers"
+                    }
+                    false => {
+                        "give each disk one line in each step, or markers beside it their offset"
+                    }
+                };
                 reader.problems.push_related(row.span, related, || problem(message, help));
                 reader.refused = true;
             } else {
@@ -197,8 +201,10 @@ fn order(place: Place) -> f64 {
     }
 }
 
-fn named(place: Place) -> String {
+/// A place in the words of the table: where no column says places it is that of the tip.
+fn named(place: Place, is_tip: bool) -> String {
     match place {
+        _ if is_tip => "the tip".to_owned(),
         Place::Disk(disk) => format!("disk {}", disk + 1),
         Place::ArcLength(arc_length) => format!("the marker at arc length {arc_length} m"),
     }
@@ -367,12 +373,27 @@ impl Reader<'_> {
         self.columns.iter().position(found).and_then(|i| row.cells.get(i))
     }
 
+    /// A column of the marker that is read.
+    fn read(&self, column: Column) -> Option<&Read> {
+        let marker = self.marker.filter(|_| column.is_of_marker());
+        self.columns.iter().find(|read| (read.column, read.marker) == (column, marker))
+    }
+
     /// Unit of the lengths in a column.
     fn unit(&self, column: Column) -> &'static str {
-        let marker = self.marker.filter(|_| column.is_of_marker());
-        let found = |read: &&Read| (read.column, read.marker) == (column, marker);
-        let read = self.columns.iter().find(found);
-        read.map_or(self.known.unit, |read| read.unit)
+        self.read(column).map_or(self.known.unit, |read| read.unit)
+    }
+
+    /// How the lengths of a column are written.
+    fn how(&self, column: Column) -> String {
+        let unit = self.unit(column);
+        let whence = match self.read(column).is_some_and(|read| read.names_unit) {
+            true => ", which the name of the column says",
+            false => {
+                ", or in another unit that the column names, as `x [mm]`, or `unit` of [measured]"
+            }
+        };
+        format!("write lengths as plain numbers with a decimal point, in {unit}{whence}")
     }
 
     fn refuse(&mut self, span: Span, message: String, help: impl Into<Cow<'static, str>>) {
@@ -381,7 +402,12 @@ impl Reader<'_> {
     }
 
     /// A number; `None` when it is missing or refused.
-    fn number(&mut self, row: &Row, column: Column, help: &'static str) -> Option<f64> {
+    fn number(
+        &mut self,
+        row: &Row,
+        column: Column,
+        help: impl Into<Cow<'static, str>>,
+    ) -> Option<f64> {
         let cell = self.cell(row, column)?;
         let text = cell.value.text()?;
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
@@ -393,13 +419,14 @@ impl Reader<'_> {
 
     /// A length in m.
     fn length(&mut self, row: &Row, column: Column) -> Option<f64> {
-        self.number(row, column, NUMBERS)?;
+        let how = self.how(column);
+        self.number(row, column, how.clone())?;
         let cell = self.cell(row, column)?;
         // The decimal digits are shifted, so that 0.3 mm is the very number that 0.0003 m is.
         let text = format!("{} {}", cell.value.text()?, self.unit(column));
         let (value, _) = parse_quantity(&text, &[Dimension::Length]).ok()?;
         if let Some(problem) = COORDINATE.problem(value) {
-            self.refuse(cell.span, format!("a length {problem}"), NUMBERS);
+            self.refuse(cell.span, format!("a length {problem}"), how);
             return None;
         }
         Some(value)

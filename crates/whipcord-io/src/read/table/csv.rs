@@ -110,8 +110,7 @@ fn other_separator(text: &str, file: usize) -> Option<(Span, String)> {
     Some((span, format!("the columns are separated by {separator}")))
 }
 
-const DECIMAL_COMMAS: &str =
-    "write decimals with a point; with decimal commas the columns must be separated by semicolons";
+const DECIMAL_COMMAS: &str = "give each line one value for each column of the first line; write decimals with a point, or separate the columns by semicolons where decimals have commas";
 
 /// Writes the numbers of a file whose separator is no comma with decimal points. Whether a comma is the decimal sign
 /// can be told only where no number has a point.

@@ -13,6 +13,7 @@ mod driven;
 mod equilibrium;
 mod gradients;
 pub mod hole_friction;
+mod hole_offset;
 mod independent_steps;
 mod limits;
 mod locked;

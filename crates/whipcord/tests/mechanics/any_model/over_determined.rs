@@ -93,3 +93,29 @@ fn lengths_that_can_be_had_and_large_misses_are_no_compromise() {
     assert!(matches!(error, SolveError::ContradictoryLengths { .. }), "{error}");
     assert_eq!(over_determined::or(Err(error.clone()), &model, &three, &far).unwrap_err(), error);
 }
+
+/// Where cables are straight between disks, a backbone under great tensions buckles there. Sections that are arcs, which cannot, say what is to be missed.
+#[test]
+fn bends_of_backbones_that_buckle_between_disks() {
+    let three = robot(&[0.0, 120.0, 240.0]);
+    for bend in [4e-3, 8e-3, 12e-3] {
+        let case = shortened(&[bend, -0.25 * bend, -0.75 * bend].map(|by| by + 1e-3));
+        let of = |kind| {
+            let model = model(kind);
+            over_determined::or(model.solve(&three, &case), &model, &three, &case).unwrap()
+        };
+        let arcs = of(ModelKind::PiecewiseConstantCurvature);
+        for kind in [ModelKind::CosseratDisks, ModelKind::PseudoRigidBody] {
+            let found = of(kind);
+            let misses = &found.diagnostics.length_misses;
+            assert_eq!(misses.len(), 3, "{kind} {bend}");
+            assert_eq!(found.diagnostics.stable, Some(true));
+            for (miss, other) in misses.iter().zip(&arcs.diagnostics.length_misses) {
+                let off = (miss.excess - other.excess).abs();
+                assert!(off < 0.12e-3, "{kind} {bend}: {} {}", miss.excess, other.excess);
+            }
+            let off = apart(&found, &arcs);
+            assert!(off < 0.012 * 0.18, "{kind} {bend}: {off}");
+        }
+    }
+}

@@ -252,7 +252,7 @@ fn what_is_not_there_is_refused_by_name() {
         (Parameter::PointMass { mass: 3 }, "mass"),
     ] {
         let message = refused(parameter);
-        assert!(message.contains(words) && message.contains("is no number"), "{message}");
+        assert!(message.contains(words) && message.contains("no such number"), "{message}");
     }
 }
 

@@ -98,7 +98,12 @@ fn parameters_are_those_of_differences() {
         let (_, derivatives) = linearized(&robot, &case, &parameters);
         for (i, parameter) in parameters.iter().enumerate() {
             let value = parameter.value(&robot, &case).unwrap().abs();
-            let step = if value == 0.0 { 1e-2 } else { 5e-3 * value };
+            let step = match parameter {
+                // Of holes it is how far beside them the cable is.
+                Parameter::Radius { .. } if value == 0.0 => 4e-5,
+                _ if value == 0.0 => 1e-2,
+                _ => 5e-3 * value,
+            };
             let solved = |by: f64| -> Result<Solution, SolveError> {
                 // A mass cannot be negative.
                 let by = if *parameter == Parameter::DiskMass { by.abs() } else { by };
