@@ -603,7 +603,7 @@ fn survey(
     forward: &Forward,
     rows: usize,
 ) -> Result<Atlas, InverseError> {
-    on_survey(model, case, limits, ranges, forward, rows, |survey| Atlas::survey(survey))
+    on_survey(model, case, limits, ranges, forward, rows, Atlas::survey)
 }
 
 /// What is asked of the survey of the shapes.

@@ -40,6 +40,17 @@ pub struct Diagnostic {
     pub related: Option<(Span, &'static str)>,
 }
 
+/// A motor and what it is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CommandedMotor {
+    /// Its name, in quotes.
+    pub name: String,
+    /// Its command in rad or m.
+    pub command: f64,
+    /// Whether that is an angle.
+    pub is_angle: bool,
+}
+
 /// What is wrong with a file. [`FileProblem::help`] says what to do about it.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FileProblem {
@@ -298,8 +309,8 @@ pub enum FileProblem {
         length: f64,
         /// The number, where the file gives it without a unit.
         without_unit: Option<String>,
-        /// The motor that the shortening comes from, in quotes, with its command in rad or m and whether that is an angle.
-        motor: Option<(String, f64, bool)>,
+        /// The motor that the shortening comes from.
+        motor: Option<Box<CommandedMotor>>,
     },
     /// A motor that names a cable that there is not.
     #[error("there is no cable `{name}`")]

@@ -4,7 +4,7 @@ use whipcord::Problem;
 use whipcord::robot::limits::number;
 use whipcord_estimation::identification::UnknownGroup;
 
-use crate::error::FileProblem;
+use crate::error::{CommandedMotor, FileProblem};
 use crate::schema::FEW_CHOICES;
 use crate::source::quoted;
 use crate::units::{Dimension, QuantityError, listed, parse_quantity};
@@ -110,11 +110,12 @@ impl FileProblem {
                 "is this the file you meant? If so, export the part anew as binary STL".to_owned()
             }
             Self::Physical { problem, .. } => physical_help(problem),
-            Self::ShorterThanNothing { motor: Some((name, told, is_angle)), .. } => {
+            Self::ShorterThanNothing { motor: Some(motor), .. } => {
+                let CommandedMotor { name, command, is_angle } = &**motor;
                 let (si, unit) = if *is_angle { ("rad", "deg") } else { ("m", "mm") };
                 format!(
                     "the motor `{name}` is told {} {si}: give the unit of its command, in a table in the name of the column, as `{name} [{unit}]`",
-                    number(*told)
+                    number(*command)
                 )
             }
             Self::ShorterThanNothing { without_unit: Some(number), .. } => format!(

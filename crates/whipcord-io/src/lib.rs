@@ -36,7 +36,7 @@ pub use document::{
     FittedFile, Inexpressible, Item, Mounting, Table, describe, describe_fit, describe_goal,
     describe_motion, table_in_si, toml,
 };
-pub use error::{Diagnostic, FileError, FileProblem};
+pub use error::{CommandedMotor, Diagnostic, FileError, FileProblem};
 pub use files::read_photograph;
 pub use materials::{MaterialPreset, Shear, materials};
 pub use output::{

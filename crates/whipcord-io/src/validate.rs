@@ -8,7 +8,7 @@ use whipcord::{
 use whipcord_motion::MotionError;
 
 use crate::check::given_text;
-use crate::error::{Diagnostic, FileProblem, Problems};
+use crate::error::{CommandedMotor, Diagnostic, FileProblem, Problems};
 use crate::node::{Node, Value};
 use crate::read::{CommandTable, Motors};
 use crate::schema::ROOT;
@@ -153,22 +153,21 @@ fn shortenings(
                 value,
                 length,
                 without_unit,
-                motor: motor_of(robot, case, (k, i)),
+                motor: motor_of(robot, case, (k, i)).map(Box::new),
             });
         }
     }
 }
 
 /// The motor that drives a cable in a step, with what it is told.
-fn motor_of(
-    robot: &Robot,
-    case: &Case,
-    (step, cable): (usize, usize),
-) -> Option<(String, f64, bool)> {
+fn motor_of(robot: &Robot, case: &Case, (step, cable): (usize, usize)) -> Option<CommandedMotor> {
     let drives = |motor: &&Motor| motor.cables.iter().any(|of| of.cable == cable);
     let (number, motor) = robot.motors().iter().enumerate().find(|(_, motor)| drives(motor))?;
-    let told = (*case.motors.get(step)?.get(number)?)?;
-    Some((quoted(&motor.name), told, matches!(motor.drive, Drive::Spool { .. })))
+    Some(CommandedMotor {
+        name: quoted(&motor.name),
+        command: (*case.motors.get(step)?.get(number)?)?,
+        is_angle: matches!(motor.drive, Drive::Spool { .. }),
+    })
 }
 
 /// The number of the cable that an error is about.

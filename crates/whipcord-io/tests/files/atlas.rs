@@ -12,7 +12,7 @@ use whipcord_io::{AtlasFileError, atlas_to_parquet, load, load_atlas, start_from
 /// Of an example under a greatest tension in N.
 fn solver(example: &str, kind: ModelKind, greatest: f64) -> InverseSolver {
     let examples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    let file = load(&examples.join(example)).unwrap();
+    let file = load(examples.join(example)).unwrap();
     let model = Model::new(kind, Stations::Disks, Actuation::Natural);
     let limits = CableLimits { tension: [0.5, greatest], ..CableLimits::default() };
     let limits = Limits::uniform(file.robot.cables().len(), limits);
