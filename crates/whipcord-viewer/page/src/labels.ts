@@ -88,7 +88,8 @@ export class Labels {
       const [x, y, depth] = seen(label.at);
       if (depth < -1 || depth > 1) continue;
       // What it belongs to is not seen.
-      if (x < 0 || x > width || y < 0 || y > height) continue;
+      const isSeen = ([x, y]: readonly [number, number, number]): boolean => x >= 0 && x <= width && y >= 0 && y <= height;
+      if (!isSeen([x, y, depth]) && !(label.from && isSeen(seen(label.from)))) continue;
       const [wide, high] = [(LETTER * label.text.length) / 2 + 3, LINE / 2];
       let [left, top] = [x, y];
       if (label.from) {

@@ -357,6 +357,20 @@ describe("the spring that drags", () => {
     }
   });
 
+  it("gives up where the shape jumps to and fro, until the pointer moves", () => {
+    const spring = new Spring(3, [0, 0, 0.1], [0, 0, 0], 2, 0.2);
+    spring.move([0.1, 0, 0.1]);
+    let count = 0;
+    // It buckles to either side, whatever the force.
+    for (let side = 1; count < 1000 && spring.next([0.1 * side, 0, 0.05]); side = -side) count++;
+    expect(count).toBeGreaterThan(20);
+    expect(count).toBeLessThan(200);
+    expect(spring.isRestless).toBe(true);
+    spring.move([0.05, 0, 0.1]);
+    expect(spring.isRestless).toBe(false);
+    expect(spring.next([0, 0, 0.1])).toBeDefined();
+  });
+
   it("goes back to the last force that had a shape", () => {
     const spring = new Spring(3, [0, 0, 0.1], [0.5, 0, 0], 2, 0.2);
     spring.move([0.05, 0, 0.1]);

@@ -268,6 +268,7 @@ export class Stage {
     if (this.#ghost) this.space.remove(this.#ghost);
     this.#ghost = body;
     if (body) this.space.add(body);
+    if (this.#cut) this.#applyCut();
     this.draw();
   }
 
@@ -392,7 +393,7 @@ export class Stage {
 
   #applyCut(): void {
     const cut = this.#cut;
-    const bodies = [...this.#robots.children, ...this.#surroundings.children.filter(({ name }) => name !== "grid")];
+    const bodies = [...this.#bodies, ...this.#surroundings.children.filter(({ name }) => name !== "grid")];
     if (cut) {
       const box = new Box3();
       for (const body of this.#robots.children) box.expandByObject(body);
