@@ -40,6 +40,8 @@ export class Connection {
   /** Whether a request has gone out, and whether an answer has been shown, since the last picture of the display. */
   #hasAsked = false;
   #hasShown = false;
+  /** Whether a picture of the display is being made. */
+  #inPicture = false;
   #patience = 0;
   #frame: Frame | undefined;
   #connected = false;
@@ -181,13 +183,20 @@ export class Connection {
       this.#frame = undefined;
       if (!latest) return;
       this.#drawn = latest.id;
-      this.#hasShown = true;
-      requestAnimationFrame(() => (this.#hasShown = false));
+      // What is drawn for the picture that is being made leaves room for another before the next one.
+      if (!this.#inPicture) {
+        this.#hasShown = true;
+        requestAnimationFrame(() => (this.#hasShown = false));
+      }
       this.#hearer.frame(latest);
     });
     // What is drawn before the display begins its picture is in it, and is drawn while the page does other things.
-    if (this.#hasShown) requestAnimationFrame(show);
-    else show();
+    if (!this.#hasShown) return show();
+    requestAnimationFrame(() => {
+      this.#inPicture = true;
+      show();
+      this.#inPicture = false;
+    });
   }
 
   #wait(yes: boolean): void {

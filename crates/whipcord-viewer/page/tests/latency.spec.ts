@@ -9,14 +9,13 @@ const SECONDS = Number(process.env["LATENCY_SECONDS"] ?? 2);
 interface Noted {
   caused: number;
   sent: Map<number, number>;
-  inFrame: boolean;
   times: number[];
 }
 
-/** Notes when the pointer or a key caused a request, and when the display has begun the picture behind that which shows its answer. */
+/** Notes when the pointer or a key caused a request, and when the display had the picture that shows its answer. */
 async function note(page: Page): Promise<void> {
   await page.addInitScript(() => {
-    const noted: Noted = { caused: 0, sent: new Map(), inFrame: false, times: [] };
+    const noted: Noted = { caused: 0, sent: new Map(), times: [] };
     Object.assign(window, { noted });
     // When the device had it, and not when the page came to hear it.
     for (const kind of ["pointermove", "keydown"]) window.addEventListener(kind, ({ timeStamp }) => void (noted.caused = timeStamp), { capture: true });
@@ -26,30 +25,23 @@ async function note(page: Page): Promise<void> {
       if (type === "solve") noted.sent.set(id, noted.caused);
       send.call(this, text);
     };
-    const request = window.requestAnimationFrame.bind(window);
-    window.requestAnimationFrame = (act) => request((time) => {
-      noted.inFrame = true;
-      act(time);
-      noted.inFrame = false;
-    });
-    const next = (): Promise<unknown> => new Promise(request);
-    const later = (): Promise<unknown> => new Promise((done) => window.setTimeout(done, 2));
+    // The browser says when it has presented a word that was not there before: one is added in the moment that the answer is drawn, and
+    // is presented with it.
+    new PerformanceObserver((list) => {
+      for (const entry of list.getEntries() as (PerformanceEntry & { identifier: string; renderTime: number })[]) {
+        const since = noted.sent.get(Number(entry.identifier));
+        if (since !== undefined) noted.times.push(entry.renderTime - since);
+        document.querySelector(`[elementtiming="${entry.identifier}"]`)?.remove();
+      }
+    }).observe({ type: "element", buffered: true });
     window.addEventListener("load", () => {
-      const view = document.getElementById("view")!;
-      let last = Promise.resolve();
+      const [view, space] = [document.getElementById("view")!, document.getElementById("space")!];
       new MutationObserver(() => {
-        const since = noted.sent.get(Number(view.dataset["frame"]))!;
-        const context = (document.getElementById("canvas") as HTMLCanvasElement).getContext("webgl2")!;
-        const fence = context.fenceSync(context.SYNC_GPU_COMMANDS_COMPLETE, 0)!;
-        context.flush();
-        // What is drawn between two pictures of the display is part of the next one, and seen when that is done.
-        const committed = noted.inFrame ? Promise.resolve() : next();
-        last = last.then(async () => {
-          await committed;
-          while (context.getSyncParameter(fence, context.SYNC_STATUS) !== context.SIGNALED) await later();
-          await next();
-          noted.times.push(performance.now() - since);
-        });
+        const word = document.createElement("p");
+        word.setAttribute("elementtiming", view.dataset["frame"]!);
+        word.textContent = "shown";
+        word.style.cssText = "position: absolute; right: 0; bottom: 0; margin: 0; font-size: 8px; contain: strict; width: 3em; height: 1em";
+        space.append(word);
       }).observe(view, { attributeFilter: ["data-frame"] });
     });
   });
