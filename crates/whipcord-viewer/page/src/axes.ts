@@ -27,6 +27,7 @@ export class Axes {
     const size = LENGTH * scene.length;
     const frame = loadFrame(scene);
     const [w, x, y, z] = frame;
+    this.group.name = "axes";
     this.group.position.set(...scene.base.position);
     this.group.setRotationFromQuaternion(new Turn(x, y, z, w));
     // Not in the grid, whose lines would hide them.

@@ -148,7 +148,10 @@ export class Slider {
   }
 
   #write(value: number): void {
-    const words = String(Number(toUnit(value, this.#unit).toPrecision(6)));
+    const shown = toUnit(value, this.#unit);
+    const whole = String(Number(shown.toPrecision(6)));
+    // With an exponent it would not be seen whole.
+    const words = whole.includes("e") ? String(Number(shown.toPrecision(3))) : whole;
     if (this.#box.value !== words) this.#box.value = words;
   }
 }

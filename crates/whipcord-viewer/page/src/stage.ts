@@ -393,7 +393,7 @@ export class Stage {
 
   #applyCut(): void {
     const cut = this.#cut;
-    const bodies = [...this.#bodies, ...this.#surroundings.children.filter(({ name }) => name !== "grid")];
+    const bodies = [...this.#bodies, ...this.#surroundings.children.filter(({ name }) => !["grid", "axes"].includes(name))];
     if (cut) {
       const box = new Box3();
       for (const body of this.#robots.children) box.expandByObject(body);
