@@ -320,7 +320,7 @@ describe("the sharpness of the view", () => {
 
   it("is that of the display where pictures are drawn in time", () => {
     const sharpness = new Sharpness(1.5, true);
-    expect(moved(sharpness, 100, 12)).toBe(1.5);
+    expect(moved(sharpness, 100, 8)).toBe(1.5);
     const card = new Sharpness(1.5, false);
     expect(moved(card, 100, 50)).toBe(1.5);
     expect([card.still, sharpness.still]).toEqual([1.5, 2]);
@@ -330,7 +330,7 @@ describe("the sharpness of the view", () => {
     const sharpness = new Sharpness(1, true);
     expect(moved(sharpness, 3, 50)).toBeCloseTo(0.8, 12);
     expect(moved(sharpness, 201, 50)).toBeCloseTo(0.4, 12);
-    expect(moved(sharpness, 3, 6)).toBeCloseTo(0.5, 12);
+    expect(moved(sharpness, 3, 4)).toBeCloseTo(0.5, 12);
     // What rests is drawn finely, which takes its time and says nothing of what moves.
     void sharpness.still;
     sharpness.took(500);
