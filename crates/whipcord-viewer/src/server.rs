@@ -16,6 +16,7 @@ use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use axum::serve::ListenerExt as _;
 use tokio::net::TcpListener;
 use tokio::sync::{Semaphore, watch};
 use whipcord::ModelPreset;
@@ -126,7 +127,12 @@ impl Server {
         let shared = Shared { opened, beside: beside.into(), shown, limits: self.limits };
         let pages = Arc::new(Semaphore::new(MOST_PAGES));
         let served = Served { page, port: self.port(), shared, pages };
-        let server = axum::serve(self.listener, router(served)).into_future();
+        // An answer is not held back until the page has said that it has the one before, which it does with its next request.
+        let listener = self.listener.tap_io(|stream| {
+            // Without it answers come later, and that is all.
+            let _ = stream.set_nodelay(true);
+        });
+        let server = axum::serve(listener, router(served)).into_future();
         tokio::select! {
             () = follow(path, models, watched, tell) => Ok(()),
             () = stop => Ok(()),

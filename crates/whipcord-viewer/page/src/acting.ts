@@ -87,7 +87,7 @@ function singles(scene: Scene, all: readonly Single[], ink: string, made: Acting
       const reach = scale(vector, (longest * Math.max(size / largest, SHORTEST)) / size);
       const [tail, head] = presses ? [add(at, scale(reach, -1)), at] : [at, add(at, reach)];
       made.arrows.push({ tail, head, colour: ink, heads: kind === "force" ? 1 : 2, hollow: follows, width: 1.6 });
-      made.labels.push({ text: words, at: add(at, scale(reach, presses ? -1.2 : 1.25)), weight: 3, colour: ink });
+      made.labels.push({ text: words, at: add(at, scale(reach, presses ? -1.05 : 1.05)), from: at, weight: 3, colour: ink });
     }
   }
 }
@@ -133,7 +133,7 @@ function weights(scene: Scene, state: State, first: Solved, ink: string, made: A
   const half = scale(gravity, (0.07 * scene.length) / size);
   const [from, head] = [add(middle, scale(half, -1)), add(middle, half)];
   made.arrows.push({ tail: from, head, colour: GRAVITY, heads: 1, hollow: false, width: 1.6 });
-  made.labels.push({ text: `gravity ${significant(size, 3)} m/s²`, at: add(from, scale(half, -0.4)), weight: 1, colour: GRAVITY });
+  made.labels.push({ text: `gravity ${significant(size, 3)} m/s²`, at: add(from, scale(half, -0.1)), from: head, weight: 1, colour: GRAVITY });
 }
 
 /** Grey as in the static pictures. */
@@ -153,8 +153,8 @@ function touches(scene: Scene, all: readonly Solved[], made: Acting): void {
     const tail = add(point, scale(push, (-CONTACT * scene.length * Math.max(size / largest, SHORTEST_CONTACT)) / size));
     made.arrows.push({ tail, head: point, colour: TOUCHING, heads: 1, hollow: false, width: 1.2 });
     if (rank < MOST_VALUES) {
-      const beyond = add(tail, scale(push, (-0.03 * scene.length) / size));
-      made.labels.push({ text: quantityOf("force", size), at: beyond, weight: 2 - rank / MOST_VALUES, colour: TOUCHING });
+      const beyond = add(tail, scale(push, (-0.01 * scene.length) / size));
+      made.labels.push({ text: quantityOf("force", size), at: beyond, from: point, weight: 2 - rank / MOST_VALUES, colour: TOUCHING });
     }
   });
 }

@@ -31,6 +31,8 @@ import { MILLIMETRE, significant, toUnit } from "./units";
 
 /** How much nearer a press of + goes. */
 const ZOOM = 1.15;
+/** Time in ms after the last change until the address has it. */
+const SETTLED = 200;
 /** Longest scale bar in pixels of the page. */
 const BAR = 120;
 
@@ -74,6 +76,7 @@ export class App {
   /** Whether the user looks from elsewhere than the page did, and whether the page is to look at the next shape. */
   #looks = false;
   #fits = false;
+  #writing = 0;
 
   constructor() {
     const button = (label: string, keys: string, act: () => void): HTMLButtonElement =>
@@ -167,7 +170,12 @@ export class App {
     );
     document.body.append(this.#help.dialog);
     window.addEventListener("keydown", (event) => this.#key(event));
+    // One who goes comes back to what was.
+    window.addEventListener("pagehide", () => {
+      if (this.#store.scene) this.#writeAddressNow();
+    });
     window.addEventListener("hashchange", () => {
+      window.clearTimeout(this.#writing);
       this.#lookFrom(location.hash);
       this.#store.follow(location.hash);
     });
@@ -447,7 +455,14 @@ export class App {
     this.#stage.draw();
   }
 
+  /** Soon: browsers take longer to write an address than the server to solve. */
   #writeAddress(): void {
+    window.clearTimeout(this.#writing);
+    this.#writing = window.setTimeout(() => this.#writeAddressNow(), SETTLED);
+  }
+
+  #writeAddressNow(): void {
+    window.clearTimeout(this.#writing);
     const parts = [this.#store.hash, this.#looks ? viewToHash(this.#stage.view) : ""];
     const hash = parts.filter((part) => part !== "").join("&");
     history.replaceState(null, "", hash === "" ? location.pathname + location.search : `#${hash}`);

@@ -1,8 +1,7 @@
 // Robots beside that of the file, each in the latest shape that is known of it.
 
-import type { Object3D } from "three";
-
 import type { Answer, Scene, Solved } from "./protocol";
+import type { Drawn } from "./robot";
 import { Robots } from "./robots";
 import type { State } from "./state";
 
@@ -33,7 +32,7 @@ export class Beside {
     for (const { scene, robots, answer } of this.#others) robots.dress(scene, state, [answer]);
   }
 
-  get groups(): Object3D[] {
+  get groups(): Drawn[] {
     return this.#others.flatMap(({ robots }) => robots.groups);
   }
 

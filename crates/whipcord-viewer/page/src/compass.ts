@@ -1,9 +1,10 @@
 // The axes in the corner that turn with the view: a press on one looks along it.
 
-import { PerspectiveCamera, Vector3, type Camera, type WebGLRenderer } from "three";
+import { PerspectiveCamera, Quaternion as Turn, Vector3, type Camera, type WebGLRenderer } from "three";
 import { ViewHelper } from "three/addons/helpers/ViewHelper.js";
 
 import type { Cameras } from "./cameras";
+import { element } from "./dom";
 
 /** Width of its square in pixels of the page, and its distance from the corner. */
 const SIZE = 128;
@@ -13,9 +14,21 @@ export class Compass {
   /** Its camera can be changed, which its types do not say. */
   readonly #helper: ViewHelper & { camera?: Camera };
   readonly #cameras: () => Cameras;
+  readonly #canvas: HTMLCanvasElement;
+  /** A picture of it over the view, where one is kept, of so many pixels for each of the page, and how the camera was turned for it. */
+  readonly #kept: HTMLCanvasElement | undefined;
+  #keptRatio = 0;
+  readonly #keptTurn = new Turn();
+  readonly #turn = new Turn();
 
-  constructor(canvas: HTMLCanvasElement, cameras: () => Cameras, turned: () => void) {
-    this.#cameras = cameras;
+  /** `keeps`: as long as the view does not turn its picture stays, as it takes a processor as long to draw as the robot. */
+  constructor(canvas: HTMLCanvasElement, keeps: boolean, cameras: () => Cameras, turned: () => void) {
+    [this.#canvas, this.#cameras] = [canvas, cameras];
+    if (keeps) {
+      this.#kept = element("canvas", { "aria-hidden": "true", hidden: true });
+      this.#kept.style.cssText = `position: absolute; top: ${INSET.top}px; right: ${INSET.right}px; width: ${SIZE}px; height: ${SIZE}px; pointer-events: none`;
+      canvas.after(this.#kept);
+    }
     this.#helper = new ViewHelper(cameras().camera, canvas);
     this.#helper.location = { top: INSET.top, right: INSET.right, bottom: 0, left: null };
     this.#helper.setLabelStyle("bold 26px system-ui, sans-serif", "#000000", 15);
@@ -44,6 +57,30 @@ export class Compass {
     if (hit) for (let k = 0; k < 10 && this.#helper.animating; k++) this.#helper.update(1);
     this.#helper.camera = own;
     return hit ? probe.position.clone().normalize() : undefined;
+  }
+
+  /** To be called before the view is drawn: it may need its canvas. Whether the view is to have it on top. */
+  prepare(renderer: WebGLRenderer): boolean {
+    const kept = this.#kept;
+    if (!kept) return true;
+    const { quaternion } = this.#cameras().camera;
+    const turns = !quaternion.equals(this.#turn);
+    this.#turn.copy(quaternion);
+    kept.hidden = turns;
+    const ratio = renderer.getPixelRatio();
+    if (!turns && (ratio > this.#keptRatio || !quaternion.equals(this.#keptTurn))) this.#keep(kept, renderer, ratio);
+    return turns;
+  }
+
+  #keep(kept: HTMLCanvasElement, renderer: WebGLRenderer, ratio: number): void {
+    renderer.setClearColor("#000000", 0);
+    renderer.clear();
+    this.render(renderer);
+    kept.width = kept.height = SIZE * ratio;
+    const left = this.#canvas.width - (SIZE + INSET.right) * ratio;
+    kept.getContext("2d")?.drawImage(this.#canvas, left, INSET.top * ratio, SIZE * ratio, SIZE * ratio, 0, 0, kept.width, kept.height);
+    this.#keptRatio = ratio;
+    this.#keptTurn.copy(this.#turn);
   }
 
   render(renderer: WebGLRenderer): void {

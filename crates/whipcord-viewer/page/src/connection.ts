@@ -37,8 +37,11 @@ export class Connection {
   #outdated = 0;
   #drawn = 0;
   #scheduled = false;
-  /** Whether a request has gone out since the last picture of the display. */
+  /** Whether a request has gone out, and whether an answer has been shown, since the last picture of the display. */
   #hasAsked = false;
+  #hasShown = false;
+  /** Whether a picture of the display is being made. */
+  #inPicture = false;
   #patience = 0;
   #frame: Frame | undefined;
   #connected = false;
@@ -175,13 +178,25 @@ export class Connection {
     const waiting = this.#frame !== undefined;
     this.#frame = frame;
     if (waiting) return;
-    requestAnimationFrame(() => this.#hearer.whenFree(() => {
+    const show = (): void => this.#hearer.whenFree(() => {
       const latest = this.#frame;
       this.#frame = undefined;
       if (!latest) return;
       this.#drawn = latest.id;
+      // What is drawn for the picture that is being made leaves room for another before the next one.
+      if (!this.#inPicture) {
+        this.#hasShown = true;
+        requestAnimationFrame(() => (this.#hasShown = false));
+      }
       this.#hearer.frame(latest);
-    }));
+    });
+    // What is drawn before the display begins its picture is in it, and is drawn while the page does other things.
+    if (!this.#hasShown) return show();
+    requestAnimationFrame(() => {
+      this.#inPicture = true;
+      show();
+      this.#inPicture = false;
+    });
   }
 
   #wait(yes: boolean): void {

@@ -202,7 +202,7 @@ export class Controls {
     this.#sliders.forEach(({ row }, i) => row.classList.toggle("limited", met.some(({ slider }) => slider === i)));
     this.tell(
       reach?.status === "failed" ? reach.message
-      : reach && !reach.reached ? `${significant(1e3 * reach.distance, 3)} mm from the target${met.length > 0 ? `, at a limit: ${list(met)}` : ""}`
+      : reach && !reach.reached ? `${significant(1e3 * reach.distance, 3)} mm from the target${met.length > 0 ? `, at a limit: ${list(met)}` : ", and no command comes nearer"}`
       : met.length > 0 ? `At a limit: ${list(met)}`
       : "",
     );

@@ -47,10 +47,10 @@ export class Dragging {
     const spring = this.#spring;
     if (spring) {
       const size = quantityOf("force", norm(spring.force));
-      const words = spring.isStopped ? `no equilibrium beyond ${size}` : size;
-      return [{ text: words, at: this.#beside(spring.to), weight: 9, colour: spring.isStopped ? TOUCHING : HELD }];
+      const words = spring.isStopped ? `no equilibrium beyond ${size}` : spring.isRestless ? `gives way at ${size}` : size;
+      return [{ text: words, at: this.#beside(spring.to), from: spring.to, weight: 9, colour: spring.isStopped || spring.isRestless ? TOUCHING : HELD }];
     }
-    return this.#target && this.#limit !== "" ? [{ text: this.#limit, at: this.#beside(this.#target), weight: 9, colour: TOUCHING }] : [];
+    return this.#target && this.#limit !== "" ? [{ text: this.#limit, at: this.#beside(this.#target), from: this.#target, weight: 9, colour: TOUCHING }] : [];
   }
 
   /** The state without the force of the spring, which is drawn already. */
@@ -112,7 +112,7 @@ export class Dragging {
     this.#limit =
       !reach || (reach.status === "found" && reach.reached) ? ""
       : reach.status === "failed" ? "it cannot be moved"
-      : `${significant(1e3 * reach.distance, 3)} mm away${reach.limits.length > 0 ? `: ${reach.limits[0]!.words}` : ""}`;
+      : `${significant(1e3 * reach.distance, 3)} mm away: ${reach.limits[0]?.words ?? "no command comes nearer"}`;
     const first = this.#of.first();
     if (this.#spring && first) {
       if (frame.answers.find(({ model }) => model === first.model)?.status === "failed") {
@@ -146,6 +146,7 @@ export class Dragging {
     if (!spring || !first) return;
     const force = spring.next(first.positions[spring.station]!);
     this.#stage.canvas.dataset["rests"] = String(force === undefined);
+    if (spring.isRestless) this.#of.tell("The robot gives way to this force: it jumps from shape to shape, and the spring no longer pulls harder.");
     if (!force) return;
     this.#of.tell("");
     this.#set(force);

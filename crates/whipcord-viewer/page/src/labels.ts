@@ -9,6 +9,8 @@ import { element } from "./dom";
 export interface Label {
   text: string;
   at: readonly [number, number, number];
+  /** It is beyond that place as seen from here: at the end of an arrow, not across it. */
+  from?: readonly [number, number, number];
   /** Of two on one place the more important one is shown. */
   weight: number;
   colour: string;
@@ -68,28 +70,41 @@ export class Labels {
       const word = label && seen.get(label);
       object.visible = word !== undefined;
       // What would stick out of the view is moved into it.
-      if (word) object.center.x = 0.5 - word.moved / (LETTER * word.text.length);
+      if (word) object.center.set(0.5 - word.moved[0] / (LETTER * word.text.length), 0.5 - word.moved[1] / LINE);
     });
     this.#renderer.render(space, camera);
   }
 
   /** What of the labels is seen by a camera that makes a picture of so many pixels. */
-  words(camera: Camera, { width, height }: { width: number; height: number }): (Word & { label: Label; moved: number })[] {
+  words(camera: Camera, { width, height }: { width: number; height: number }): (Word & { label: Label; moved: [number, number] })[] {
     camera.updateMatrixWorld();
     const taken: [number, number, number, number][] = [];
-    const shown: (Word & { label: Label; moved: number })[] = [];
+    const shown: (Word & { label: Label; moved: [number, number] })[] = [];
+    const seen = (place: Label["at"]): [number, number, number] => {
+      const { x, y, z } = new Vector3(...place).project(camera);
+      return [((x + 1) / 2) * width, ((1 - y) / 2) * height, z];
+    };
     for (const label of [...this.#labels].sort((a, b) => b.weight - a.weight)) {
-      const { x, y, z } = new Vector3(...label.at).project(camera);
-      if (z < -1 || z > 1) continue;
-      const [own, top] = [((x + 1) / 2) * width, ((1 - y) / 2) * height];
+      const [x, y, depth] = seen(label.at);
+      if (depth < -1 || depth > 1) continue;
       // What it belongs to is not seen.
-      if (own < 0 || own > width || top < 0 || top > height) continue;
-      const half = (LETTER * label.text.length) / 2 + 3;
-      const left = Math.min(Math.max(own, half), Math.max(width - half, half));
-      const box: [number, number, number, number] = [left - half, top - LINE / 2, left + half, top + LINE / 2];
+      const isSeen = ([x, y]: readonly [number, number, number]): boolean => x >= 0 && x <= width && y >= 0 && y <= height;
+      if (!isSeen([x, y, depth]) && !(label.from && isSeen(seen(label.from)))) continue;
+      const [wide, high] = [(LETTER * label.text.length) / 2 + 3, LINE / 2];
+      let [left, top] = [x, y];
+      if (label.from) {
+        const [fromX, fromY] = seen(label.from);
+        const [alongX, alongY] = [x - fromX, y - fromY];
+        // So far that the place is at its edge.
+        const far = Math.min(wide / Math.abs(alongX), high / Math.abs(alongY));
+        if (Number.isFinite(far)) [left, top] = [x + far * alongX, y + far * alongY];
+      }
+      left = Math.min(Math.max(left, wide), Math.max(width - wide, wide));
+      top = Math.min(Math.max(top, high), Math.max(height - high, high));
+      const box: [number, number, number, number] = [left - wide, top - high, left + wide, top + high];
       if (taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) continue;
       taken.push(box);
-      shown.push({ text: label.text, colour: label.colour, x: left, y: top, label, moved: left - own });
+      shown.push({ text: label.text, colour: label.colour, x: left, y: top, label, moved: [left - x, top - y] });
     }
     return shown;
   }

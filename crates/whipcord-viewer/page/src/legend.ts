@@ -40,8 +40,14 @@ export function keys(all: readonly Key[]): HTMLElement {
   return element("div", { class: "keys" }, ...all.map(key));
 }
 
+/** What elements have in them: what is the same is not written again, and needs no new layout. */
+const written = new WeakMap<HTMLElement, string>();
+
 /** Writes a legend into an element of the page, which is hidden where there is none. */
 export function show(into: HTMLElement, legend: Legend | undefined): void {
+  const content = JSON.stringify(legend ?? null);
+  if (written.get(into) === content) return;
+  written.set(into, content);
   into.hidden = legend === undefined;
   if (!legend) return;
   if ("keys" in legend) return into.replaceChildren(...legend.keys.map(key));

@@ -1,6 +1,7 @@
 // What stands in the robot's way, and where it touches.
 
 import {
+  BackSide,
   BoxGeometry,
   BufferAttribute,
   BufferGeometry,
@@ -8,8 +9,11 @@ import {
   CatmullRomCurve3,
   CylinderGeometry,
   DoubleSide,
+  EdgesGeometry,
   FrontSide,
   Group,
+  LineBasicMaterial,
+  LineSegments,
   Mesh,
   MeshLambertMaterial,
   PlaneGeometry,
@@ -19,9 +23,12 @@ import {
   Vector3,
 } from "three";
 
+import { rotate } from "./geometry";
 import type { Form, Scene } from "./protocol";
 
 const COLOUR = "#a08f73";
+/** Edge of the part of a half-space that is shown, relative to the length of the robot. */
+const PART = 1.7;
 
 export function obstacles(scene: Scene): Group {
   const group = new Group();
@@ -41,6 +48,17 @@ export function obstacles(scene: Scene): Group {
     mesh.position.set(...obstacle.pose.position);
     mesh.setRotationFromQuaternion(new Turn(x, y, z, w));
     mesh.name = obstacle.name;
+    if (obstacle.form.kind === "half_space") {
+      // Of what has no end a part is shown that is beside the robot.
+      const middle = new Vector3(...scene.base.position).add(new Vector3(...rotate(scene.base.orientation, [0, 0, scene.length / 2])));
+      mesh.updateMatrixWorld();
+      const { x, y } = mesh.worldToLocal(middle);
+      mesh.geometry.translate(x, y, 0);
+      // Who looks out of it sees what is in front of it.
+      material.side = FrontSide;
+      const inside = new MeshLambertMaterial({ color: COLOUR, transparent: true, opacity: 0.08, side: BackSide, depthWrite: false });
+      mesh.add(new Mesh(mesh.geometry, inside), new LineSegments(new EdgesGeometry(mesh.geometry), new LineBasicMaterial({ color: COLOUR })));
+    }
     group.add(mesh);
   }
   return group;
@@ -49,7 +67,7 @@ export function obstacles(scene: Scene): Group {
 function geometry(form: Form, length: number): BufferGeometry {
   switch (form.kind) {
     case "half_space":
-      return new PlaneGeometry(3 * length, 3 * length);
+      return new PlaneGeometry(PART * length, PART * length);
     case "sphere":
       return new SphereGeometry(form.radius, 48, 24);
     // three.js lays both along y.

@@ -6,11 +6,11 @@ import { compare, type Reference } from "./compare";
 import { byId } from "./dom";
 import type { Answer, Scene } from "./protocol";
 import { readout } from "./readout";
+import { drawsBySoftware } from "./sharpness";
 
-/** Time in ms between two states of the numbers: faster than that nobody reads. */
-const READABLE = 100;
-/** The same of charts, which take longer to draw. */
-const SEEN = 220;
+/** Times in ms between two states of the numbers, as faster than that nobody reads, and between two of the charts, which take longer to
+ * draw. Where the processor also draws the robot it has less time for them while something moves. */
+const [READABLE, SEEN] = drawsBySoftware() ? [200, 450] : [100, 220];
 
 export class Panel {
   readonly #charts: Charts;

@@ -155,7 +155,7 @@ function svg(stage: Stage, options: PictureOptions, said: Said): Blob {
     stage.space.background = null;
     const back = dim(stage.space);
     try {
-      renderer.render(stage.space, camera);
+      stage.apart(() => renderer.render(stage.space, camera));
     } finally {
       back();
       stage.space.background = background;

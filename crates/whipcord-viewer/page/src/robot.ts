@@ -1,24 +1,16 @@
 // One robot in space: backbone, disks and cables in the shape that a model found.
 
-import {
-  ExtrudeGeometry,
-  Group,
-  Mesh,
-  Path,
-  Quaternion as Turn,
-  Shape,
-  Vector2,
-  type BufferGeometry,
-  type Material,
-  type MeshStandardMaterialParameters,
-} from "three";
+import { Color, Group, Matrix4, Mesh, Quaternion as Turn, Vector3, type MeshStandardMaterialParameters } from "three";
 
 import { linear, parse, type Rgb } from "./colours";
+import { Disks } from "./disks";
 import { course, rotate } from "./geometry";
 import { NEUTRAL } from "./legend";
-import type { Disk, Scene, Solved } from "./protocol";
+import { COARSE, FINE, plate } from "./plate";
+import type { Scene, Solved } from "./protocol";
+import { drawsBySoftware } from "./sharpness";
 import { surface, type Surface } from "./surface";
-import { circle, ringsAlong, square, Tube, type Outline, type Ring } from "./tube";
+import { circle, ringsAlong, square, Tubes, type Course, type Profile, type Ring } from "./tube";
 
 /** Colours of a robot: of the backbone at each station, of each cable at each of its points, of each disk. */
 export interface Paint {
@@ -33,63 +25,117 @@ const THIN = 0.006;
 const CABLE = 0.0022;
 const SIDES = 20;
 const CABLE_SIDES = 8;
-const RIM_SIDES = 48;
-const HOLE_SIDES = 12;
+const TUBE: MeshStandardMaterialParameters = { vertexColors: true, roughness: 0.55 };
+const DISK: MeshStandardMaterialParameters = { roughness: 0.8, transparent: true, opacity: 0.82 };
+const ONE = new Vector3(1, 1, 1);
+const WHITE: Rgb = [1, 1, 1];
+
+/** What is drawn of a robot. */
+export class Drawn extends Group {
+  readonly #parts: () => Group;
+  readonly #pieces: () => readonly { detail(coarsely: boolean): boolean }[];
+
+  constructor(parts: () => Group, pieces: () => readonly { detail(coarsely: boolean): boolean }[]) {
+    super();
+    [this.#parts, this.#pieces] = [parts, pieces];
+  }
+
+  /** Whether pictures of what moves are coarser, and whether this changes something. */
+  detail(coarsely: boolean): boolean {
+    return this.#pieces().map((piece) => piece.detail(coarsely)).includes(true);
+  }
+
+  /** The robot in bodies of their own, each with its name: for what else is to have them. */
+  parts(): Group {
+    return this.#parts();
+  }
+}
 
 export class RobotMesh {
-  readonly group = new Group();
+  readonly group = new Drawn(() => this.#parts(), () => (drawsBySoftware() ? [this.#tubes, ...this.#disks.map(({ disks }) => disks)] : []));
   readonly #scene: Scene;
-  readonly #backbone: Tube;
-  readonly #cables: Tube[];
-  readonly #disks: Mesh<BufferGeometry, Surface>[];
+  readonly #profiles: Profile[];
+  readonly #tubes: Tubes;
+  readonly #disks: { disks: Disks; numbers: number[] }[];
   readonly #materials: Surface[] = [];
+  readonly #tubesMaterial: Surface;
   readonly #holeToHole: boolean;
+  #courses: readonly Course[] = [];
+  #poses: readonly Matrix4[] = [];
+  #diskColours: readonly Rgb[] = [];
   #stale = false;
 
   constructor(scene: Scene, model: string) {
     this.#scene = scene;
     this.#holeToHole = scene.models.find((choice) => choice.name === model)?.hole_to_hole ?? false;
-    const { outline, inner } = profile(scene);
-    this.#backbone = new Tube(outline, inner);
-    this.#cables = scene.cables.map(() => new Tube(circle(CABLE_SIDES)));
+    this.#profiles = [profile(scene), ...scene.cables.map(() => ({ outline: circle(CABLE_SIDES), inner: 0 }))];
+    this.#tubes = new Tubes(this.#profiles);
     this.group.name = model;
-    [this.#backbone, ...this.#cables].forEach((tube, i) => {
-      const mesh = new Mesh(tube.geometry, this.#material({ vertexColors: true, roughness: 0.55 }));
-      mesh.name = i === 0 ? "backbone" : `cable ${scene.cables[i - 1]!.name}`;
-      mesh.frustumCulled = false;
-      this.group.add(mesh);
-    });
-    const shapes = new Map<string, BufferGeometry>();
-    this.#disks = scene.disks.map((disk, i) => {
+    this.#tubesMaterial = this.#material(TUBE);
+    const tubes = new Mesh(this.#tubes.geometry, this.#tubesMaterial);
+    tubes.frustumCulled = false;
+    const kinds = new Map<string, number[]>();
+    scene.disks.forEach((disk, i) => {
       const key = JSON.stringify([disk.radius, disk.thickness, disk.hole_radius, disk.holes]);
-      const geometry = shapes.get(key) ?? plate(disk);
-      shapes.set(key, geometry);
-      const mesh = new Mesh(geometry, this.#material({ roughness: 0.8, transparent: true, opacity: 0.82 }));
-      mesh.name = `disk ${i + 1}`;
-      this.group.add(mesh);
-      return mesh;
+      kinds.set(key, [...(kinds.get(key) ?? []), i]);
     });
+    this.#disks = [...kinds.values()].map((numbers) => {
+      const disk = scene.disks[numbers[0]!]!;
+      return { disks: new Disks(plate(disk, FINE), plate(disk, COARSE), this.#material(DISK), numbers.length), numbers };
+    });
+    this.group.add(tubes, ...this.#disks.map(({ disks }) => disks));
   }
 
   update(solved: Solved, paint: Paint): void {
     const scene = this.#scene;
-    this.#backbone.update(
-      scene.stations.map((_, i) => this.#ring(solved, i)),
-      scene.stations.map((_, i) => paint.backbone(i)),
-    );
-    scene.cables.forEach((cable, k) => {
-      const slack = solved.cables[k]?.slack ?? false;
-      const { points, stations } = course(scene, solved, cable, this.#holeToHole, slack);
-      const radius = CABLE * scene.length * (slack ? 0.6 : 1);
-      this.#cables[k]!.update(ringsAlong(points, radius), stations.map((station) => paint.cable(k, station)));
+    this.#courses = [
+      { rings: scene.stations.map((_, i) => this.#ring(solved, i)), colours: scene.stations.map((_, i) => paint.backbone(i)) },
+      ...scene.cables.map((cable, k): Course => {
+        const slack = solved.cables[k]?.slack ?? false;
+        const { points, stations } = course(scene, solved, cable, this.#holeToHole, slack);
+        const radius = CABLE * scene.length * (slack ? 0.6 : 1);
+        return { rings: ringsAlong(points, radius), colours: stations.map((station) => paint.cable(k, station)) };
+      }),
+    ];
+    this.#tubes.update(this.#courses);
+    this.#poses = scene.disks.map(({ station }) => {
+      const [w, x, y, z] = solved.orientations[station]!;
+      return new Matrix4().compose(new Vector3(...solved.positions[station]!), new Turn(x, y, z, w), ONE);
     });
-    scene.disks.forEach((disk, i) => {
-      const mesh = this.#disks[i]!;
-      const [w, x, y, z] = solved.orientations[disk.station]!;
-      mesh.position.set(...solved.positions[disk.station]!);
-      mesh.setRotationFromQuaternion(new Turn(x, y, z, w));
-      mesh.material.color.setRGB(...linear(paint.disk(i)));
+    this.#diskColours = scene.disks.map((_, i) => paint.disk(i));
+    this.#paintDisks();
+  }
+
+  #paintDisks(): void {
+    const grey = new Color(...linear(GREY));
+    for (const { disks, numbers } of this.#disks) {
+      numbers.forEach((number, i) => disks.put(i, this.#poses[number]!, this.#stale ? grey : new Color(...linear(this.#diskColours[number]!))));
+      disks.update();
+    }
+  }
+
+  #parts(): Group {
+    const made = new Group();
+    made.name = this.group.name;
+    this.#profiles.forEach((each, i) => {
+      const tube = new Tubes([each]);
+      tube.update([this.#courses[i]!]);
+      const mesh = new Mesh(tube.geometry, this.#tubesMaterial);
+      mesh.name = i === 0 ? "backbone" : `cable ${this.#scene.cables[i - 1]!.name}`;
+      made.add(mesh);
     });
+    for (const { disks, numbers } of this.#disks) {
+      const body = plate(this.#scene.disks[numbers[0]!]!, FINE);
+      for (const number of numbers) {
+        const material = disks.material.clone();
+        material.color.setRGB(...linear(this.#stale ? GREY : this.#diskColours[number]!));
+        const mesh = new Mesh(body, material);
+        mesh.name = `disk ${number + 1}`;
+        this.#poses[number]!.decompose(mesh.position, mesh.quaternion, mesh.scale);
+        made.add(mesh);
+      }
+    }
+    return made;
   }
 
   /** Greyed: the shape is not the answer to what the sliders say. */
@@ -98,7 +144,10 @@ export class RobotMesh {
   }
 
   set stale(stale: boolean) {
-    this.#stale = stale;
+    if (stale !== this.#stale) {
+      this.#stale = stale;
+      if (this.#poses.length > 0) this.#paintDisks();
+    }
     for (const material of this.#materials) {
       const { opacity, vertexColors } = material.userData as { opacity: number; vertexColors: boolean };
       material.opacity = stale ? 0.35 : opacity;
@@ -108,16 +157,14 @@ export class RobotMesh {
         material.vertexColors = vertexColors && !stale;
         material.needsUpdate = true;
       }
-      if (stale) material.color.setRGB(...linear(GREY));
-      else if (vertexColors) material.color.set("#ffffff");
+      if (vertexColors) material.color.setRGB(...linear(stale ? GREY : WHITE));
     }
   }
 
   dispose(): void {
-    this.#backbone.dispose();
-    for (const tube of this.#cables) tube.dispose();
-    for (const disk of this.#disks) disk.geometry.dispose();
-    for (const material of this.#materials as Material[]) material.dispose();
+    this.#tubes.dispose();
+    this.#tubesMaterial.dispose();
+    for (const { disks } of this.#disks) disks.dispose();
   }
 
   #material(options: MeshStandardMaterialParameters): Surface {
@@ -150,7 +197,7 @@ export function halfExtents({ section, length }: Scene, station: number): [numbe
   }
 }
 
-function profile({ section }: Scene): { outline: Outline; inner: number } {
+function profile({ section }: Scene): Profile {
   switch (section.kind) {
     case "round":
       return { outline: circle(SIDES), inner: section.inner.at(-1)! / section.outer.at(-1)! };
@@ -159,17 +206,6 @@ function profile({ section }: Scene): { outline: Outline; inner: number } {
     case "unknown":
       return { outline: circle(SIDES), inner: 0 };
   }
-}
-
-function round([x, y]: readonly [number, number], radius: number, sides: number): Vector2[] {
-  return circle(sides).points.slice(1).map(([a, b]) => new Vector2(x + radius * a, y + radius * b));
-}
-
-function plate(disk: Disk): BufferGeometry {
-  const shape = new Shape(round([0, 0], disk.radius, RIM_SIDES));
-  shape.holes = disk.holes.map((centre) => new Path(round(centre, disk.hole_radius, HOLE_SIDES)));
-  const geometry = new ExtrudeGeometry(shape, { depth: disk.thickness, bevelEnabled: false });
-  return geometry.translate(0, 0, -disk.thickness / 2);
 }
 
 export const GREY: Rgb = parse(NEUTRAL);

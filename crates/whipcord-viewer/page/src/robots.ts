@@ -9,7 +9,7 @@ import type { Label } from "./labels";
 import type { Legend } from "./legend";
 import { paints } from "./paint";
 import type { Answer, Scene, Solved } from "./protocol";
-import { GREY, RobotMesh } from "./robot";
+import { GREY, RobotMesh, type Drawn } from "./robot";
 import type { State } from "./state";
 
 export class Robots {
@@ -47,13 +47,13 @@ export class Robots {
     return this.#shown.has(model);
   }
 
-  get groups(): Object3D[] {
+  get groups(): Drawn[] {
     return [...this.#shown.values()].map(({ mesh }) => mesh.group);
   }
 
-  /** Those whose shape is an answer. */
+  /** Those whose shape is an answer, in their parts. */
   get answered(): Object3D[] {
-    return [...this.#shown.values()].filter(({ mesh }) => !mesh.stale).map(({ mesh }) => mesh.group);
+    return [...this.#shown.values()].filter(({ mesh }) => !mesh.stale).map(({ mesh }) => mesh.group.parts());
   }
 
   get shapes(): Solved[] {
@@ -61,7 +61,7 @@ export class Robots {
   }
 
   /** Keeps a shape as a ghost that others are compared with, or none any more. */
-  pin(scene: Scene | undefined, solved: Solved | undefined): Object3D | undefined {
+  pin(scene: Scene | undefined, solved: Solved | undefined): Drawn | undefined {
     this.#ghost?.mesh.dispose();
     this.#ghost = undefined;
     if (!scene || !solved) return undefined;

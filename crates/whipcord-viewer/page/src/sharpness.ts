@@ -4,7 +4,7 @@
 /** Time in ms after which what has not moved rests. */
 export const REST = 250;
 /** Time in ms that a picture of what moves may take: beyond it the next ones are coarser, and finer ones are tried when it takes less than half. */
-const SMOOTH = 16;
+const SMOOTH = 10;
 /** Pictures that a mean is taken over. */
 const COUNTED = 3;
 const COARSER = 0.8;

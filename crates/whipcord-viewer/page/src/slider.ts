@@ -106,7 +106,8 @@ export class Slider {
     if (value > most) this.#ends(least < 0 && least === -most ? -value : least, value);
     else if (value < least) this.#ends(value, most === -least ? -value : most);
     this.#value = value;
-    this.#slider.value = String(value);
+    // What is the same is not set: each time that makes the browser look at all boxes of the page.
+    if (Number(this.#slider.value) !== value) this.#slider.value = String(value);
     this.#fill();
     const shown = toUnit(value, this.#unit);
     this.#slider.setAttribute("aria-valuetext", `${Number(shown.toPrecision(4))} ${this.#unit.word}`);
@@ -147,7 +148,11 @@ export class Slider {
   }
 
   #write(value: number): void {
-    this.#box.value = String(Number(toUnit(value, this.#unit).toPrecision(6)));
+    const shown = toUnit(value, this.#unit);
+    const whole = String(Number(shown.toPrecision(6)));
+    // With an exponent it would not be seen whole.
+    const words = whole.includes("e") ? String(Number(shown.toPrecision(3))) : whole;
+    if (this.#box.value !== words) this.#box.value = words;
   }
 }
 

@@ -10,6 +10,8 @@ const LESS = 0.5;
 const MORE = 1.15;
 /** A force that is this near to that of the spring, relative to the range of forces, rests. */
 const RESTS = 1e-3;
+/** Forces that are tried for one place of the pointer: more say that the shape jumps to and fro, as where the robot buckles. */
+const MOST_STEPS = 60;
 
 export class Spring {
   /** What is held, by its number among the stations. */
@@ -26,6 +28,7 @@ export class Spring {
   /** The force that the last shape was found with. */
   #solvable: Vector;
   #isStopped = false;
+  #steps = 0;
 
   /** A place that is held with a force already; a spring of half the length of the robot pulls with all of `range`. */
   constructor(station: number, at: Vector, before: Vector, range: number, length: number) {
@@ -38,8 +41,14 @@ export class Spring {
     return this.#isStopped;
   }
 
+  /** Whether there is no shape in which force and spring agree, of those that the force alone keeps. */
+  get isRestless(): boolean {
+    return this.#steps > MOST_STEPS;
+  }
+
   move(to: Vector): void {
     this.to = to;
+    this.#steps = 0;
     this.#part = Math.max(this.#part, 0.1);
   }
 
@@ -49,7 +58,11 @@ export class Spring {
     this.#isStopped = false;
     const pulls = add(this.#before, scale(subtract(this.to, at), this.#stiffness));
     const rest = subtract(pulls, this.force);
-    if (norm(rest) < RESTS * this.#range) return undefined;
+    if (norm(rest) < RESTS * this.#range) {
+      this.#steps = 0;
+      return undefined;
+    }
+    if (this.isRestless || ++this.#steps > MOST_STEPS) return undefined;
     const turnedBack = rest[0] * this.#last[0] + rest[1] * this.#last[1] + rest[2] * this.#last[2] < 0;
     this.#part = Math.min(this.#part * (turnedBack ? LESS : MORE), 1);
     this.#last = rest;

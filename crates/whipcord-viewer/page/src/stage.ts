@@ -24,6 +24,7 @@ import {
   Sprite,
   Vector3,
   WebGLRenderer,
+  type Camera as Camera3,
   type Object3D,
 } from "three";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
@@ -34,9 +35,10 @@ import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 
 import type { Acting } from "./acting";
 import { Arrows } from "./arrows";
-import { axes } from "./axes";
+import { Axes } from "./axes";
 import { Cameras, SIDES, type Side } from "./cameras";
 import { Compass } from "./compass";
+import { Disks } from "./disks";
 import { Eye } from "./eye";
 import { add, rotate } from "./geometry";
 import { Gizmo } from "./gizmo";
@@ -47,6 +49,7 @@ import { MEASURED } from "./measured";
 import type { Camera, Scene, Solved, Vector } from "./protocol";
 import { obstacles } from "./obstacles";
 import { Pace } from "./pace";
+import type { Drawn } from "./robot";
 import type { Colours } from "./theme";
 import { drawsBySoftware, REST, Sharpness } from "./sharpness";
 
@@ -77,8 +80,10 @@ export class Stage {
   readonly #gizmo: Gizmo;
   readonly #compass: Compass;
   #surroundings = new Group();
-  #named: Label[] = [];
-  #ghost: Object3D | undefined;
+  #axes: Axes | undefined;
+  /** What is said beside the robot, but for the names of axes. */
+  #said: readonly Label[] = [];
+  #ghost: Drawn | undefined;
   readonly #robots = new Group();
   readonly #marks = new Group();
   readonly #arrows = new Arrows();
@@ -102,6 +107,8 @@ export class Stage {
   /** When the next picture can be begun. */
   readonly pace: Pace;
   #resting = 0;
+  /** Of the canvas in pixels of the page. To ask the page for it makes all of it be laid out. */
+  #size: readonly [number, number] = [1, 1];
   #filmed = false;
 
   constructor(canvas: HTMLCanvasElement, watching: Watching) {
@@ -131,7 +138,7 @@ export class Stage {
     );
     const host = canvas.parentElement ?? canvas;
     this.labels = new Labels(host);
-    this.#compass = new Compass(canvas, () => this.cameras, () => {
+    this.#compass = new Compass(canvas, bySoftware, () => this.cameras, () => {
       this.#leaveEye();
       this.draw();
       watching.looked();
@@ -191,9 +198,8 @@ export class Stage {
     grid.name = "grid";
     grid.rotateX(Math.PI / 2);
     grid.position.set(...scene.base.position);
-    const { group, labels } = axes(scene, colours.ink);
-    this.#named = labels;
-    this.#surroundings.add(grid, group);
+    this.#axes = new Axes(scene, colours.ink);
+    this.#surroundings.add(grid, this.#axes.group);
     grid.visible = this.#photograph.children.length === 0;
     this.space.add(this.#surroundings);
     this.space.background = new Color(colours.background);
@@ -245,7 +251,7 @@ export class Stage {
     this.draw();
   }
 
-  robots(groups: readonly Object3D[]): void {
+  robots(groups: readonly Drawn[]): void {
     this.#robots.clear();
     if (groups.length > 0) this.#robots.add(...groups);
     if (this.#cut) this.#applyCut();
@@ -258,10 +264,11 @@ export class Stage {
   }
 
   /** A robot that the others are compared with, or none any more. */
-  ghost(body: Object3D | undefined): void {
+  ghost(body: Drawn | undefined): void {
     if (this.#ghost) this.space.remove(this.#ghost);
     this.#ghost = body;
     if (body) this.space.add(body);
+    if (this.#cut) this.#applyCut();
     this.draw();
   }
 
@@ -281,7 +288,8 @@ export class Stage {
     const colours = this.#colours;
     if (!colours) return;
     this.#arrows.show(arrows, this.#length, colours.background);
-    this.labels.show([...labels, ...more, ...this.#named], this.#words);
+    this.#said = [...labels, ...more];
+    this.#say();
     for (const line of this.#backs.children) if (line instanceof Line2) line.geometry.dispose();
     this.#backs.clear();
     for (const back of backs) {
@@ -297,6 +305,15 @@ export class Stage {
       mesh.scale.setScalar(0.016 * this.#length);
       this.#backs.add(mesh);
     }
+  }
+
+  #say(): void {
+    this.labels.show([...this.#said, ...(this.#axes?.labels ?? [])], this.#words);
+  }
+
+  #seeAxes(camera: Camera3): void {
+    camera.updateMatrixWorld();
+    if (this.#axes?.see(camera)) this.#say();
   }
 
   /** Balls where markers were measured. */
@@ -376,7 +393,7 @@ export class Stage {
 
   #applyCut(): void {
     const cut = this.#cut;
-    const bodies = [...this.#robots.children, ...this.#surroundings.children.filter(({ name }) => name !== "grid")];
+    const bodies = [...this.#bodies, ...this.#surroundings.children.filter(({ name }) => !["grid", "axes"].includes(name))];
     if (cut) {
       const box = new Box3();
       for (const body of this.#robots.children) box.expandByObject(body);
@@ -412,6 +429,7 @@ export class Stage {
   drawAtOnce(): void {
     this.#asked = false;
     if (!this.#filmed) {
+      this.#detail(true);
       this.#sharpen(this.#sharpness.moving);
       window.clearTimeout(this.#resting);
       this.#resting = window.setTimeout(() => this.drawFinely(), REST);
@@ -421,13 +439,33 @@ export class Stage {
 
   /** Draws what rests. */
   drawFinely(): void {
-    if (this.#filmed || !this.#sharpen(this.#sharpness.still)) return;
-    this.#drawNow();
+    if (this.#filmed) return;
+    const [hasDetails, isSharp] = [this.fine(), this.#sharpen(this.#sharpness.still)];
+    if (hasDetails || isSharp) this.#drawNow();
+  }
+
+  /** Has bodies with all their details, until something moves; says whether they had less. */
+  fine(): boolean {
+    return this.#detail(false);
+  }
+
+  #detail(coarsely: boolean): boolean {
+    return this.#bodies.map((body) => body.detail(coarsely)).includes(true);
+  }
+
+  get #bodies(): Drawn[] {
+    const robots = this.#robots.children as Drawn[];
+    return this.#ghost ? [...robots, this.#ghost] : robots;
+  }
+
+  get #disks(): Disks[] {
+    return this.#bodies.flatMap(({ children }) => children.filter((part) => part instanceof Disks));
   }
 
   /** Pictures of a film are all of one size. */
   set filmed(yes: boolean) {
     this.#filmed = yes;
+    this.fine();
     window.clearTimeout(this.#resting);
     this.#sharpen(this.#sharpness.usual);
     this.draw();
@@ -441,7 +479,7 @@ export class Stage {
   }
 
   #drawNow(): void {
-    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    const [width, height] = this.#size;
     const { camera } = this.cameras;
     const scale = (at: Vector3): number => this.scaleAt(at, height);
     // Each camera has its light, and the other one's would light from elsewhere.
@@ -449,8 +487,11 @@ export class Stage {
     this.handles.size(scale, width, height);
     this.#gizmo.camera = camera;
     this.#ink.resolution.set(width, height);
+    for (const disks of this.#disks) disks.order(camera);
+    this.#seeAxes(camera);
+    const hasCompass = !this.#filmed && this.#compass.prepare(this.renderer);
     this.renderer.render(this.space, camera);
-    if (!this.#filmed) this.#compass.render(this.renderer);
+    if (hasCompass) this.#compass.render(this.renderer);
     this.pace.begun();
     this.labels.render(this.space, camera, { width, height });
     // Where on the canvas the tip and the end of the spring are, for who has no eyes.
@@ -481,6 +522,7 @@ export class Stage {
   picture<T>(width: number, height: number, { transparent, grid }: { transparent: boolean; grid: boolean }, draw: () => T): T {
     const { background } = this.space;
     const ratio = this.renderer.getPixelRatio();
+    this.fine();
     const hidden: Object3D[] = [this.handles.group, ...this.#surroundings.children.filter((body) => body.name === "grid" && !grid)];
     for (const body of hidden) body.visible = false;
     if (transparent) this.space.background = null;
@@ -488,6 +530,7 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.cameras.resize(width, height);
     this.#ink.resolution.set(width, height);
+    this.#seeAxes(this.cameras.camera);
     try {
       return draw();
     } finally {
@@ -499,6 +542,20 @@ export class Stage {
     }
   }
 
+  /** Has robots in their parts, each drawn by itself, while it does this. */
+  apart<T>(act: () => T): T {
+    const bodies = this.#bodies;
+    const parts = bodies.map((body) => body.parts());
+    this.space.add(...parts);
+    for (const body of bodies) body.visible = false;
+    try {
+      return act();
+    } finally {
+      for (const body of bodies) body.visible = true;
+      this.space.remove(...parts);
+    }
+  }
+
   get canvas(): HTMLCanvasElement {
     return this.#canvas;
   }
@@ -507,7 +564,7 @@ export class Stage {
     // Which another zoom of the page changes.
     this.#sharpness.display = window.devicePixelRatio;
     const box = (this.#canvas.parentElement ?? this.#canvas).getBoundingClientRect();
-    const [width, height] = [Math.max(box.width, 1), Math.max(box.height, 1)];
+    const [width, height] = (this.#size = [Math.max(box.width, 1), Math.max(box.height, 1)]);
     this.renderer.setSize(width, height, false);
     this.cameras.resize(width, height);
     this.labels.resize(width, height);

@@ -106,7 +106,7 @@ test("a spring pulls at any place of the backbone, and the force stays when it i
   await page.getByRole("button", { name: "Remove" }).press("Enter");
   const free = tipBySolve(viewer.file, (text) => text);
   await expect.poll(async () => near(await tip(page, "cosserat"), free, 1e-6)).toBe(true);
-  expect(page.url()).not.toContain("pull=");
+  await expect.poll(() => page.url()).not.toContain("pull=");
   await page.keyboard.press("Control+z");
   await expect.poll(async () => near(await tip(page, "cosserat"), other, 1e-6)).toBe(true);
 });

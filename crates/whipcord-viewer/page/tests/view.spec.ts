@@ -119,6 +119,7 @@ test("without a model the page says so", async ({ page, viewer }) => {
   void viewer;
   await page.getByLabel("cosserat", { exact: true }).uncheck();
   await expect(page.locator("#status")).toContainText("No model is chosen");
+  await expect.poll(() => page.url()).toContain("models=");
   await page.reload();
   await expect(page.locator("#status")).toContainText("No model is chosen");
 });
@@ -177,8 +178,7 @@ test("the place that one looks from is in the address", async ({ page, viewer })
   await expect.poll(async () => Math.hypot((await handle())[0]! - x, (await handle())[1]! - y)).toBeLessThan(1);
   await canvas.focus();
   await page.keyboard.press("Home");
-  await page.waitForTimeout(200);
-  expect(page.url()).not.toContain("view=");
+  await expect.poll(() => page.url()).not.toContain("view=");
 });
 
 test("the address keeps the state, and undo, redo and reset go through it", async ({ page, viewer }) => {
@@ -186,13 +186,13 @@ test("the address keeps the state, and undo, redo and reset go through it", asyn
   await set(page, "cable-1", "3");
   const pulled = tipBySolve(viewer.file, (text) => text.replace("tension = \"1 N\"", "tension = \"3 N\"") + 'tip_force = ["0.25 N", "0 N", "0 N"]\n');
   await expect.poll(async () => near(await tip(page, "cosserat"), pulled, SAME)).toBe(true);
-  expect(page.url()).toContain("force=0.25,,");
+  await expect.poll(() => page.url()).toContain("force=0.25,,");
   await page.reload();
   await expect.poll(async () => near(await tip(page, "cosserat"), pulled, SAME)).toBe(true);
   await page.getByRole("button", { name: "Reset" }).click();
   const asInFile = tipBySolve(viewer.file, (text) => text);
   await expect.poll(async () => near(await tip(page, "cosserat"), asInFile, SAME)).toBe(true);
-  expect(new URL(page.url()).hash).toBe("");
+  await expect.poll(() => new URL(page.url()).hash).toBe("");
   await page.getByRole("button", { name: "Undo" }).click();
   await expect.poll(async () => near(await tip(page, "cosserat"), pulled, SAME)).toBe(true);
   await page.getByRole("button", { name: "Redo" }).click();
@@ -211,7 +211,7 @@ test("the tip is dragged", async ({ page, viewer }) => {
   await page.mouse.move(box.x + handle[0] + 60, box.y + handle[1], { steps: 6 });
   await page.mouse.up();
   await expect.poll(async () => near(await tip(page, "cosserat"), before, 1e-3)).toBe(false);
-  expect(page.url()).toContain("force=");
+  await expect.poll(() => page.url()).toContain("force=");
   await page.screenshot({ path: `${ARTEFACTS}/dragged.png` });
   await page.keyboard.press("Control+z");
   await expect.poll(async () => near(await tip(page, "cosserat"), before, SAME)).toBe(true);
@@ -287,7 +287,7 @@ test("where the tip can go is surveyed in the background, and is ended", async (
   await expect(page.locator("#cloud")).toBeHidden();
   await box.check();
   await expect(page.locator("#cloud")).toContainText("cm³", { timeout: 60_000 });
-  expect(page.url()).toContain("workspace=true");
+  await expect.poll(() => page.url()).toContain("workspace=true");
 });
 
 test("a force that turns with the tip is dragged in its frame", async ({ page, viewer }) => {
@@ -307,6 +307,7 @@ test("a force that turns with the tip is dragged in its frame", async ({ page, v
   await page.mouse.move(box.x + before[0] + 40, box.y + before[1], { steps: 8 });
   await page.mouse.up();
   await expect.poll(async () => (await handle())[0]).toBeGreaterThan(before[0] + 4);
+  await expect.poll(() => page.url()).toContain("force=");
   const force = new URL(page.url()).hash.match(/force=([^&]*)/)?.[1]?.split(",") ?? [];
   const given = `tip_force = [${force.map((f) => `"${f || 0} N"`).join(", ")}]\n`;
   const expected = tipBySolve(viewer.file, (text) => text + given);
