@@ -164,7 +164,6 @@ fn coverage_with_lenses(trials: usize, pairs: usize) {
     let share = |held: usize| held as f64 / (6 * trials) as f64;
     // Six correlated coordinates are in each trial.
     let margin = 0.22 / (trials as f64).sqrt() + 0.02;
-    println!("{} {}", share(alone), share(as_if_known));
     assert!((share(alone) - 0.95).abs() < margin, "{}", share(alone));
     assert!(share(as_if_known) < 0.8, "{}", share(as_if_known));
 }
