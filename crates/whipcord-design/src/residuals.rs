@@ -11,7 +11,8 @@ use whipcord_numerics::least_squares::{
 };
 
 use crate::chebyshev;
-use crate::criteria::{Criteria, Terms, Varied};
+use crate::criteria::rates::Varied;
+use crate::criteria::{Criteria, Terms};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::unknown::{Unknown, applied, parameters};

@@ -1,6 +1,6 @@
 //! Criteria of a robot and its cases: values, objectives as residuals, and how far constraints are violated.
 
-mod rates;
+pub(crate) mod rates;
 
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
 use whipcord::derivatives::{Hold, Place};
@@ -15,7 +15,6 @@ use whipcord_numerics::random::SplitMix64;
 use crate::criterion::{Criterion, CriterionResult, Quantity, WORKSPACE_RADIUS};
 use crate::error::DesignError;
 use crate::soft_volume::soft_volume;
-pub(crate) use rates::Varied;
 
 /// Stations at which the clearance is taken.
 const STATIONS: usize = 41;
