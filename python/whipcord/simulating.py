@@ -396,8 +396,14 @@ class Simulation:
             (contacts,) = map(contacts_of, values.pop("contacts"))
             passages = tuple(of[0] for of in values.pop("passage_tensions"))
             rows = {name: value[0] for name, value in values.items()}
-            about = {"energy": energy, "contacts": contacts, "passage_tensions": passages}
-            self._read = State(time=time, _inner=self._inner.state(), **about, **rows)
+            self._read = State(
+                time=time,
+                energy=energy,
+                contacts=contacts,
+                passage_tensions=passages,
+                _inner=self._inner.state(),
+                **rows,
+            )
         return self._read
 
     def restore(self, state: State) -> None:
