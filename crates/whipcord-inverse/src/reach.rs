@@ -333,13 +333,14 @@ impl InverseSolver {
                     none => {
                         let rows = atlas_rows(&self.model, search.forward.robot(), &self.case);
                         let (limits, ranges) = (&self.limits, &self.ranges);
-                        none.insert(survey(
+                        none.insert(on_survey(
                             &self.model,
                             &self.case,
                             limits,
                             ranges,
                             search.forward,
                             rows,
+                            Atlas::survey,
                         )?)
                     }
                 };
@@ -450,7 +451,7 @@ impl InverseSolver {
             None => {
                 let rows = atlas_rows(&self.model, self.forward.robot(), &self.case);
                 let Self { model, case, limits, ranges, forward, .. } = &*self;
-                survey(model, case, limits, ranges, forward, rows)?
+                on_survey(model, case, limits, ranges, forward, rows, Atlas::survey)?
             }
         };
         Ok(self.atlas.insert(atlas).rows())
@@ -486,7 +487,8 @@ impl InverseSolver {
             _ => count.min(ROWS_OF_A_SURVEY),
         };
         let (limits, ranges) = (&self.limits, &self.ranges);
-        let atlas = survey(&self.model, &self.case, limits, ranges, &self.forward, rows)?;
+        let Self { model, case, forward, .. } = self;
+        let atlas = on_survey(model, case, limits, ranges, forward, rows, Atlas::survey)?;
         Ok(atlas.each().map(|(tip, unknowns)| (tip, unknowns.to_vec())).collect())
     }
 
@@ -592,18 +594,6 @@ impl InverseSolver {
             clearance,
         )
     }
-}
-
-/// Shapes all over the commands.
-fn survey(
-    model: &Model,
-    case: &Case,
-    limits: &Limits,
-    ranges: &Ranges,
-    forward: &Forward,
-    rows: usize,
-) -> Result<Atlas, InverseError> {
-    on_survey(model, case, limits, ranges, forward, rows, Atlas::survey)
 }
 
 /// What is asked of the survey of the shapes.
