@@ -89,10 +89,14 @@ impl Atlas {
         if !rows.fit(disk_count, bounds) {
             return None;
         }
+        Some(Self::new(rows))
+    }
+
+    fn new(rows: AtlasRows) -> Self {
         let point =
             |(number, tip): (usize, &Pose)| GeomWithData::new(tip.position.to_array(), number);
         let tree = RTree::bulk_load(rows.tips.iter().enumerate().map(point).collect());
-        Some(Self { tree, rows })
+        Self { tree, rows }
     }
 
     /// Solves the rows. Where the model knows tensions, these are sampled, and the commands read off the shapes: shortenings that
@@ -146,7 +150,6 @@ impl Atlas {
             disk_count,
             ..AtlasRows::default()
         };
-        let mut points = Vec::new();
         for row in 0..batch.len() {
             if batch.outcomes()[row].is_err() {
                 continue;
@@ -186,14 +189,13 @@ impl Atlas {
                 };
                 rows.commands.push(x.max(*least).min(*greatest));
             }
-            points.push(GeomWithData::new(position, rows.tips.len()));
             rows.tips.push(Pose {
                 position: Vec3::new(position[0], position[1], position[2]),
                 rotation,
             });
             rows.disks.extend((0..disk_count).map(station));
         }
-        Ok(Self { tree: RTree::bulk_load(points), rows })
+        Ok(Self::new(rows))
     }
 
     /// The tip and the unknowns of each row.

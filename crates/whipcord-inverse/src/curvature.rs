@@ -136,11 +136,12 @@ impl CurvatureBound {
         for cell in &self.cells {
             // `η`
             let change = cell.change(half);
+            let change_from_rest = cell.change(greatest);
             stretch.clear();
             stretch.extend((0..n).map(|k| {
                 let at = cell.sections.map(|at| stretches[n * at + k]);
                 let in_middle = at.into_iter().fold(f64::INFINITY, f64::min) / BETWEEN;
-                let from_rest = cell.stretch[k] - cell.alpha[k] * cell.change(greatest);
+                let from_rest = cell.stretch[k] - cell.alpha[k] * change_from_rest;
                 (in_middle - cell.alpha[k] * change).max(from_rest)
             }));
             if stretch.iter().zip(&cell.alpha).any(|(l, a)| *a > 0.0 && *l < LEAST_STRETCH) {

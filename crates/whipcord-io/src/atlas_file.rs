@@ -1,6 +1,5 @@
 //! The shapes that inverse problems start from, in a file that one run keeps for the next.
 
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -112,13 +111,8 @@ pub fn start_from_atlas(solver: &mut InverseSolver, path: &Path) -> Result<(), A
 /// [`AtlasFileError`] where the file cannot be read, and where it is no atlas.
 pub fn load_atlas(path: &Path, identity: u64) -> Result<Option<AtlasRows>, AtlasFileError> {
     let no_atlas = |why: String| AtlasFileError::NoAtlas { path: path.to_owned(), why };
-    let bytes = match files::read_atlas(path) {
-        Ok(bytes) => bytes,
-        Err((ErrorKind::NotFound, _)) => return Ok(None),
-        Err((_, reason)) => {
-            return Err(AtlasFileError::Unreadable { path: path.to_owned(), reason });
-        }
-    };
+    let unreadable = |reason| AtlasFileError::Unreadable { path: path.to_owned(), reason };
+    let Some(bytes) = files::read_atlas(path).map_err(unreadable)? else { return Ok(None) };
     let columns = table_columns(bytes, MOST_COLUMNS).map_err(no_atlas)?;
     let found = of_columns(&columns).ok_or_else(|| {
         no_atlas("its columns are not those of an atlas, or a number is missing".to_owned())

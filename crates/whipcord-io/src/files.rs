@@ -48,21 +48,14 @@ pub fn read_photograph(path: &Path) -> Result<Vec<u8>, FileError> {
 /// An atlas: twenty thousand shapes of a hundred disks take fifty megabytes.
 const LARGEST_ATLAS: usize = 1 << 28;
 
-/// The bytes of an atlas, or why there are none.
-pub(crate) fn read_atlas(path: &Path) -> Result<Vec<u8>, (io::ErrorKind, String)> {
-    let told = |error: io::Error| (error.kind(), reason(&error));
-    let is_file = fs::metadata(path).map_err(told)?.is_file();
-    if !is_file {
-        return Err((io::ErrorKind::Other, "it is not a file with content of its own".to_owned()));
+/// The bytes of an atlas; `None` where there is no file, or why it is not read.
+pub(crate) fn read_atlas(path: &Path) -> Result<Option<Vec<u8>>, String> {
+    match read_bytes(path, LARGEST_ATLAS) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(Refusal { problem: FileProblem::Unreadable { missing: true, .. }, .. }) => Ok(None),
+        Err(Refusal { problem: FileProblem::Unreadable { reason, .. }, .. }) => Err(reason),
+        Err(Refusal { problem, .. }) => Err(problem.to_string()),
     }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(told)?;
-    file.take(LARGEST_ATLAS as u64 + 1).read_to_end(&mut bytes).map_err(told)?;
-    if bytes.len() > LARGEST_ATLAS {
-        let message = format!("it has more than {LARGEST_ATLAS} bytes");
-        return Err((io::ErrorKind::FileTooLarge, message));
-    }
-    Ok(bytes)
 }
 
 fn read(path: &Path, limit: usize) -> Result<String, Refusal> {

@@ -35,8 +35,8 @@ const LAST: f64 = 1e-4;
 const THROUGH: usize = 5;
 /// The limit is known when it changes by less than this of its largest entry. Where the robot does not bear the tensions of a smaller `c`, it is the one that
 /// changed least, by less than the other.
-const SETTLED: f64 = 1e-4;
-const ROUGHLY_SETTLED: f64 = 0.1;
+const CONVERGED: f64 = 1e-4;
+const ROUGHLY_CONVERGED: f64 = 0.1;
 /// A cable takes part when it misses its length by more than this of the largest miss.
 const TAKES_PART: f64 = 1e-2;
 /// Greatest miss as a part of the length of the backbone: beyond it the commands are wrong, and no shape is an answer to them.
@@ -70,7 +70,7 @@ pub const fn may_be(error: &SolveError) -> bool {
 }
 
 /// A limit of the misses, and how much it changed with the last value of `c`.
-struct Settled {
+struct MissLimit {
     change: f64,
     misses: Vec<f64>,
     near: Solution,
@@ -83,7 +83,7 @@ pub fn relaxed(model: &Model, robot: &Robot, case: &Case) -> Option<Relaxed> {
     let scale = bending_compliance(robot)?;
     let mut last: Option<Solution> = None;
     let (mut known, mut limit) = (Vec::<(f64, Vec<f64>)>::new(), None::<Vec<f64>>);
-    let mut best: Option<Settled> = None;
+    let mut best: Option<MissLimit> = None;
     let mut give = FIRST * scale;
     for _ in 0..LEVELS {
         let softened = robot.giving(give);
@@ -99,9 +99,9 @@ pub fn relaxed(model: &Model, robot: &Robot, case: &Case) -> Option<Relaxed> {
             let change = moved / greatest(&next);
             // Before the backbone buckles between its disks it bends there, and lets the lengths contradict each other less.
             if change.is_finite() && best.as_ref().is_none_or(|best| change < best.change) {
-                best = Some(Settled { change, misses: next.clone(), near: solution.clone() });
+                best = Some(MissLimit { change, misses: next.clone(), near: solution.clone() });
             }
-            if change <= SETTLED {
+            if change <= CONVERGED {
                 break;
             }
         }
@@ -109,7 +109,8 @@ pub fn relaxed(model: &Model, robot: &Robot, case: &Case) -> Option<Relaxed> {
         last = Some(solution);
         give *= RATIO;
     }
-    let Settled { mut misses, near, .. } = best.filter(|best| best.change <= ROUGHLY_SETTLED)?;
+    let MissLimit { mut misses, near, .. } =
+        best.filter(|best| best.change <= ROUGHLY_CONVERGED)?;
     let most = greatest(&misses);
     misses.iter_mut().filter(|miss| **miss <= TAKES_PART * most).for_each(|miss| *miss = 0.0);
     let several = misses.iter().filter(|miss| **miss > 0.0).count() >= 2;
@@ -147,7 +148,7 @@ pub fn solve(model: &Model, robot: &Robot, case: &Case) -> Option<Solution> {
     let missed = misses(model, robot, case, &solution)?;
     let most = greatest(&limit);
     let off = missed.iter().zip(&limit).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    if off > ROUGHLY_SETTLED * most {
+    if off > ROUGHLY_CONVERGED * most {
         return None;
     }
     solution.diagnostics.length_misses.clear();

@@ -39,9 +39,19 @@ type Refusal = (String, &'static str);
 
 /// The table, of file number `file`, and its text.
 pub(super) fn grid(bytes: Vec<u8>, file: usize) -> Result<(Grid, String), Refusal> {
-    // The crate checks most of what a damaged file may say, but asserts some.
-    catch_unwind(AssertUnwindSafe(|| read(bytes, file)))
+    without_panic(|| read(bytes, file))
+}
+
+/// The crate checks most of what a damaged file may say, but asserts some.
+fn without_panic<T>(read: impl FnOnce() -> Result<T, Refusal>) -> Result<T, Refusal> {
+    catch_unwind(AssertUnwindSafe(read))
         .unwrap_or_else(|_| Err(damaged("its parts contradict one another")))
+}
+
+/// A file whose footer lists no more elements than that.
+fn open(bytes: Bytes, most: usize) -> Result<SerializedFileReader<Bytes>, Refusal> {
+    check_footer(&bytes, most)?;
+    SerializedFileReader::new(bytes).map_err(unreadable)
 }
 
 fn damaged(why: &str) -> Refusal {
@@ -73,15 +83,12 @@ pub(crate) fn columns(bytes: Vec<u8>, most: usize) -> Result<Vec<(String, TableC
     if !is_parquet(&bytes) {
         return Err("it is not a Parquet file".to_owned());
     }
-    catch_unwind(AssertUnwindSafe(|| read_columns(bytes, most)))
-        .unwrap_or_else(|_| Err(damaged("its parts contradict one another")))
-        .map_err(|(message, _)| message)
+    without_panic(|| read_columns(bytes, most)).map_err(|(message, _)| message)
 }
 
 fn read_columns(bytes: Vec<u8>, most: usize) -> Result<Vec<(String, TableColumn)>, Refusal> {
-    check_footer(&bytes, most + 1)?;
     let bytes = Bytes::from(bytes);
-    let reader = SerializedFileReader::new(bytes.clone()).map_err(unreadable)?;
+    let reader = open(bytes.clone(), most + 1)?;
     let metadata = reader.metadata();
     check_pages(&bytes, metadata.row_groups().iter().flat_map(|group| group.columns()))?;
     let fields = metadata.file_metadata().schema().get_fields();
@@ -116,9 +123,8 @@ fn read_columns(bytes: Vec<u8>, most: usize) -> Result<Vec<(String, TableColumn)
 }
 
 fn read(bytes: Vec<u8>, file: usize) -> Result<(Grid, String), Refusal> {
-    check_footer(&bytes, LARGEST_SCHEMA)?;
     let bytes = Bytes::from(bytes);
-    let reader = SerializedFileReader::new(bytes.clone()).map_err(unreadable)?;
+    let reader = open(bytes.clone(), LARGEST_SCHEMA)?;
     let about = reader.metadata().file_metadata();
     let rows =
         usize::try_from(about.num_rows()).map_err(|_| damaged("it has no number of rows"))?;
