@@ -244,15 +244,21 @@ test("the commands bring the tip to where it is dragged, within the limits", asy
   });
   expect(page.url()).not.toContain("force=");
   await expect.poll(() => page.url()).toContain("cables=");
-  // The shape is that of the commands that the sliders now have, and these keep the limits.
-  const tensions = await page.locator('input[type="number"][data-name^="cable-"]').evaluateAll((boxes) => boxes.map((box) => Number((box as HTMLInputElement).value)));
-  for (const tension of tensions) expect(tension >= 0.5 && tension <= 40).toBe(true);
-  const moved = await tip(page, "cosserat");
-  let k = 0;
-  const expected = tipBySolve(viewer.file, (text) => text.replace(/^tension = "[\d.]+ N"/gm, () => `tension = "${tensions[k++]} N"`));
-  expect(k).toBe(6);
-  // The boxes have six digits.
-  expect(near(moved, expected, 1e-5), `${moved} is not ${expected}`).toBe(true);
+  // The shape comes to be that of the commands that the sliders have, and these keep the limits.
+  let moved = await tip(page, "cosserat");
+  await expect
+    .poll(async () => {
+      const tensions = await page.locator('input[type="number"][data-name^="cable-"]').evaluateAll((boxes) => boxes.map((box) => Number((box as HTMLInputElement).value)));
+      expect(tensions.length).toBe(6);
+      for (const tension of tensions) expect(tension >= 0.5 && tension <= 40).toBe(true);
+      moved = await tip(page, "cosserat");
+      let k = 0;
+      const expected = tipBySolve(viewer.file, (text) => text.replace(/^tension = "[\d.]+ N"/gm, () => `tension = "${tensions[k++]} N"`));
+      expect(k).toBe(6);
+      // The boxes have six digits.
+      return near(moved, expected, 1e-5);
+    })
+    .toBe(true);
   // Far away there is a limit, which is said, and its slider is marked.
   await drag(page, -400, 0, async () => {
     await expect(page.locator("#limits")).toContainText("mm from the target, at a limit: ");
