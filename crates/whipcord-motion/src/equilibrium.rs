@@ -1,15 +1,12 @@
 //! The equilibrium that a motion starts from: that of the statics, made exact in the elements.
 
-use whipcord::{
-    Case, DistributedLoad, Loads, Model, ModelKind, PointLoad, Profile, Robot, Stations,
-};
+use whipcord::{Case, Model, ModelKind, Robot, Stations};
 use whipcord_numerics::{GAUSS_2, Pose, Twist};
 
 use crate::element::POINTS;
 use crate::error::MotionError;
 use crate::friction::tensions_of_answer;
 use crate::iteration::{Mechanics, Solver};
-use crate::options::LoadCourse;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
 
@@ -98,53 +95,4 @@ fn strains(rod: &Rod, poses: &[Pose], out: &mut [Twist]) {
             out[POINTS * e + k] = a * (1.0 - t) + b * t;
         }
     }
-}
-
-/// Adds loads over time with their factors before the start, for a backbone of this length.
-pub(crate) fn add_loads(
-    loads: &mut Loads,
-    courses: &[LoadCourse],
-    length: f64,
-) -> Result<(), MotionError> {
-    for LoadCourse { loads: of, factor } in courses {
-        if of.frame != loads.frame {
-            return Err(MotionError::Unsupported {
-                path: "motion.loads".to_owned(),
-                what: "loads over time in another frame than the loads of the case",
-                advice: "give both in the frame of the base, or both in that of the world",
-            });
-        }
-        let f = factor.before(0.0);
-        if f == 0.0 {
-            continue;
-        }
-        loads.points.push(PointLoad {
-            at: length,
-            force: of.tip_force * f,
-            moment: of.tip_moment * f,
-            follower: of.tip_follower,
-        });
-        loads.points.extend(of.points.iter().map(|point| PointLoad {
-            force: point.force * f,
-            moment: point.moment * f,
-            ..*point
-        }));
-        loads.distributed.extend(of.distributed.iter().map(|load| {
-            let profile = match &load.profile {
-                Profile::Constant { from, to, force, moment } => Profile::Constant {
-                    from: *from,
-                    to: *to,
-                    force: *force * f,
-                    moment: *moment * f,
-                },
-                Profile::Linear { at, force, moment } => Profile::Linear {
-                    at: at.clone(),
-                    force: force.iter().map(|v| *v * f).collect(),
-                    moment: moment.iter().map(|v| *v * f).collect(),
-                },
-            };
-            DistributedLoad { profile, ..load.clone() }
-        }));
-    }
-    Ok(())
 }

@@ -1,6 +1,6 @@
 //! How a motion is computed.
 
-use whipcord::{Loads, ModelKind};
+use whipcord::{DistributedLoad, Loads, ModelKind, PointLoad, Profile};
 use whipcord_numerics::{Pose, Twist};
 
 use crate::course::Course;
@@ -100,6 +100,56 @@ pub struct LoadCourse {
     pub factor: Course,
 }
 
+impl LoadCourse {
+    /// Adds the loads times a factor to constant ones, on a backbone of this length in m.
+    pub(crate) fn add_to(
+        &self,
+        loads: &mut Loads,
+        factor: f64,
+        length: f64,
+    ) -> Result<(), MotionError> {
+        let of = &self.loads;
+        if of.frame != loads.frame {
+            return Err(MotionError::Unsupported {
+                path: "motion.loads".to_owned(),
+                what: "loads over time in another frame than the loads of the case",
+                advice: "give both in the frame of the base, or both in that of the world",
+            });
+        }
+        if factor == 0.0 {
+            return Ok(());
+        }
+        loads.points.push(PointLoad {
+            at: length,
+            force: of.tip_force * factor,
+            moment: of.tip_moment * factor,
+            follower: of.tip_follower,
+        });
+        loads.points.extend(of.points.iter().map(|point| PointLoad {
+            force: point.force * factor,
+            moment: point.moment * factor,
+            ..*point
+        }));
+        loads.distributed.extend(of.distributed.iter().map(|load| {
+            let profile = match &load.profile {
+                Profile::Constant { from, to, force, moment } => Profile::Constant {
+                    from: *from,
+                    to: *to,
+                    force: *force * factor,
+                    moment: *moment * factor,
+                },
+                Profile::Linear { at, force, moment } => Profile::Linear {
+                    at: at.clone(),
+                    force: force.iter().map(|v| *v * factor).collect(),
+                    moment: moment.iter().map(|v| *v * factor).collect(),
+                },
+            };
+            DistributedLoad { profile, ..load.clone() }
+        }));
+        Ok(())
+    }
+}
+
 /// How the base moves: velocities over time along and about its own axes, which turn with it. The motion starts from the base of the case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseMotion {
@@ -197,6 +247,18 @@ impl MotionOptions {
     pub const ELEMENTS: usize = 6;
     /// The greatest number of elements.
     pub const MOST_ELEMENTS: usize = 2000;
+
+    /// All loads at a time in s, behind a jump at that time: those of a case, and those over time, on a backbone of this length in m.
+    ///
+    /// # Errors
+    /// [`MotionError::Unsupported`] where loads over time have another frame than those of the case.
+    pub fn loads_at(&self, constant: &Loads, length: f64, time: f64) -> Result<Loads, MotionError> {
+        let mut loads = constant.clone();
+        for course in &self.loads {
+            course.add_to(&mut loads, course.factor.after(time), length)?;
+        }
+        Ok(loads)
+    }
 
     pub(crate) fn check(&self) -> Result<(), MotionError> {
         let refuse = |what, value, need| Err(MotionError::Option { what, value, need });

@@ -270,7 +270,9 @@ impl Simulation {
             }
         };
         statics.commands = (0..self.rod.cables.len()).map(told).collect();
-        equilibrium::add_loads(&mut statics.loads, &self.options.loads, self.rod.length)?;
+        for course in &self.options.loads {
+            course.add_to(&mut statics.loads, course.factor.before(0.0), self.rod.length)?;
+        }
         Ok(statics)
     }
 

@@ -3,10 +3,21 @@
 use whipcord::{DistributedLoad, Loads, Vec3};
 
 use crate::convert::array;
-use crate::protocol::Load;
+use crate::protocol::{Acting, Load};
 
 /// Places along a load that is spread over the whole backbone.
 const PLACES: f64 = 16.0;
+
+/// What acts on a backbone of this length in m.
+pub fn acting(of: &Loads, length: f64) -> Acting {
+    Acting {
+        tip_force: array(of.tip_force),
+        tip_moment: array(of.tip_moment),
+        tip_follower: of.tip_follower,
+        gravity: array(of.gravity.unwrap_or_default()),
+        loads: loads(of, length),
+    }
+}
 
 /// All but tip load and gravity, which have sliders.
 pub fn loads(loads: &Loads, length: f64) -> Vec<Load> {

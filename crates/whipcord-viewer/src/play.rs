@@ -12,7 +12,10 @@ use crate::background::Tell;
 use crate::bench::Bench;
 use crate::courses::intervals;
 use crate::holes::with_holes;
-use crate::protocol::{Answer, CableState, Course, Moment, PlayRequest, Request, ToPage, Track};
+use crate::loads::acting;
+use crate::protocol::{
+    Acting, Answer, CableState, Course, Moment, PlayRequest, Request, ToPage, Track,
+};
 use crate::scene::initial_lengths;
 use crate::stations::Places;
 
@@ -28,7 +31,7 @@ pub fn play(file: &Arc<CaseFile>, asked: &PlayRequest, cancel: &Cancel, tell: &T
     let outcome = with_holes(file, &request.holes).and_then(|file| {
         let mut bench = Bench::new(Arc::clone(&file));
         match course {
-            Course::Steps => steps(&mut bench, request, cancel, &to_page),
+            Course::Steps => steps(&file, &mut bench, request, cancel, &to_page),
             Course::Motion => motion(&file, &bench, request, cancel, &to_page),
         }
     });
@@ -66,7 +69,20 @@ impl Part<'_> {
     }
 }
 
+/// What acted on the robot at the last shape.
+#[derive(Default)]
+struct Acts(Option<Acting>);
+
+impl Acts {
+    /// The same as is given, if it has changed.
+    fn changed(&mut self, acting: Acting) -> Option<Acting> {
+        let is_new = self.0.as_ref() != Some(&acting);
+        is_new.then(|| self.0.insert(acting).clone())
+    }
+}
+
 fn steps(
+    file: &CaseFile,
     bench: &mut Bench,
     request: &Request,
     cancel: &Cancel,
@@ -76,8 +92,15 @@ fn steps(
     bench.cancelled_by(cancel, LIMIT);
     let case = bench.case(request)?;
     let count = case.before.len() + 1;
-    let mut all: Vec<Moment> =
-        (0..count).map(|k| Moment { time: k as f64, answers: Vec::new() }).collect();
+    let length = file.robot.backbone().length;
+    let mut acts = Acts::default();
+    let mut all: Vec<Moment> = (0..count)
+        .map(|k| {
+            let loads = case.loads_before.get(k).unwrap_or(&case.loads);
+            let acting = acts.changed(acting(loads, length));
+            Moment { time: k as f64, answers: Vec::new(), acting }
+        })
+        .collect();
     for preset in presets {
         let failed = |message| Answer::Failed { model: preset.name().to_owned(), message };
         let answers = match bench.steps(preset, &case) {
@@ -107,17 +130,21 @@ fn motion(
     let case = Case { before: Vec::new(), loads_before: Vec::new(), ..bench.case(request)? };
     let commands = file.motion.commands(&file.robot, &case);
     let options = file.motion.options();
+    let length = file.robot.backbone().length;
+    let mut acts = Acts::default();
     let mut simulation =
-        Simulation::with_commands(&file.robot, &case, &commands, options).map_err(words)?;
+        Simulation::with_commands(&file.robot, &case, &commands, options.clone()).map_err(words)?;
     let nodes: Vec<f64> = simulation.arc_lengths().collect();
     let places = Places::of(&file.robot);
     let initial = initial_lengths(&file.robot, &places);
-    let moment = |state: &State| {
+    let mut moment = |state: &State| {
         let shape = Shape { arc_length: nodes.clone(), poses: state.poses.clone() };
         let answer = solved(file, &places, &shape, state, &initial);
-        Moment { time: state.time, answers: vec![answer] }
+        let loads = options.loads_at(&case.loads, length, state.time).map_err(words)?;
+        let acting = acts.changed(acting(&loads, length));
+        Ok::<_, Refusal>(Moment { time: state.time, answers: vec![answer], acting })
     };
-    let (mut from, mut ready) = (0, vec![moment(simulation.state())]);
+    let (mut from, mut ready) = (0, vec![moment(simulation.state())?]);
     for row in 1..=rows {
         for k in 1..=steps {
             if cancel.is_cancelled() {
@@ -131,7 +158,7 @@ fn motion(
                 return Ok(());
             }
         }
-        ready.push(moment(simulation.state()));
+        ready.push(moment(simulation.state())?);
         if ready.len() >= PART && row < rows {
             let shapes = std::mem::take(&mut ready);
             let told = shapes.len();

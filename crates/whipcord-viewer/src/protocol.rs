@@ -21,7 +21,7 @@ use whipcord::{ModelKind, ModelPreset};
 
 pub use answer::{Answer, CableState, Compliance, Contact, Grasp, PlacedObject, Solved};
 pub use common::{Pose, Warning};
-pub use course::{Course, CourseChoice, Moment, PlayRequest, Track};
+pub use course::{Acting, Course, CourseChoice, Moment, PlayRequest, Track};
 pub use design::{DesignRequest, Designed};
 pub use inverse::{Cloud, MetLimit, Reach};
 pub use loads::{Load, Pull};

@@ -3,9 +3,9 @@
 
 import type { Arrow } from "./arrows";
 import { TOUCHING } from "./colours";
-import { add, loadFrame, norm, poseAt, rotate, scale, tipFrame } from "./geometry";
+import { add, loadFrame, norm, poseAt, rotate, scale } from "./geometry";
 import type { Label } from "./labels";
-import type { Scene, Solved, Vector } from "./protocol";
+import type { Acting, Pull, Scene, Solved, Vector } from "./protocol";
 import type { State } from "./state";
 import { quantityOf, significant } from "./units";
 
@@ -22,7 +22,8 @@ const PRESSES = -0.5;
 /** Contacts that have their value written beside them: of more the largest. */
 const MOST_VALUES = 8;
 
-export interface Acting {
+/** What loads and contacts are drawn by. */
+export interface LoadMarks {
   arrows: Arrow[];
   labels: Label[];
   /** Lines from tail to tail of the combs. */
@@ -31,6 +32,11 @@ export interface Acting {
   masses: Vector[];
   /** Places that what is drawn at the robot reaches to. */
   ends: Vector[];
+}
+
+/** Loads, with the force that a slider or the pointer has on the backbone. */
+export interface Loads extends Acting {
+  pull: Pull | null;
 }
 
 interface Single {
@@ -42,20 +48,25 @@ interface Single {
   words: string;
 }
 
-/** The loads of the file and those of the sliders on one shape, and the contacts of all. */
-export function acting(scene: Scene, state: State, first: Solved | undefined, contacts: readonly Solved[], ink: string): Acting {
-  const made: Acting = { arrows: [], labels: [], backs: [], masses: [], ends: [] };
-  if (first) {
-    singles(scene, single(scene, state, first), ink, made);
-    spread(scene, first, ink, made);
+/** The loads of the file and those of the sliders. */
+export function loadsOf(scene: Scene, { tipForce, tipMoment, gravity, pull }: State): Loads {
+  return { tip_force: tipForce, tip_moment: tipMoment, tip_follower: scene.tip_follower, gravity, loads: scene.loads, pull };
+}
+
+/** The loads on one shape, if there are any to be drawn, and the contacts of all. */
+export function acting(scene: Scene, loads: Loads | undefined, first: Solved | undefined, contacts: readonly Solved[], ink: string): LoadMarks {
+  const made: LoadMarks = { arrows: [], labels: [], backs: [], masses: [], ends: [] };
+  if (first && loads) {
+    singles(scene, single(scene, loads, first), ink, made);
+    spread(scene, loads, first, ink, made);
   }
   touches(scene, contacts, made);
   made.ends = made.arrows.flatMap(({ tail, head }) => [tail, head]);
-  if (first) weights(scene, state, first, ink, made);
+  if (first && loads) weights(scene, loads, first, ink, made);
   return made;
 }
 
-function single(scene: Scene, state: State, first: Solved): Single[] {
+function single(scene: Scene, loads: Loads, first: Solved): Single[] {
   const all: Single[] = [];
   const put = (kind: Single["kind"], s: number, vector: Vector, follows: boolean): void => {
     if (norm(vector) === 0) return;
@@ -64,11 +75,11 @@ function single(scene: Scene, state: State, first: Solved): Single[] {
     const presses = kind === "force" && s >= scene.length * (1 - 1e-9) && along < PRESSES * norm(vector);
     all.push({ kind, at: position, vector, follows, presses, words: `${kind} ${quantityOf(kind, norm(vector))}` });
   };
-  const tip = tipFrame(scene, first.orientations.at(-1)!);
-  put("force", scene.length, rotate(tip, state.tipForce), scene.tip_follower);
-  put("moment", scene.length, rotate(tip, state.tipMoment), scene.tip_follower);
-  if (state.pull) put("force", state.pull.arc_length, state.pull.force, false);
-  for (const load of scene.loads) {
+  const tip = loads.tip_follower ? first.orientations.at(-1)! : loadFrame(scene);
+  put("force", scene.length, rotate(tip, loads.tip_force), loads.tip_follower);
+  put("moment", scene.length, rotate(tip, loads.tip_moment), loads.tip_follower);
+  if (loads.pull) put("force", loads.pull.arc_length, loads.pull.force, false);
+  for (const load of loads.loads) {
     if (load.kind !== "single") continue;
     const frame = load.follows ? poseAt(scene, first, load.arc_length).orientation : loadFrame(scene);
     put("force", load.arc_length, rotate(frame, load.force), load.follows);
@@ -77,7 +88,7 @@ function single(scene: Scene, state: State, first: Solved): Single[] {
   return all;
 }
 
-function singles(scene: Scene, all: readonly Single[], ink: string, made: Acting): void {
+function singles(scene: Scene, all: readonly Single[], ink: string, made: LoadMarks): void {
   for (const kind of ["force", "moment"] as const) {
     const these = all.filter((load) => load.kind === kind);
     const largest = Math.max(...these.map(({ vector }) => norm(vector)));
@@ -92,20 +103,20 @@ function singles(scene: Scene, all: readonly Single[], ink: string, made: Acting
   }
 }
 
-function spread(scene: Scene, first: Solved, ink: string, made: Acting): void {
-  const loads = scene.loads.filter((load) => load.kind === "spread");
+function spread(scene: Scene, of: Loads, first: Solved, ink: string, made: LoadMarks): void {
+  const loads = of.loads.filter((load) => load.kind === "spread");
   for (const kind of ["force", "moment"] as const) {
     const vectors = (load: (typeof loads)[number]): Vector[] => (kind === "force" ? load.forces : load.moments);
     const largest = Math.max(0, ...loads.flatMap(vectors).map(norm));
     if (largest === 0) continue;
     for (const load of loads) {
-      const of = vectors(load);
-      const most = Math.max(...of.map(norm));
+      const each = vectors(load);
+      const most = Math.max(...each.map(norm));
       if (most === 0) continue;
       const back: Vector[] = [];
       load.arc_lengths.forEach((s, k) => {
         const { position, orientation } = poseAt(scene, first, s);
-        const vector = rotate(load.follows ? orientation : loadFrame(scene), of[k]!);
+        const vector = rotate(load.follows ? orientation : loadFrame(scene), each[k]!);
         const tail = add(position, scale(vector, (-COMB * scene.length) / largest));
         back.push(tail);
         if (norm(vector) > 0) made.arrows.push({ tail, head: position, colour: ink, heads: kind === "force" ? 1 : 2, hollow: load.follows, width: 0.7 });
@@ -118,14 +129,14 @@ function spread(scene: Scene, first: Solved, ink: string, made: Acting): void {
   }
 }
 
-function weights(scene: Scene, state: State, first: Solved, ink: string, made: Acting): void {
-  for (const load of scene.loads) {
+function weights(scene: Scene, loads: Loads, first: Solved, ink: string, made: LoadMarks): void {
+  for (const load of loads.loads) {
     if (load.kind !== "mass" || load.mass === 0) continue;
     const { position } = poseAt(scene, first, load.arc_length);
     made.masses.push(position);
     made.labels.push({ text: `mass ${quantityOf("mass", load.mass)}`, at: add(position, [0, 0, -0.04 * scene.length]), weight: 2, colour: ink });
   }
-  const gravity = rotate(loadFrame(scene), state.gravity);
+  const gravity = rotate(loadFrame(scene), loads.gravity);
   const size = norm(gravity);
   if (size === 0) return;
   // Beside the base, above its axes.
@@ -139,7 +150,7 @@ function weights(scene: Scene, state: State, first: Solved, ink: string, made: A
 /** Grey as in the static pictures. */
 const GRAVITY = "#7d8590";
 
-function touches(scene: Scene, all: readonly Solved[], made: Acting): void {
+function touches(scene: Scene, all: readonly Solved[], made: LoadMarks): void {
   const pushes = all.flatMap(({ contacts }) =>
     contacts.map(({ point, normal, force, friction }) => {
       const push = force === null ? ([0, 0, 0] as Vector) : add(scale(normal, force), friction ?? [0, 0, 0]);

@@ -1,6 +1,6 @@
 // The page: what the user does becomes a state, a state a request, an answer a picture. The parts do not know one another.
 
-import { acting } from "./acting";
+import { acting, loadsOf } from "./acting";
 import { Beside } from "./beside";
 import { modelColour } from "./colours";
 import { describe as describeCloud, points } from "./cloud";
@@ -15,7 +15,7 @@ import { key, show, type Legend } from "./legend";
 import { describe as describeErrors, errors, MEASURED } from "./measured";
 import { Panel } from "./panel";
 import type { Said } from "./picture";
-import type { Answer, Cloud, Frame, Marker, Scene, Shown, Solved, Vector } from "./protocol";
+import type { Acting, Answer, Cloud, Frame, Marker, Scene, Shown, Solved, Vector } from "./protocol";
 import { describe, Recorded, recordingInPage, type Recording } from "./recorded";
 import { ellipsoids, Robots, slackLabels } from "./robots";
 import { Film, saving } from "./save";
@@ -64,6 +64,8 @@ export class App {
   readonly #played: Vector[] = [];
   /** What was measured where the shapes are that are shown; without it, in the last step. */
   #markers: readonly Marker[] | undefined;
+  /** The loads at what is played, where they are known. */
+  #acting: Acting | null = null;
   /** The state of the latest shape of the first model. */
   #solvable: State | undefined;
   #failure: string | undefined;
@@ -142,6 +144,7 @@ export class App {
     this.#film = new Film(this.#stage, () => this.#name);
     this.#timeline = new Timeline({
       load: (course) => {
+        this.#acting = null;
         if (this.#store.state) this.#connection.play(course, this.#store.state);
       },
       show: (moment, at) => this.#play(moment, at),
@@ -149,6 +152,7 @@ export class App {
         this.#connection.endPlay();
         this.#answers = this.#live;
         this.#markers = undefined;
+        this.#acting = null;
         this.#played.length = 0;
         this.#dress();
       },
@@ -305,8 +309,9 @@ export class App {
     this.#catchUp();
   }
 
-  #play({ answers, others, measured }: Played, at: number): void {
+  #play({ answers, acting, others, measured }: Played, at: number): void {
     this.#answers = answers;
+    this.#acting = acting;
     this.#markers = measured
       ? measured.map((position): Marker => ({ seen: { kind: "position", position }, arc_length: null, offset: [0, 0, 0] }))
       : this.#store.scene?.measured[at];
@@ -322,7 +327,7 @@ export class App {
       // A robot without a shape stays as it was.
       if (first) before = [first];
       rest = others.map((answer, k) => answer ?? rest[k] ?? null);
-      return { time, answers: before.length > 0 ? [...before] : [...this.#live], others: rest, measured };
+      return { time, answers: before.length > 0 ? [...before] : [...this.#live], acting: null, others: rest, measured };
     });
     [this.#streamed, this.#streamedOthers] = [before, rest];
     this.#timeline.append(moments);
@@ -376,7 +381,8 @@ export class App {
     this.#stage.objects(solved[0]?.objects ?? []);
     this.#stage.marks(ellipsoids(scene, solved));
     const first = this.#first;
-    const acts = acting(scene, this.#dragging.rest(state), this.#timeline.isActive ? undefined : first, solved, this.#ink);
+    const loads = !this.#timeline.isActive ? loadsOf(scene, this.#dragging.rest(state)) : this.#acting ? { ...this.#acting, pull: null } : undefined;
+    const acts = acting(scene, loads, first, solved, this.#ink);
     this.#ends = acts.ends;
     const off = errors(scene, this.#markers ?? scene.measured.at(-1) ?? [], first);
     this.#stage.measured(off.balls);

@@ -5,10 +5,19 @@ import { ViewHelper } from "three/addons/helpers/ViewHelper.js";
 
 import type { Cameras } from "./cameras";
 import { element } from "./dom";
+import type { Box } from "./labels";
 
 /** Width of its square in pixels of the page, and its distance from the corner. */
 const SIZE = 128;
 const INSET = { top: 36, right: -8 };
+/** How far its picture reaches from the middle of the square. */
+const REACH = 0.42 * SIZE;
+
+/** What it covers of a view of so many pixels of the page. */
+export function covered(width: number): Box {
+  const [x, y] = [width - INSET.right - SIZE / 2, INSET.top + SIZE / 2];
+  return [x - REACH, y - REACH, x + REACH, y + REACH];
+}
 
 export class Compass {
   /** Its camera can be changed, which its types do not say. */

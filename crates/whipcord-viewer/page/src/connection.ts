@@ -164,7 +164,9 @@ export class Connection {
 
   #follow({ id, course, from, moments, complete, message }: Track): void {
     if (id !== this.#play) return;
-    this.#moments = [...this.#moments.slice(0, from), ...moments];
+    const all = this.#moments.slice(0, from);
+    for (const moment of moments) all.push({ ...moment, acting: moment.acting ?? all.at(-1)?.acting ?? null });
+    this.#moments = all;
     this.#hearer.course(course, this.#moments, complete, message);
   }
 

@@ -28,6 +28,17 @@ export interface Word {
 const LINE = 16;
 const LETTER = 7;
 
+/** From the left and the top to the right and the bottom, in pixels of the page. */
+export type Box = readonly [number, number, number, number];
+
+function around(x: number, y: number, wide: number, high: number): Box {
+  return [x - wide, y - high, x + wide, y + high];
+}
+
+function meet(a: Box, b: Box): boolean {
+  return a[0] < b[2] && a[2] > b[0] && a[1] < b[3] && a[3] > b[1];
+}
+
 export class Labels {
   readonly #renderer: CSS2DRenderer;
   readonly #objects: CSS2DObject[] = [];
@@ -63,8 +74,9 @@ export class Labels {
     });
   }
 
-  render(space: Space, camera: Camera, size: { width: number; height: number }): void {
-    const seen = new Map(this.words(camera, size).map((word) => [word.label, word]));
+  /** `beside` is what words keep off. */
+  render(space: Space, camera: Camera, size: { width: number; height: number }, beside: Box): void {
+    const seen = new Map(this.words(camera, size, beside).map((word) => [word.label, word]));
     this.#objects.forEach((object, i) => {
       const label = this.#labels[i];
       const word = label && seen.get(label);
@@ -76,9 +88,9 @@ export class Labels {
   }
 
   /** What of the labels is seen by a camera that makes a picture of so many pixels. */
-  words(camera: Camera, { width, height }: { width: number; height: number }): (Word & { label: Label; moved: [number, number] })[] {
+  words(camera: Camera, { width, height }: { width: number; height: number }, beside?: Box): (Word & { label: Label; moved: [number, number] })[] {
     camera.updateMatrixWorld();
-    const taken: [number, number, number, number][] = [];
+    const taken: Box[] = [];
     const shown: (Word & { label: Label; moved: [number, number] })[] = [];
     const seen = (place: Label["at"]): [number, number, number] => {
       const { x, y, z } = new Vector3(...place).project(camera);
@@ -101,8 +113,14 @@ export class Labels {
       }
       left = Math.min(Math.max(left, wide), Math.max(width - wide, wide));
       top = Math.min(Math.max(top, high), Math.max(height - high, high));
-      const box: [number, number, number, number] = [left - wide, top - high, left + wide, top + high];
-      if (taken.some((other) => box[0] < other[2] && box[2] > other[0] && box[1] < other[3] && box[3] > other[1])) continue;
+      if (beside && meet(around(left, top, wide, high), beside)) {
+        // The shorter way out to the left or downwards: to the right and above it is the edge of the view.
+        const [aside, down] = [left + wide - beside[0], beside[3] - (top - high)];
+        if (aside < down) left -= aside;
+        else top += down;
+      }
+      const box = around(left, top, wide, high);
+      if (taken.some((other) => meet(box, other))) continue;
       taken.push(box);
       shown.push({ text: label.text, colour: label.colour, x: left, y: top, label, moved: [left - x, top - y] });
     }

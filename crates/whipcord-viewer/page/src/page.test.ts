@@ -1,7 +1,7 @@
 import { Color } from "three";
 import { describe, expect, it } from "vitest";
 
-import { acting } from "./acting";
+import { acting, loadsOf } from "./acting";
 import { linear, modelColour, parse } from "./colours";
 import { rootMeanSquare } from "./compare";
 import { put } from "./holes";
@@ -388,7 +388,7 @@ describe("what acts on the robot", () => {
 
   it("is drawn as in the static pictures: the longest arrow for the largest force, with its value", () => {
     const pulled = { ...state, pull: { arc_length: 0.1, force: [0, 0.15, 0] as Vector } };
-    const { arrows, labels } = acting(bare, pulled, straight, [], "#000000");
+    const { arrows, labels } = acting(bare, loadsOf(bare, pulled), straight, [], "#000000");
     expect(arrows.map(({ tail, head }) => Math.hypot(head[0] - tail[0], head[1] - tail[1], head[2] - tail[2]))).toEqual([
       expect.closeTo(0.04, 12), expect.closeTo(0.02, 12),
     ]);
@@ -396,7 +396,7 @@ describe("what acts on the robot", () => {
   });
 
   it("presses against the tip where it pushes", () => {
-    const { arrows } = acting(bare, { ...state, tipForce: [0, 0, -1] }, straight, [], "#000000");
+    const { arrows } = acting(bare, loadsOf(bare, { ...state, tipForce: [0, 0, -1] }), straight, [], "#000000");
     expect(arrows[0]!.head).toEqual([0, 0, 0.2]);
     expect(arrows[0]!.tail[2]).toBeCloseTo(0.24, 12);
   });
@@ -407,7 +407,7 @@ describe("what acts on the robot", () => {
       { kind: "mass", arc_length: 0.05, mass: 0.02 },
     ];
     const touch = { ...solved.contacts[0]!, point: [0.1, 0, 0] as Vector, normal: [1, 0, 0] as Vector, force: 0.04, friction: null };
-    const { arrows, backs, labels, masses } = acting({ ...bare, loads }, { ...state, tipForce: [0, 0, 0] }, straight, [{ ...straight, contacts: [touch] }], "#000000");
+    const { arrows, backs, labels, masses } = acting(bare, { ...loadsOf(bare, { ...state, tipForce: [0, 0, 0] }), loads }, straight, [{ ...straight, contacts: [touch] }], "#000000");
     expect(backs).toHaveLength(1);
     expect(masses).toEqual([[0, 0, 0.05]]);
     expect(labels.map(({ text }) => text)).toEqual(["load 2 N/m", "40 mN", "mass 20 g"]);

@@ -300,10 +300,21 @@ export interface Cloud {
   complete: boolean;
 }
 
+/** All loads at one time, in the frame of the loads, or of the tip where it says so. */
+export interface Acting {
+  tip_force: Vector;
+  tip_moment: Vector;
+  tip_follower: boolean;
+  gravity: Vector;
+  loads: Load[];
+}
+
 /** A shape of a course: at a time in s, or a step by its number from 0. */
 export interface Moment {
   time: number;
   answers: Answer[];
+  /** What acts on the robot; none where that is the same as at the shape before. */
+  acting: Acting | null;
 }
 
 /** A part of a course, from this number of its shapes on. */

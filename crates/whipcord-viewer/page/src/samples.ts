@@ -2731,7 +2731,79 @@ export const toPage: ToPage[] = [
             "model": "cosserat-disks",
             "message": "why"
           }
-        ]
+        ],
+        "acting": {
+          "tip_force": [
+            0.1,
+            0.0,
+            0.0
+          ],
+          "tip_moment": [
+            0.0,
+            0.0,
+            0.0
+          ],
+          "tip_follower": false,
+          "gravity": [
+            0.0,
+            0.0,
+            -9.81
+          ],
+          "loads": [
+            {
+              "kind": "single",
+              "arc_length": 0.1,
+              "force": [
+                0.1,
+                0.0,
+                0.0
+              ],
+              "moment": [
+                0.0,
+                0.0,
+                0.01
+              ],
+              "follows": true
+            },
+            {
+              "kind": "spread",
+              "arc_lengths": [
+                0.0,
+                0.2
+              ],
+              "forces": [
+                [
+                  0.0,
+                  1.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  1.0,
+                  0.0
+                ]
+              ],
+              "moments": [
+                [
+                  0.0,
+                  0.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  0.0,
+                  0.0
+                ]
+              ],
+              "follows": false
+            },
+            {
+              "kind": "mass",
+              "arc_length": 0.2,
+              "mass": 0.05
+            }
+          ]
+        }
       }
     ],
     "complete": false,
@@ -2973,7 +3045,79 @@ export const toPage: ToPage[] = [
             "model": "cosserat-disks",
             "message": "why"
           }
-        ]
+        ],
+        "acting": {
+          "tip_force": [
+            0.1,
+            0.0,
+            0.0
+          ],
+          "tip_moment": [
+            0.0,
+            0.0,
+            0.0
+          ],
+          "tip_follower": false,
+          "gravity": [
+            0.0,
+            0.0,
+            -9.81
+          ],
+          "loads": [
+            {
+              "kind": "single",
+              "arc_length": 0.1,
+              "force": [
+                0.1,
+                0.0,
+                0.0
+              ],
+              "moment": [
+                0.0,
+                0.0,
+                0.01
+              ],
+              "follows": true
+            },
+            {
+              "kind": "spread",
+              "arc_lengths": [
+                0.0,
+                0.2
+              ],
+              "forces": [
+                [
+                  0.0,
+                  1.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  1.0,
+                  0.0
+                ]
+              ],
+              "moments": [
+                [
+                  0.0,
+                  0.0,
+                  0.0
+                ],
+                [
+                  0.0,
+                  0.0,
+                  0.0
+                ]
+              ],
+              "follows": false
+            },
+            {
+              "kind": "mass",
+              "arc_length": 0.2,
+              "mass": 0.05
+            }
+          ]
+        }
       }
     ],
     "complete": true,

@@ -33,11 +33,11 @@ import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 
-import type { Acting } from "./acting";
+import type { LoadMarks } from "./acting";
 import { Arrows } from "./arrows";
 import { Axes } from "./axes";
 import { Cameras, SIDES, type Side } from "./cameras";
-import { Compass } from "./compass";
+import { Compass, covered } from "./compass";
 import { Disks } from "./disks";
 import { Eye } from "./eye";
 import { add, rotate } from "./geometry";
@@ -284,7 +284,7 @@ export class Stage {
   }
 
   /** What acts on the robot, and other words beside it. */
-  acting({ arrows, labels, backs, masses }: Acting, more: readonly Label[]): void {
+  acting({ arrows, labels, backs, masses }: LoadMarks, more: readonly Label[]): void {
     const colours = this.#colours;
     if (!colours) return;
     this.#arrows.show(arrows, this.#length, colours.background);
@@ -493,7 +493,7 @@ export class Stage {
     this.renderer.render(this.space, camera);
     if (hasCompass) this.#compass.render(this.renderer);
     this.pace.begun();
-    this.labels.render(this.space, camera, { width, height });
+    this.labels.render(this.space, camera, { width, height }, covered(width));
     // Where on the canvas the tip and the end of the spring are, for who has no eyes.
     const { tip, hand } = this.handles.places;
     for (const [name, place] of [["handle", tip], ["spring", hand]] as const) {

@@ -40,6 +40,14 @@ for (const example of files()) {
           const [x, y] = JSON.parse((await page.locator("#canvas").getAttribute("data-handle"))!) as [number, number];
           return x > 0 && y > 0 && x < size.width && y < size.height;
         }, { message: name }).toBe(true);
+        // No word lies on the axes in the corner, whose circle is within this square.
+        const corner = [size.x + size.width - 110, size.y + 46, size.x + size.width - 2, size.y + 154] as const;
+        const onCorner = await page.locator("#labels .label:visible").evaluateAll((labels, [left, top, right, bottom]) =>
+          labels.filter((label) => {
+            const box = label.getBoundingClientRect();
+            return box.left < right && box.right > left && box.top < bottom && box.bottom > top;
+          }).map((label) => label.textContent), corner);
+        expect(onCorner).toEqual([]);
         expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(width);
         await page.screenshot({ path: `${ARTEFACTS}/examples/${example.replace(/[/.]/g, "-")}-${name}.png` });
       }

@@ -73,6 +73,24 @@ test.describe("a motion", () => {
     await expect.poll(async () => near(await tip(page, "cosserat"), present, 1e-6)).toBe(true);
   });
 
+  test("has the loads of its time", async ({ page, viewer }) => {
+    viewer.edit((text) => `${text.replace("Released arm", "Pushed arm")}\n[[motion.loads]]\nfactor = [["0 s", 0], ["1 s", 1]]\n[[motion.loads.point]]\nat = "150 mm"\nforce = ["0.2 N", "0 N", "0 N"]\n`);
+    await expect(page.locator("#title")).toHaveText("Pushed arm");
+    const timeline = page.getByRole("group", { name: "Timeline" });
+    await page.getByRole("button", { name: "Play" }).click();
+    await expect(timeline).toHaveAttribute("data-known", "201");
+    await page.getByRole("button", { name: "Pause" }).or(page.getByRole("button", { name: "Play" })).click();
+    const labels = page.locator("#labels .label:visible");
+    for (const [row, words] of [["50", "force 0.1 N"], ["150", "force 0.2 N"]] as const) {
+      await page.getByLabel("Place in the course").fill(row);
+      await expect(labels.filter({ hasText: words })).toHaveCount(1);
+      await expect(labels.filter({ hasText: "gravity" })).toHaveCount(1);
+    }
+    await page.screenshot({ path: `${ARTEFACTS}/motion-loads.png` });
+    await page.getByRole("button", { name: "Live" }).click();
+    await expect(labels.filter({ hasText: "force" })).toHaveCount(0);
+  });
+
   test("is ended by other sliders, and tells why where there is none", async ({ page, viewer }) => {
     viewer.edit((text) => `${text.replace('name = "left"', 'name = "left"\nfriction = 0.2')}\n[[obstacles]]\nname = "wall"\nkind = "half-space"\nnormal = [-1, 0, 0]\nposition = ["200 mm", "0 mm", "0 mm"]\n`);
     await expect(page.getByLabel("four-bar", { exact: true })).toBeDisabled();

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::protocol::answer::Answer;
+use crate::protocol::loads::Load;
 use crate::protocol::request::Request;
 
 /// What can be played.
@@ -60,4 +61,21 @@ pub struct Moment {
     pub time: f64,
     /// What each model says.
     pub answers: Vec<Answer>,
+    /// What acts on the robot; none where that is the same as at the shape before.
+    pub acting: Option<Acting>,
+}
+
+/// All loads at one time, in the frame of the loads.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Acting {
+    /// Force at the tip in N; in the frame of the tip if it turns with it.
+    pub tip_force: [f64; 3],
+    /// Moment at the tip in N·m; in the frame of the tip if it turns with it.
+    pub tip_moment: [f64; 3],
+    /// Whether force and moment turn with the tip.
+    pub tip_follower: bool,
+    /// Acceleration of gravity in m/s².
+    pub gravity: [f64; 3],
+    /// All others.
+    pub loads: Vec<Load>,
 }

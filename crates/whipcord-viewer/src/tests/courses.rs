@@ -101,6 +101,51 @@ async fn a_motion_is_that_of_the_simulation_and_comes_in_parts() {
 }
 
 #[tokio::test]
+async fn loads_are_told_of_where_they_change_in_a_course() {
+    let text = fs::read_to_string(example("released-arm.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("arm.toml");
+    let pushed = "[[motion.loads]]\nfactor = [[\"0 s\", 0], [\"0.5 s\", 1]]\n\
+                  [[motion.loads.point]]\nat = \"100 mm\"\nforce = [\"0.2 N\", \"0 N\", \"0 N\"]\n";
+    fs::write(&path, format!("{text}\n{pushed}")).unwrap();
+    let port = serve(&path).await;
+    let (mut client, scene) = Client::connect(port).await;
+    let asked =
+        PlayRequest { course: Course::Motion, request: Request { id: 2, ..scene.initial.clone() } };
+    let (moments, message, _) = played(&mut client, &asked).await;
+    assert_eq!(message, None);
+    for moment in &moments {
+        // Behind the ramp nothing changes.
+        let Some(acting) = &moment.acting else {
+            assert!(moment.time > 0.5);
+            continue;
+        };
+        assert!(moment.time < 0.52 && acting.gravity == scene.initial.gravity);
+        let at_place = |load: &Load| match load {
+            Load::Single { arc_length, force, .. } if *arc_length == 0.1 => force[0],
+            _ => 0.0,
+        };
+        let sum: f64 = acting.loads.iter().map(at_place).sum();
+        assert!((sum - 0.2 * (moment.time / 0.5).min(1.0)).abs() < 1e-12, "{sum}");
+    }
+    // Rows of a table have loads of their own.
+    let rows = "left [N],right [N],tip_force.y [N]\n1,0,0\n1,0,0\n1,0,0.1\n";
+    fs::write(folder.path().join("rows.csv"), rows).unwrap();
+    let (robot, _) = text.split_once("[motion]").unwrap();
+    let robot = robot.replace("tension = \"0 N\"\n", "");
+    fs::write(&path, format!("{robot}\n[commands]\ntable = \"rows.csv\"\neach = \"in order\"\n"))
+        .unwrap();
+    let (mut client, scene) = Client::connect(serve(&path).await).await;
+    let asked =
+        PlayRequest { course: Course::Steps, request: Request { id: 1, ..scene.initial.clone() } };
+    let (moments, message, _) = played(&mut client, &asked).await;
+    assert_eq!(message, None);
+    let forces: Vec<_> =
+        moments.iter().map(|moment| moment.acting.as_ref().map(|of| of.tip_force)).collect();
+    assert_eq!(forces, [Some([0.0; 3]), None, Some([0.0, 0.1, 0.0])]);
+}
+
+#[tokio::test]
 async fn a_motion_that_is_ended_says_nothing_more() {
     // So long that it is not over before its end is asked for.
     let text = fs::read_to_string(example("released-arm.toml")).unwrap();

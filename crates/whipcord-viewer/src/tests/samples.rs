@@ -5,10 +5,10 @@ use std::path::Path;
 use std::{env, fs};
 
 use crate::protocol::{
-    Answer, Cable, CableState, Camera, Cloud, Command, Compliance, Contact, Course, CourseChoice,
-    DesignRequest, Designed, Disk, Form, Frame, FromPage, Grasp, Lens, Load, Marker, MetLimit,
-    ModelChoice, Moment, Motor, Obstacle, PlacedObject, PlayRequest, Pose, Pull, Ranges, Reach,
-    Request, Scene, Section, Shown, Sight, Slider, Solved, ToPage, Track, Warning, read,
+    Acting, Answer, Cable, CableState, Camera, Cloud, Command, Compliance, Contact, Course,
+    CourseChoice, DesignRequest, Designed, Disk, Form, Frame, FromPage, Grasp, Lens, Load, Marker,
+    MetLimit, ModelChoice, Moment, Motor, Obstacle, PlacedObject, PlayRequest, Pose, Pull, Ranges,
+    Reach, Request, Scene, Section, Shown, Sight, Slider, Solved, ToPage, Track, Warning, read,
 };
 
 fn request() -> Request {
@@ -281,7 +281,14 @@ fn the_page_has_the_types_of_the_server() {
     let failed = Reach::Failed { message: "why".to_owned() };
     to_page.push(ToPage::Frame(Frame { reach: Some(failed), ..frame() }));
     to_page.push(ToPage::Cloud(cloud()));
-    let moment = Moment { time: 0.5, answers: frame().answers };
+    let acting = Acting {
+        tip_force: [0.1, 0.0, 0.0],
+        tip_moment: [0.0; 3],
+        tip_follower: false,
+        gravity: [0.0, 0.0, -9.81],
+        loads: scenes()[0].loads.clone(),
+    };
+    let moment = Moment { time: 0.5, answers: frame().answers, acting: Some(acting) };
     for (complete, message) in [(false, None), (true, Some("why".to_owned()))] {
         let (course, moments) = (Course::Motion, vec![moment.clone()]);
         to_page.push(ToPage::Track(Track { id: 9, course, from: 16, moments, complete, message }));
