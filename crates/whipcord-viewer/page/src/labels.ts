@@ -24,9 +24,13 @@ export interface Word {
   y: number;
 }
 
-/** Height of a line and mean width of a letter in pixels of the page. */
+/** Height of a line, and how far the background of a word reaches beyond it at the left and right, in pixels of the page. */
 const LINE = 16;
-const LETTER = 7;
+const PADDING = 3;
+/** As the style sheet has it. */
+const FONT = '600 13px system-ui, "Liberation Sans", "DejaVu Sans", sans-serif';
+/** Widths of words are kept as long as there are no more of them. */
+const MOST_WIDTHS = 500;
 
 /** From the left and the top to the right and the bottom, in pixels of the page. */
 export type Box = readonly [number, number, number, number];
@@ -43,6 +47,8 @@ export class Labels {
   readonly #renderer: CSS2DRenderer;
   readonly #objects: CSS2DObject[] = [];
   #labels: readonly Label[] = [];
+  readonly #ruler = element("canvas").getContext("2d");
+  readonly #widths = new Map<string, number>();
 
   constructor(into: HTMLElement) {
     this.#renderer = new CSS2DRenderer();
@@ -82,9 +88,20 @@ export class Labels {
       const word = label && seen.get(label);
       object.visible = word !== undefined;
       // What would stick out of the view is moved into it.
-      if (word) object.center.set(0.5 - word.moved[0] / (LETTER * word.text.length), 0.5 - word.moved[1] / LINE);
+      if (word) object.center.set(0.5 - word.moved[0] / this.#width(word.text), 0.5 - word.moved[1] / LINE);
     });
     this.#renderer.render(space, camera);
+  }
+
+  /** Of a word with its background, in pixels of the page. */
+  #width(text: string): number {
+    const known = this.#widths.get(text);
+    if (known !== undefined) return known;
+    if (this.#widths.size >= MOST_WIDTHS) this.#widths.clear();
+    if (this.#ruler) this.#ruler.font = FONT;
+    const width = (this.#ruler?.measureText(text).width ?? 7 * text.length) + 2 * PADDING;
+    this.#widths.set(text, width);
+    return width;
   }
 
   /** What of the labels is seen by a camera that makes a picture of so many pixels. */
@@ -102,7 +119,7 @@ export class Labels {
       // What it belongs to is not seen.
       const isSeen = ([x, y]: readonly [number, number, number]): boolean => x >= 0 && x <= width && y >= 0 && y <= height;
       if (!isSeen([x, y, depth]) && !(label.from && isSeen(seen(label.from)))) continue;
-      const [wide, high] = [(LETTER * label.text.length) / 2 + 3, LINE / 2];
+      const [wide, high] = [this.#width(label.text) / 2, LINE / 2];
       let [left, top] = [x, y];
       if (label.from) {
         const [fromX, fromY] = seen(label.from);
