@@ -264,7 +264,7 @@ export class App {
     if (stays) this.#writeAddress();
     refocus(focused);
     const spacing = significant(toUnit(gridSpacing(scene), MILLIMETRE), 3);
-    byId("keys").replaceChildren(`grid ${spacing} mm`, element("span", { id: "measured" }));
+    byId("keys").replaceChildren(element("span", {}, `grid ${spacing} mm`), element("span", { id: "measured" }));
     this.#toolbar.cameras(scene.cameras.map(({ name }) => name));
     this.#markers = undefined;
     if (this.#store.state && (!this.#recording || this.#recording.cloud)) this.#connection.survey(this.#store.state);

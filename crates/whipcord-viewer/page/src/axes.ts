@@ -14,6 +14,9 @@ const ASIDE = 0.3;
 const HEAD_LENGTH = 0.25;
 const HEAD_RADIUS = 0.07;
 
+/** What the scale bar takes in the lower left corner, in pixels of the page. */
+const SCALE = { wide: 160, high: 70 };
+
 const DIRECTIONS: readonly Vector[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const UP = new Vector3(0, 1, 0);
 
@@ -53,11 +56,12 @@ export class Axes {
     return this.group.visible ? this.#labels : [];
   }
 
-  /** They are shown as a whole or not at all: the edge of the view would cut what says where they point. Returns whether that changes. */
-  see(camera: Camera): boolean {
+  /** They are shown as a whole or not at all: the edge of the view would cut what says where they point, and the scale bar is to be read. Returns whether that changes. */
+  see(camera: Camera, { width, height }: { width: number; height: number }): boolean {
     const seen = this.#ends.every((end) => {
       const { x, y, z } = new Vector3(...end).project(camera);
-      return Math.abs(x) < 1 && Math.abs(y) < 1 && Math.abs(z) <= 1;
+      const isAtScale = (1 + x) * width < 2 * SCALE.wide && (1 + y) * height < 2 * SCALE.high;
+      return Math.abs(x) < 1 && Math.abs(y) < 1 && Math.abs(z) <= 1 && !isAtScale;
     });
     const changes = seen !== this.group.visible;
     this.group.visible = seen;

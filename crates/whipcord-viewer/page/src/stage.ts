@@ -311,9 +311,9 @@ export class Stage {
     this.labels.show([...this.#said, ...(this.#axes?.labels ?? [])], this.#words);
   }
 
-  #seeAxes(camera: Camera3): void {
+  #seeAxes(camera: Camera3, size: { width: number; height: number }): void {
     camera.updateMatrixWorld();
-    if (this.#axes?.see(camera)) this.#say();
+    if (this.#axes?.see(camera, size)) this.#say();
   }
 
   /** Balls where markers were measured. */
@@ -488,7 +488,7 @@ export class Stage {
     this.#gizmo.camera = camera;
     this.#ink.resolution.set(width, height);
     for (const disks of this.#disks) disks.order(camera);
-    this.#seeAxes(camera);
+    this.#seeAxes(camera, { width, height });
     const hasCompass = !this.#filmed && this.#compass.prepare(this.renderer);
     this.renderer.render(this.space, camera);
     if (hasCompass) this.#compass.render(this.renderer);
@@ -530,7 +530,7 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.cameras.resize(width, height);
     this.#ink.resolution.set(width, height);
-    this.#seeAxes(this.cameras.camera);
+    this.#seeAxes(this.cameras.camera, { width, height });
     try {
       return draw();
     } finally {
