@@ -16,6 +16,7 @@ use crate::background::of_latest;
 use crate::bench::Bench;
 use crate::beside::Beside;
 use crate::design::design;
+use crate::history::History;
 use crate::opened::{Opened, Usable};
 use crate::play::play;
 use crate::protocol::{
@@ -26,8 +27,8 @@ use crate::survey::survey;
 /// Messages that wait to be sent to a page that is slow to take them.
 const WAITING: usize = 4;
 
-/// What another program shows, the latest alone: pages that are slow to take it miss some.
-pub type Shows = watch::Receiver<Option<Arc<Shown>>>;
+/// What another program shows: pages that are slow to take it miss some.
+pub type Shows = watch::Receiver<History>;
 
 /// What all pages share.
 #[derive(Clone, Debug)]
@@ -136,28 +137,33 @@ async fn show(
     if let Some(mut shown) = shown
         && begun.await.is_ok()
     {
-        // A page that is opened later begins with what was shown last.
-        shown.mark_changed();
-        while shown.changed().await.is_ok() {
-            let Some(latest) = shown.borrow_and_update().clone() else { continue };
-            let mut latest = Shown::clone(&latest);
-            // The file may have become that of another robot since the stream began.
-            let stations = opened.borrow().usable.scene.stations.len();
-            let fits = |answer: &mut Option<Answer>| match answer {
-                Some(Answer::Solved(solved)) => solved.positions.len() == stations,
-                _ => true,
-            };
-            if let Some(first) = latest.shapes.first_mut()
-                && !fits(first)
-            {
-                *first = None;
+        // A page that is opened later begins with what was shown before; from then on a slow one passes over what it has no time for.
+        let mut new = shown.borrow_and_update().all();
+        loop {
+            for each in new {
+                if send.send(ToPage::Shown(fitting(&each, &opened))).await.is_err() {
+                    return;
+                }
             }
-            if send.send(ToPage::Shown(latest)).await.is_err() {
-                return;
+            if shown.changed().await.is_err() {
+                break;
             }
+            new = shown.borrow_and_update().latest().into_iter().collect();
         }
     }
     std::future::pending().await
+}
+
+/// What is shown, without a shape of another robot: the file may have changed since the stream began.
+fn fitting(shown: &Shown, opened: &watch::Receiver<Opened>) -> Shown {
+    let mut shown = shown.clone();
+    let stations = opened.borrow().usable.scene.stations.len();
+    if let Some(first) = shown.shapes.first_mut()
+        && matches!(first, Some(Answer::Solved(solved)) if solved.positions.len() != stations)
+    {
+        *first = None;
+    }
+    shown
 }
 
 /// Ends a solve when it is dropped.

@@ -15,6 +15,7 @@ mod design;
 mod error;
 mod export;
 mod grid;
+mod history;
 mod holes;
 mod inverse;
 mod loads;
@@ -41,6 +42,7 @@ use std::path::Path;
 use whipcord::ModelPreset;
 
 use crate::beside::Beside;
+use crate::history::History;
 use crate::page::{Page, page};
 use crate::server::{Server, Viewed};
 use crate::stream::{Streamed, follow};
@@ -101,7 +103,7 @@ impl View {
         let first = Streamed::new(&self.viewed.opened.usable.file);
         let others = self.viewed.beside.iter().map(|other| Streamed::new(&other.file));
         let robots: Vec<Streamed> = std::iter::once(first).chain(others).collect();
-        let (tell, shown) = tokio::sync::watch::channel(None);
+        let (tell, shown) = tokio::sync::watch::channel(History::default());
         self.viewed.shown = Some(shown);
         let thread = std::thread::Builder::new().name("stream".to_owned());
         thread

@@ -11,6 +11,7 @@ use whipcord::{ModelKind, ModelPreset, Pose, Shape, UnitQuaternion};
 use whipcord_io::CaseFile;
 
 use crate::answer::of_shape;
+use crate::history::History;
 use crate::protocol::{CableState, Shown};
 use crate::scene::initial_lengths;
 use crate::stations::Places;
@@ -67,7 +68,7 @@ impl Streamed {
 pub fn follow(
     mut lines: impl BufRead,
     robots: &[Streamed],
-    tell: &watch::Sender<Option<Arc<Shown>>>,
+    tell: &watch::Sender<History>,
     mut complain: impl FnMut(&dyn Display),
 ) {
     let begun = Instant::now();
@@ -89,9 +90,7 @@ pub fn follow(
             continue;
         }
         match shown(&text, robots, begun.elapsed().as_secs_f64()) {
-            Ok(shown) => {
-                tell.send_replace(Some(Arc::new(shown)));
-            }
+            Ok(shown) => tell.send_modify(|history| history.push(shown)),
             Err(why) => complain(&format_args!("line {number} of the stream: {why}")),
         }
     }
@@ -180,10 +179,10 @@ mod tests {
 
     /// What is told of these lines last, and the complaints.
     fn told(text: &str, robots: &[Streamed]) -> (Option<Arc<Shown>>, Vec<String>) {
-        let (tell, heard) = watch::channel(None);
+        let (tell, heard) = watch::channel(History::default());
         let mut complaints = Vec::new();
         follow(text.as_bytes(), robots, &tell, |why| complaints.push(why.to_string()));
-        let last = heard.borrow().clone();
+        let last = heard.borrow().latest();
         (last, complaints)
     }
 
