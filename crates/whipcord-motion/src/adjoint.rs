@@ -2,9 +2,10 @@
 //! what it is made from.
 
 use whipcord::Wrench;
-use whipcord_numerics::{DenseLu, Twist};
+use whipcord_numerics::{DenseLu, Pose, Twist};
 
-use crate::block::dot;
+use crate::block::{dot, transposed_bracket};
+use crate::chords::{self, Curvature};
 use crate::element::{POINTS, add_to_nodes};
 use crate::iteration::{Mechanics, Solver};
 use crate::pose;
@@ -13,7 +14,7 @@ use crate::rod::Rod;
 use crate::scheme::Scheme;
 use crate::stage::Stage;
 
-/// Corrections of dead loads at most.
+/// Corrections of what acts by the poses at most.
 const MOST_CORRECTIONS: usize = 60;
 /// Change of the multipliers, as a part of them, at which the corrections end.
 const SMALL: f64 = 1e-13;
@@ -50,8 +51,22 @@ pub(crate) struct StageAdjoint {
     of_lengths: Vec<(Vec<Twist>, Vec<Twist>)>,
     right: Vec<Twist>,
     before: Vec<Twist>,
-    dead: Vec<Twist>,
+    /// Derivatives, by the strains, of what acts by the poses (dead loads and straight cables) times the multipliers.
+    by_poses: Vec<Twist>,
+    straight: Straight,
     lu: DenseLu,
+}
+
+/// Room for the pulls of straight cables.
+#[derive(Clone, Debug)]
+struct Straight {
+    curvature: Curvature,
+    /// What the multipliers are for the strains, `λ′ + ad_ξ λ`.
+    along: Vec<Twist>,
+    gradient: Vec<Twist>,
+    pulls: Vec<Wrench>,
+    strains: Vec<Twist>,
+    poses: Vec<Pose>,
 }
 
 /// The transposed equations were not solved.
@@ -72,7 +87,15 @@ impl StageAdjoint {
             of_lengths: Vec::new(),
             right: list(nodes),
             before: list(nodes),
-            dead: list(points),
+            by_poses: list(points),
+            straight: Straight {
+                curvature: Curvature::new(rod),
+                along: list(points),
+                gradient: list(points),
+                pulls: vec![Wrench::default(); nodes],
+                strains: list(points),
+                poses: vec![Pose::IDENTITY; nodes],
+            },
             lu: DenseLu::default(),
         }
     }
@@ -92,10 +115,9 @@ impl StageAdjoint {
         pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
         stage.assemble(rod, scheme, loads.gravity, *drag, true);
         stage.matrix.factor().map_err(|_| NotSolved)?;
-        let has_dead = loads.any_dead;
         let find =
             |this: &mut Self, out: &mut Vec<Twist>, velocities: &[Twist], strains: &[Twist]| {
-                this.solve(mechanics, stage, scheme, (velocities, strains), has_dead)?;
+                this.solve(mechanics, stage, scheme, (velocities, strains))?;
                 out.clone_from(&this.multipliers);
                 Ok(())
             };
@@ -114,14 +136,15 @@ impl StageAdjoint {
             let none = vec![Twist::default(); rod.nodes.len()];
             let mut of_lengths = core::mem::take(&mut self.of_lengths);
             for (&cable, (of_length, gradient)) in taut.iter().zip(&mut of_lengths) {
-                length_gradient(rod, stage, scheme, cable, gradient);
+                self.straight.length_gradient(rod, stage, scheme, cable, gradient);
                 find(self, of_length, &none, gradient)?;
             }
             let n = taut.len();
             let mut matrix = vec![0.0; n * n];
             for (j, &cable) in taut.iter().enumerate() {
                 for (i, (of_length, _)) in of_lengths.iter().enumerate() {
-                    matrix[j * n + i] = tension_work(rod, stage, scheme, cable, of_length);
+                    matrix[j * n + i] =
+                        self.straight.tension_work(rod, stage, scheme, cable, of_length);
                 }
                 matrix[j * n + j] += rod.cables[cable].compliance / scheme.place;
                 // The tension at the end lies straight beyond that of the stage, unless it would be negative.
@@ -130,7 +153,7 @@ impl StageAdjoint {
                 } else {
                     0.0
                 };
-                forces[j] = tension_work(rod, stage, scheme, cable, &multipliers)
+                forces[j] = self.straight.tension_work(rod, stage, scheme, cable, &multipliers)
                     - self.tensions[cable] / scheme.place;
             }
             self.lu.factor(n, &matrix).map_err(|_| NotSolved)?;
@@ -155,11 +178,11 @@ impl StageAdjoint {
             *out = if lengths.cables.contains(&i) {
                 taut.iter().position(|&of| of == i).map_or(0.0, |k| forces[k])
             } else {
-                -tension_work(rod, stage, scheme, i, &multipliers)
+                -self.straight.tension_work(rod, stage, scheme, i, &multipliers)
             };
         }
         self.multipliers.copy_from_slice(&multipliers);
-        self.find_dead(mechanics, stage, has_dead);
+        self.find_by_poses(mechanics, stage);
         self.histories(mechanics, stage, scheme, strains, factors);
         self.velocities = multipliers;
         for (velocity, node) in self.velocities.iter_mut().zip(&rod.nodes) {
@@ -176,30 +199,32 @@ impl StageAdjoint {
         stage: &Stage,
         scheme: &Scheme,
         (velocities, strains): (&[Twist], &[Twist]),
-        has_dead: bool,
     ) -> Result<(), NotSolved> {
         let rod = mechanics.rod;
         self.right.copy_from_slice(velocities);
         add_transposed_changes(rod, stage, strains, &mut self.right);
         self.multipliers.copy_from_slice(&self.right);
         stage.matrix.solve_transposed(&mut self.multipliers);
-        if !has_dead {
+        if !(mechanics.loads.any_dead || rod.has_chords()) {
             return Ok(());
         }
-        // The matrix turns dead loads by g ω; what they truly turn by is a matter of all strains below.
+        // The matrix turns dead loads and moves straight cables by the velocities of their nodes; what truly moves them is a matter of all strains below.
         let mut last = f64::INFINITY;
         for _ in 0..MOST_CORRECTIONS {
             self.before.copy_from_slice(&self.multipliers);
-            self.find_dead(mechanics, stage, true);
-            for dead in &mut self.dead {
-                *dead = *dead * -1.0;
+            self.find_by_poses(mechanics, stage);
+            for by in &mut self.by_poses {
+                *by = *by * -1.0;
             }
             self.multipliers.copy_from_slice(&self.right);
-            for a in 1..rod.nodes.len() {
-                let moment = dead_moment(mechanics, stage, a, &self.before[a]);
-                self.multipliers[a].angular += moment * scheme.g;
+            if mechanics.loads.any_dead {
+                for a in 1..rod.nodes.len() {
+                    let moment = dead_moment(mechanics, stage, a, &self.before[a]);
+                    self.multipliers[a].angular += moment * scheme.g;
+                }
             }
-            add_transposed_changes(rod, stage, &self.dead, &mut self.multipliers);
+            stage.matrix.add_links_transposed(&self.before, &mut self.multipliers);
+            add_transposed_changes(rod, stage, &self.by_poses, &mut self.multipliers);
             stage.matrix.solve_transposed(&mut self.multipliers);
             let (mut change, mut size) = (0.0, 0.0);
             for (now, before) in self.multipliers.iter().zip(&self.before) {
@@ -219,22 +244,25 @@ impl StageAdjoint {
         Err(NotSolved)
     }
 
-    /// What the turning of dead loads adds to the derivatives by the strains, for the multipliers as they are.
-    fn find_dead(&mut self, mechanics: Mechanics<'_>, stage: &Stage, has_dead: bool) {
-        if !has_dead {
-            self.dead.fill(Twist::default());
-            return;
-        }
-        let Self { multipliers, dead, .. } = self;
-        let moment = |a: usize| {
-            let moment = if a == 0 {
-                Default::default()
-            } else {
-                dead_moment(mechanics, stage, a, &multipliers[a])
+    /// What dead loads and straight cables, which act by the poses, add to the derivatives by the strains, for the multipliers as they are.
+    fn find_by_poses(&mut self, mechanics: Mechanics<'_>, stage: &Stage) {
+        let Mechanics { rod, loads } = mechanics;
+        let Self { multipliers, by_poses, straight, .. } = self;
+        by_poses.fill(Twist::default());
+        if loads.any_dead {
+            let moment = |a: usize| {
+                let moment = if a == 0 {
+                    Default::default()
+                } else {
+                    dead_moment(mechanics, stage, a, &multipliers[a])
+                };
+                Wrench { force: Default::default(), moment: stage.poses[a].rotation.rotate(moment) }
             };
-            Wrench { force: Default::default(), moment: stage.poses[a].rotation.rotate(moment) }
-        };
-        pose::work_gradient(mechanics.rod, &stage.strains, &stage.poses, moment, dead);
+            pose::work_gradient(rod, &stage.strains, &stage.poses, moment, by_poses);
+        }
+        if rod.has_chords() {
+            straight.add_by_strains(rod, stage, multipliers, by_poses);
+        }
     }
 
     /// Derivatives by the strain histories, into [`Self::strains`], and by the factors.
@@ -255,7 +283,7 @@ impl StageAdjoint {
                 let strain = stage.strains[q];
                 let of_wrench = slope + strain.bracket(value);
                 let (along, across) = tangent.transposed_wrench_change(&slope, &value);
-                let rest = strains[q] - (along + across) * point.weight - self.dead[q];
+                let rest = strains[q] - (along + across) * point.weight - self.by_poses[q];
                 let (transported, _) = tangent.transposed_strain_change(&rest);
                 let damped = point.damping.apply(&of_wrench) * (point.weight * scheme.damping);
                 strains[q] = transported * (1.0 / scheme.g) + damped;
@@ -304,28 +332,78 @@ fn add_transposed_changes(rod: &Rod, stage: &Stage, strains: &[Twist], out: &mut
     }
 }
 
-/// What a tension of 1 N in a cable does on multipliers: `Σ w t · (λ′ + ad_ξ λ)`.
-fn tension_work(rod: &Rod, stage: &Stage, scheme: &Scheme, cable: usize, on: &[Twist]) -> f64 {
-    let points = 0..POINTS * rod.cables[cable].elements;
-    let of_point = |q: usize| {
-        let (e, k) = (q / POINTS, q % POINTS);
-        let (value, slope) = Stage::at_point(on, e, k, rod.lengths[e]);
-        let strain = stage.strains[q];
-        let crossing = &rod.crossings[q * rod.cables.len() + cable];
-        let pull = Pull::new(crossing, &strain, &stage.start[q], scheme).wrench(crossing);
-        rod.points[q].weight * dot(&pull, &(slope + strain.bracket(value)))
-    };
-    points.map(of_point).sum()
-}
+impl Straight {
+    /// Adds the derivatives by the strains of the pull of straight cables, times the multipliers.
+    fn add_by_strains(&mut self, rod: &Rod, stage: &Stage, on: &[Twist], out: &mut [Twist]) {
+        let Self { curvature, along, gradient, pulls, .. } = self;
+        let tension = |k: usize| stage.tensions[rod.chords[k].cable];
+        chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
+        for (q, (along, out)) in along.iter_mut().zip(&mut *out).enumerate() {
+            let (e, k) = (q / POINTS, q % POINTS);
+            let (value, slope) = Stage::at_point(on, e, k, rod.lengths[e]);
+            *along = slope + stage.strains[q].bracket(value);
+            // ad_ξ λ = −ad_λ ξ.
+            *out = *out - transposed_bracket(&value, &gradient[q]);
+        }
+        curvature.add(rod, stage.base, &stage.strains, along, tension, out);
+    }
 
-/// The gradient of the length of a cable at the end of the step by the strains of the stage.
-fn length_gradient(rod: &Rod, stage: &Stage, scheme: &Scheme, cable: usize, out: &mut Vec<Twist>) {
-    out.clear();
-    out.resize(rod.points.len(), Twist::default());
-    for (q, out) in out.iter_mut().enumerate().take(POINTS * rod.cables[cable].elements) {
-        let crossing = &rod.crossings[q * rod.cables.len() + cable];
-        let end = scheme.end(stage.start[q], stage.strains[q]);
-        let pull = Pull::new(crossing, &end, &end, &Scheme::STATICS).wrench(crossing);
-        *out = pull * (rod.points[q].weight / scheme.place);
+    /// What a tension of 1 N in a cable does on multipliers: `Σ w t · (λ′ + ad_ξ λ)`.
+    fn tension_work(
+        &mut self,
+        rod: &Rod,
+        stage: &Stage,
+        scheme: &Scheme,
+        cable: usize,
+        on: &[Twist],
+    ) -> f64 {
+        let Self { gradient, pulls, .. } = self;
+        if rod.has_chords() {
+            let tension = |k: usize| if rod.chords[k].cable == cable { 1.0 } else { 0.0 };
+            chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
+        }
+        let points = 0..POINTS * rod.cables[cable].elements;
+        let of_point = |q: usize| {
+            let (e, k) = (q / POINTS, q % POINTS);
+            let (value, slope) = Stage::at_point(on, e, k, rod.lengths[e]);
+            let strain = stage.strains[q];
+            let along = slope + strain.bracket(value);
+            if rod.has_chords() {
+                return dot(&gradient[q], &along);
+            }
+            let crossing = &rod.crossings[q * rod.cables.len() + cable];
+            let pull = Pull::new(crossing, &strain, &stage.start[q], scheme).wrench(crossing);
+            rod.points[q].weight * dot(&pull, &along)
+        };
+        points.map(of_point).sum()
+    }
+
+    /// The gradient of the length of a cable at the end of the step by the strains of the stage.
+    fn length_gradient(
+        &mut self,
+        rod: &Rod,
+        stage: &Stage,
+        scheme: &Scheme,
+        cable: usize,
+        out: &mut Vec<Twist>,
+    ) {
+        out.clear();
+        out.resize(rod.points.len(), Twist::default());
+        if rod.has_chords() {
+            let Self { pulls, strains, poses, .. } = self;
+            for ((end, start), strain) in strains.iter_mut().zip(&stage.start).zip(&stage.strains) {
+                *end = scheme.end(*start, *strain);
+            }
+            pose::nodes(rod, stage.base, strains, poses);
+            let tension =
+                |k: usize| if rod.chords[k].cable == cable { 1.0 / scheme.place } else { 0.0 };
+            return chords::gradient(rod, strains, poses, tension, pulls, out);
+        }
+        for (q, out) in out.iter_mut().enumerate().take(POINTS * rod.cables[cable].elements) {
+            let crossing = &rod.crossings[q * rod.cables.len() + cable];
+            let end = scheme.end(stage.start[q], stage.strains[q]);
+            let pull = Pull::new(crossing, &end, &end, &Scheme::STATICS).wrench(crossing);
+            *out = pull * (rod.points[q].weight / scheme.place);
+        }
     }
 }

@@ -175,6 +175,18 @@ impl Elimination {
         }
     }
 
+    /// Adds what the transposed links do on a vector, one twist for each node.
+    pub fn add_links_transposed(&self, on: &[Twist], out: &mut [Twist]) {
+        for (e, link) in self.links.iter().enumerate() {
+            let ends = [2 * self.span_starts[e], 2 * e + 2];
+            for (row, &from) in link.iter().zip(&ends) {
+                for (block, &to) in row.iter().zip(&ends) {
+                    out[to] = out[to] + block.apply_transposed(&on[from]);
+                }
+            }
+        }
+    }
+
     /// The same with the transposed matrix: first with that of the upper factor, then with that of the lower one.
     pub fn solve_transposed(&self, x: &mut [Twist]) {
         if self.holds_base {

@@ -92,13 +92,6 @@ impl Simulation {
                 advice: "use the method `accurate` or `robust`",
             });
         }
-        if self.rod.has_chords() {
-            return Err(MotionError::Unsupported {
-                path: "motion.model".to_owned(),
-                what: "gradients over a motion with cables straight between disks",
-                advice: "use the model `cosserat`, or differences",
-            });
-        }
         if self.solver.friction.is_some() {
             return Err(MotionError::Unsupported {
                 path: "cables.friction".to_owned(),

@@ -2,7 +2,8 @@
 
 use whipcord::robot::Motor;
 use whipcord::{
-    Backbone, Cable, Case, Disks, Loads, Material, Robot, Section, Shortening, Twist, Vec3,
+    Backbone, Cable, Case, Disks, Loads, Material, ModelKind, Robot, Section, Shortening, Twist,
+    Vec3,
 };
 use whipcord_motion::{
     BaseMotion, CableDrive, Commands, Course, Damping, Drag, Gradient, Initial, LoadCourse, Method,
@@ -131,13 +132,23 @@ fn gravity() -> Loads {
     Loads { gravity: Some(Vec3::new(4.0, -7.0, 3.0)), ..Loads::default() }
 }
 
-fn by_tensions(method: Method, stiffness: f64, mass: f64, damping: f64) -> Problem {
+/// Cables along their routing, and straight from disk to disk.
+const WAYS: [(ModelKind, Method); 4] = [
+    (ModelKind::Cosserat, Method::Accurate),
+    (ModelKind::Cosserat, Method::Robust),
+    (ModelKind::CosseratDisks, Method::Accurate),
+    (ModelKind::CosseratDisks, Method::Robust),
+];
+
+fn by_tensions(way: (ModelKind, Method), stiffness: f64, mass: f64, damping: f64) -> Problem {
+    let (model, method) = way;
     let commands = (0..STEPS).map(|k| Commands::tensions(&[2.0 + weight(k), 1.5 - weight(k)]));
     Problem {
         robot: robot(stiffness, mass, vec![helix(), straight("b", 2.0, 0.008)]),
         case: Case { loads: gravity(), ..Case::with_tensions(&[1.0, 0.5]) },
         // The damping is a time, of the stiffness.
         options: MotionOptions {
+            model,
             method,
             damping: Damping::Time(2e-3 * damping / stiffness),
             ..options()
@@ -148,7 +159,7 @@ fn by_tensions(method: Method, stiffness: f64, mass: f64, damping: f64) -> Probl
 
 #[test]
 fn gradients_by_tensions_and_properties_are_those_of_differences() {
-    for method in [Method::Accurate, Method::Robust] {
+    for method in WAYS {
         let gradient = by_tensions(method, 1.0, 1.0, 1.0).gradient();
         let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
         assert!(scale > 1e-3);
@@ -175,7 +186,7 @@ fn gradients_by_tensions_and_properties_are_those_of_differences() {
 /// A state to start from, on a base that moves.
 #[test]
 fn gradients_by_the_start_are_those_of_differences() {
-    for method in [Method::Accurate, Method::Robust] {
+    for method in WAYS {
         let mut problem = by_tensions(method, 1.0, 1.0, 1.0);
         let mut start = problem.simulation().state().start();
         for (a, velocity) in start.velocities.iter_mut().enumerate().skip(1) {
@@ -222,6 +233,12 @@ fn gradients_by_the_start_are_those_of_differences() {
 /// Cables that are driven by their lengths, some of which go slack.
 #[test]
 fn gradients_by_lengths_are_those_of_differences() {
+    for (model, method) in WAYS {
+        by_lengths(model, method);
+    }
+}
+
+fn by_lengths(model: ModelKind, method: Method) {
     let problem = |k: usize, i: usize, by: f64| {
         let cables = (0..3).map(|i| Cable {
             axial_stiffness: (i == 0).then_some(9000.0),
@@ -244,7 +261,7 @@ fn gradients_by_lengths_are_those_of_differences() {
         Problem {
             robot: robot(1.0, 1.0, cables.collect()),
             case: Case { loads: gravity(), ..Case::with_shortenings(&shortenings) },
-            options: options(),
+            options: MotionOptions { model, method, ..options() },
             commands: (0..STEPS).map(told).collect(),
         }
     };
@@ -261,7 +278,7 @@ fn gradients_by_lengths_are_those_of_differences() {
             let found = gradient.cables[k][i] * unit;
             assert!(
                 (found - expected).abs() < 1e-5 * scale,
-                "{k} {i}: {found:e} against {expected:e}"
+                "{model:?} {method:?} {k} {i}: {found:e} against {expected:e}"
             );
         }
     }
@@ -270,6 +287,12 @@ fn gradients_by_lengths_are_those_of_differences() {
 /// Motors with play: a command within the play moves nothing.
 #[test]
 fn gradients_by_motors_are_those_of_differences() {
+    for (model, method) in WAYS {
+        by_motors(model, method);
+    }
+}
+
+fn by_motors(model: ModelKind, method: Method) {
     let angles = [0.3, 0.5, 0.48, 0.49, 0.2, 0.6];
     let problem = |k: usize, by: f64| {
         let cables = vec![straight("a", 0.0, 0.008), straight("b", 3.0, 0.008)];
@@ -285,7 +308,7 @@ fn gradients_by_motors_are_those_of_differences() {
             Commands::of_case(&robot, &Case::with_motors(&robot, &[angle]).unwrap())
         });
         let commands = commands.collect();
-        Problem { robot, case, options: options(), commands }
+        Problem { robot, case, options: MotionOptions { model, method, ..options() }, commands }
     };
     let gradient = problem(STEPS, 0.0).gradient();
     let scale = gradient.motors.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
@@ -294,20 +317,23 @@ fn gradients_by_motors_are_those_of_differences() {
     for k in 0..STEPS {
         let expected = difference(1e-4, |by| problem(k, by).number());
         let found = gradient.motors[k][0];
-        assert!((found - expected).abs() < 1e-5 * scale, "{k}: {found:e} against {expected:e}");
+        assert!(
+            (found - expected).abs() < 1e-5 * scale,
+            "{model:?} {method:?} {k}: {found:e} against {expected:e}"
+        );
     }
 }
 
 #[test]
 fn what_has_no_gradient_is_refused() {
-    let problem = by_tensions(Method::Energy, 1.0, 1.0, 1.0);
+    let problem = by_tensions((ModelKind::Cosserat, Method::Energy), 1.0, 1.0, 1.0);
     let refused = problem.simulation().record(&problem.commands, DT);
     assert!(matches!(refused, Err(MotionError::Unsupported { .. })));
-    let mut problem = by_tensions(Method::Robust, 1.0, 1.0, 1.0);
+    let mut problem = by_tensions((ModelKind::Cosserat, Method::Robust), 1.0, 1.0, 1.0);
     problem.options.tolerance = Some(1e-4);
     let refused = problem.simulation().record(&problem.commands, DT);
     assert!(matches!(refused, Err(MotionError::Unsupported { .. })));
-    let problem = by_tensions(Method::Accurate, 1.0, 1.0, 1.0);
+    let problem = by_tensions((ModelKind::Cosserat, Method::Accurate), 1.0, 1.0, 1.0);
     let mut simulation = problem.simulation();
     let record = simulation.record(&problem.commands, DT).unwrap();
     let none = vec![Seed::default(); STEPS + 1];
