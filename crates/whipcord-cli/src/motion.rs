@@ -40,6 +40,7 @@ pub fn failure(file: &CaseFile, error: &MotionError) -> Failure {
         | MotionError::NotConverged { .. }
         | MotionError::Tolerance { .. }
         | MotionError::NoGradient { .. }
+        | MotionError::NotSmooth { .. }
         | MotionError::NoModes => Failure::Solve(text),
         _ => Failure::Input(text),
     }

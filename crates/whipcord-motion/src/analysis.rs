@@ -4,11 +4,14 @@ use whipcord::Wrench;
 use whipcord_numerics::Vec3;
 
 use crate::commands::Commands;
-use crate::contacts::add_push;
+use crate::contacts::{Contacts, add_push};
 use crate::error::MotionError;
 use crate::linear::{Linearized, Rates};
 use crate::modes::{self, Mode};
 use crate::simulation::Simulation;
+
+/// Gap of what touches, as a part of the length.
+const TOUCHING: f64 = 1e-4;
 
 impl Simulation {
     /// Linear momentum in kg·m/s in the world.
@@ -32,21 +35,23 @@ impl Simulation {
     }
 
     /// The lowest natural vibrations about the shape of the state, which should be an equilibrium, from the lowest squared frequency on.
-    /// Cables that commands drive by their lengths and that are taut are held at these; the others keep their tensions.
+    /// Cables that commands drive by their lengths and that are taut are held at these; the others keep their tensions. What touches an obstacle goes
+    /// on to touch it: it moves along its surface, or stays where it is if there is friction. A robot whose base is free has six vibrations of frequency 0, its
+    /// motions as a whole, and the others about a state in which it falls freely.
     ///
     /// # Errors
     /// [`MotionError::Count`] for commands of other cables, [`MotionError::NoModes`] where the stiffness of the state is singular,
-    /// [`MotionError::Unsupported`] where the robot touches an obstacle.
+    /// [`MotionError::Unsupported`] where cables have friction.
     pub fn modes(&mut self, commands: &Commands, count: usize) -> Result<Vec<Mode>, MotionError> {
         commands.check(&self.robot)?;
-        self.refuse_free_base("natural vibrations of a robot whose base is free")?;
         self.refuse_friction("natural vibrations of a robot whose cables have friction")?;
-        self.refuse_contact("natural vibrations of a robot that touches an obstacle")?;
         self.take_stage();
         let is_held =
             |&i: &usize| self.is_by_length(commands, i) && self.state.cables[i].tension > 0.0;
         let held: Vec<usize> = (0..self.rod.cables.len()).filter(is_held).collect();
-        modes::find(&self.rod, &self.loads, &self.solver, &held, count).ok_or(MotionError::NoModes)
+        let contacts = self.touching();
+        modes::find(&self.rod, &self.loads, &self.solver, &held, contacts, count)
+            .ok_or(MotionError::NoModes)
     }
 
     /// Which parts of the kinetic energy of a vibration are those of displacements along x, y and z of the world, and of rotations.
@@ -65,27 +70,19 @@ impl Simulation {
         shares.map(|share| share / sum.max(f64::MIN_POSITIVE))
     }
 
-    /// The motion linearised about the state, with the tensions of all cables as inputs.
+    /// The motion linearised about the state, with the tensions of all cables as inputs. What touches an obstacle goes on to touch it, where it sticks at the
+    /// same place: its gap has no acceleration. Where it slides its friction is against its velocity.
     ///
     /// # Errors
-    /// [`MotionError::Unsupported`] where the robot touches an obstacle: its motion is not smooth there.
+    /// [`MotionError::Unsupported`] where cables have friction.
     pub fn linearize(&mut self) -> Result<Linearized, MotionError> {
-        self.refuse_free_base("the linearisation of a motion with a free base")?;
         self.refuse_friction("the linearisation of a motion with friction of cables")?;
-        self.refuse_contact("the linearisation of a motion in contact")?;
         self.take_stage();
+        let contacts = self.touching();
         let Self { rod, loads, solver, state, .. } = self;
         let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();
-        let mut rates = Rates::new(rod, loads, solver, state.time);
+        let mut rates = Rates::new(rod, loads, solver, contacts);
         Ok(rates.linearized(&state.velocities, &state.strains, &tensions))
-    }
-
-    fn refuse_free_base(&self, what: &'static str) -> Result<(), MotionError> {
-        if !self.options.has_free_base {
-            return Ok(());
-        }
-        let advice = "hold the base: leave out `free` in [motion.base]";
-        Err(MotionError::Unsupported { path: "motion.base.free".to_owned(), what, advice })
     }
 
     fn refuse_friction(&self, what: &'static str) -> Result<(), MotionError> {
@@ -96,20 +93,20 @@ impl Simulation {
         Err(MotionError::Unsupported { path: "cables.friction".to_owned(), what, advice })
     }
 
-    fn refuse_contact(&self, what: &'static str) -> Result<(), MotionError> {
-        if self.state.contacts.is_empty() {
-            return Ok(());
-        }
-        Err(MotionError::Unsupported {
-            path: "obstacles".to_owned(),
-            what,
-            advice: "ask at a state in which it touches none, or remove the obstacle",
-        })
+    /// The contacts of the state, with their forces.
+    fn touching(&self) -> Contacts {
+        let Self { rod, solver, state, base, .. } = self;
+        let mut contacts = solver.contacts.clone();
+        contacts.base = state.base;
+        let known = (state.contacts.as_slice(), *base);
+        contacts.begin(rod, state.base, &state.strains, TOUCHING * rod.length, known);
+        contacts.list.retain(|contact| contact.force > 0.0);
+        contacts
     }
 
     /// Puts the state into the stage of the solver.
     fn take_stage(&mut self) {
-        let Self { rod, loads, solver, state, base, .. } = self;
+        let Self { loads, solver, state, .. } = self;
         let stage = &mut solver.stage;
         stage.strains.copy_from_slice(&state.strains);
         stage.velocities.copy_from_slice(&state.velocities);
@@ -119,10 +116,6 @@ impl Simulation {
         }
         stage.passages.clone_from(&state.holes.tensions);
         loads.at(state.time, &mut stage.loads);
-        // What obstacles push with is a load of the state.
-        for contact in &state.contacts {
-            add_push(rod, *base, &state.poses, contact, &mut stage.loads);
-        }
     }
 
     /// Force in N and moment about the base in N·m that the base exerts on robot and cables, in the world: the cables leave the robot through the base.
@@ -134,8 +127,12 @@ impl Simulation {
         }
         self.take_stage();
         let Self { rod, loads, solver, state, base, .. } = self;
+        // What obstacles push with is a load of the state.
+        for contact in &state.contacts {
+            add_push(rod, *base, &state.poses, contact, &mut solver.stage.loads);
+        }
         let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();
-        let wrench = Rates::new(rod, loads, solver, state.time).base_wrench(
+        let wrench = Rates::new(rod, loads, solver, Contacts::default()).base_wrench(
             &state.velocities,
             &state.strains,
             &tensions,

@@ -174,14 +174,9 @@ impl Contacts {
         for contact in &mut self.list {
             let obstacle = &surroundings.obstacles[contact.obstacle];
             let pose = shape.at(contact.station);
-            let body = &contact.member.body;
-            contact.nearest = if contact.keeps_place {
-                body.at_place(obstacle, &pose, contact.nearest.local)
-            } else {
-                body.track(obstacle, &pose, contact.nearest.local)
-            };
-            contact.slip = contact.nearest.slip(&contact.start, &pose, body.rounding);
-            contact.traction = along(contact.traction, contact.nearest.normal);
+            contact.look(obstacle, &pose);
+            contact.slip =
+                contact.nearest.slip(&contact.start, &pose, contact.member.body.rounding);
             contact.at_end = pose.rotation;
             contact.at_stage = at_stage.at(contact.station).rotation;
             contact.bend = bend(obstacle, pose.position + contact.nearest.arm, rod.length);
@@ -207,6 +202,52 @@ impl Contacts {
                 continue;
             }
             let block = contact.stiffness(scheme);
+            for (a, fa) in contact.shapes.into_iter().enumerate() {
+                for (b, fb) in contact.shapes.into_iter().enumerate() {
+                    stage.matrix.elements[e][a][b].add_scaled(-fa * fb, &block);
+                }
+            }
+        }
+    }
+
+    /// Adds to the matrix of a stage what the forces change by with the poses in equilibrium, exactly: also that the place where a disk touches moves along its
+    /// rim, of which the iteration of a step does without. By central differences.
+    pub fn add_stiffness(&self, rod: &Rod, stage: &mut Stage) {
+        /// Displacement as a part of the length, and rotation in rad.
+        const STEP: f64 = 1e-5;
+        let Some(surroundings) = &self.surroundings else { return };
+        let shape = Posed { rod, strains: &stage.strains, poses: &stage.poses };
+        for contact in &self.list {
+            let pose = shape.at(contact.station);
+            let obstacle = &surroundings.obstacles[contact.obstacle];
+            let push = |motion: Twist| {
+                let pose = pose * Pose::exp(motion);
+                let mut moved = *contact;
+                moved.look(obstacle, &pose);
+                moved.at_stage = pose.rotation;
+                moved.push()
+            };
+            let column = |turns: bool, axis: Vec3| {
+                let h = if turns { STEP } else { STEP * rod.length };
+                let motion = |by: f64| match turns {
+                    true => Twist { linear: Vec3::ZERO, angular: axis * by },
+                    false => Twist { linear: axis * by, angular: Vec3::ZERO },
+                };
+                (push(motion(h)) - push(motion(-h))) * (0.5 / h)
+            };
+            let [place, turn] =
+                [false, true].map(|turns| [Vec3::X, Vec3::Y, Vec3::Z].map(|of| column(turns, of)));
+            let forces = |of: [Twist; 3]| {
+                let [x, y, z] = of.map(|column| column.linear);
+                Mat3::from_columns(x, y, z)
+            };
+            let moments = |of: [Twist; 3]| {
+                let [x, y, z] = of.map(|column| column.angular);
+                Mat3::from_columns(x, y, z)
+            };
+            let block =
+                Block { a: forces(place), b: forces(turn), c: moments(place), d: moments(turn) };
+            let e = contact.station.element;
             for (a, fa) in contact.shapes.into_iter().enumerate() {
                 for (b, fb) in contact.shapes.into_iter().enumerate() {
                     stage.matrix.elements[e][a][b].add_scaled(-fa * fb, &block);
@@ -365,6 +406,17 @@ impl Contact {
         }
     }
 
+    /// Finds the place that is nearest, for a pose of the cross-section.
+    fn look(&mut self, obstacle: &whipcord::Obstacle, pose: &Pose) {
+        let body = &self.member.body;
+        self.nearest = if self.keeps_place {
+            body.at_place(obstacle, pose, self.nearest.local)
+        } else {
+            body.track(obstacle, pose, self.nearest.local)
+        };
+        self.traction = along(self.traction, self.nearest.normal);
+    }
+
     /// Rate in m/s at which the gap grows at the start of the step, where the nodes have these velocities.
     pub fn start_rate(&self, velocities: &[Twist]) -> f64 {
         let push = in_section(self.start.rotation, self.nearest.normal, self.nearest.arm);
@@ -381,6 +433,11 @@ impl Contact {
     /// Lines of the complementarity problem: of the normal, and of both tangents with friction.
     pub const fn lines(&self) -> usize {
         if self.coefficient > 0.0 { 3 } else { 1 }
+    }
+
+    /// Coefficient of friction.
+    pub const fn friction(&self) -> f64 {
+        self.coefficient
     }
 
     /// As the complementarity problem has it, from a line on.

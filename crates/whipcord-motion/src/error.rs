@@ -139,6 +139,15 @@ pub enum MotionError {
         time: f64,
     },
 
+    /// A motion that touches an obstacle, which is not smooth there.
+    #[error(
+        "no gradient: the robot touches an obstacle in the step that ends at {time:.6} s, where the motion is not smooth; take gradients of the steps before, or move the obstacle"
+    )]
+    NotSmooth {
+        /// Time at the end of the step in s.
+        time: f64,
+    },
+
     /// No natural vibrations were found.
     #[error(
         "no natural vibrations: the stiffness of the robot in this state is singular; use another state or give the cables other tensions"

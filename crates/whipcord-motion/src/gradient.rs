@@ -106,12 +106,9 @@ impl Simulation {
                 advice: "hold the base, or use differences",
             });
         }
-        if self.solver.contacts.surroundings.is_some() {
-            return Err(MotionError::Unsupported {
-                path: "obstacles".to_owned(),
-                what: "gradients over a motion among obstacles, which is not smooth",
-                advice: "remove the obstacles",
-            });
+        let touches = |state: &State| !state.contacts.is_empty() || state.impacts > 0;
+        if touches(&self.state) {
+            return Err(MotionError::NotSmooth { time: self.state.time });
         }
         let is_equilibrium = self.options.initial == Initial::Equilibrium;
         let mut record = Record {
@@ -142,6 +139,9 @@ impl Simulation {
             self.step_in_parts(commands, dt, &mut |before, length, warm| {
                 parts.push(Part { before: before.clone(), length, warm });
             })?;
+            if touches(&self.state) || parts.iter().any(|part| touches(&part.before)) {
+                return Err(MotionError::NotSmooth { time: self.state.time });
+            }
             record.parts.push(parts);
             record.states.push(self.state.clone());
         }

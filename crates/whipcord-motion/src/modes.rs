@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use whipcord_numerics::{DenseLu, Pose, Twist, Vec3, symmetric_eigen};
 
 use crate::block::dot;
+use crate::contacts::Contacts;
 use crate::element::POINTS;
 use crate::iteration::Solver;
 use crate::lengths::Lengths;
@@ -65,11 +66,15 @@ const MOST: usize = 300;
 /// Relative change of the squared frequencies at the end.
 const TOLERANCE: f64 = 1e-11;
 
-/// The system of the vibrations: stiffness with the cables that are held, masses and damping.
+/// The system of the vibrations: stiffness with the cables and contacts that are held, masses and damping.
 struct Vibrations<'a> {
     rod: &'a Rod,
     stage: Stage,
-    /// What the tensions of held cables exert, and the displacements that they take away.
+    /// `σ` in rad²/s²: the matrix of the stage is `K + σM`. Of a base that is held 0; a free one would leave `K` singular.
+    shift: f64,
+    /// The first node that moves.
+    first: usize,
+    /// What the forces of held cables and contacts exert, and the displacements that they take away.
     held: Vec<(Vec<Twist>, Vec<Twist>)>,
     lu: DenseLu,
 }
@@ -81,10 +86,10 @@ impl Vibrations<'_> {
             out.linear = x.linear * node.mass;
             out.angular = node.inertia.scale(x.angular);
         }
-        out[0] = Twist::default();
+        out[..self.first].fill(Twist::default());
     }
 
-    /// `K⁻¹ x` with the held cables.
+    /// `(K + σM)⁻¹ x` with the held cables and contacts.
     fn solve(&self, x: &mut [Twist]) {
         self.stage.matrix.solve(x);
         if self.held.is_empty() {
@@ -105,53 +110,86 @@ fn product(a: &[Twist], b: &[Twist]) -> f64 {
 }
 
 /// The lowest modes about the strains and tensions in a solver, by subspace iteration; `held` are the cables whose lengths are held and that are
-/// taut. `None` where the stiffness is singular or the iteration does not converge.
+/// taut, and what `contacts` has touches and stays where it does. `None` where the stiffness is singular or the iteration does not converge.
 pub(crate) fn find(
     rod: &Rod,
     loads: &NodeLoads,
     solver: &Solver,
     held: &[usize],
+    mut contacts: Contacts,
     count: usize,
 ) -> Option<Vec<Mode>> {
+    /// What a held contact yields of itself, as a part of what the robot does: several of one disk may depend on one another.
+    const SHARING: f64 = 1e-9;
+    let first = loads.first_free();
+    // A robot that nothing holds falls with its gravity, and has it not in its frame.
+    let (shift, gravity) =
+        if first == 0 { (slowest(rod), Vec3::ZERO) } else { (0.0, loads.gravity) };
+    let stage = solver.stage.clone();
     let mut system =
-        Vibrations { rod, stage: solver.stage.clone(), held: Vec::new(), lu: DenseLu::default() };
+        Vibrations { rod, stage, shift, first, held: Vec::new(), lu: DenseLu::default() };
     let stage = &mut system.stage;
     stage.velocities.fill(Twist::default());
+    stage.velocity_history.fill(Twist::default());
     stage.strain_history.copy_from_slice(&solver.stage.strains);
     stage.start.copy_from_slice(&solver.stage.strains);
+    stage.matrix.hold_base(first > 0);
     pose::nodes(rod, stage.base, &solver.stage.strains, &mut stage.poses);
-    stage.assemble(rod, &Scheme::STATICS, loads.gravity, Vec3::ZERO, true);
+    let scheme = Scheme { inertia: shift, ..Scheme::STATICS };
+    stage.assemble(rod, &scheme, gravity, Vec3::ZERO, true);
+    contacts.refresh(rod, &scheme, stage);
+    contacts.add_stiffness(rod, stage);
     stage.matrix.factor().ok()?;
-    let columns: Vec<Vec<Twist>> =
+    let mut columns: Vec<Vec<Twist>> =
         held.iter().map(|&cable| Lengths::pull(rod, &system.stage, cable)).collect();
+    for (k, contact) in contacts.list.iter().enumerate() {
+        for line in 0..contact.lines() {
+            let list = || vec![Twist::default(); rod.nodes.len()];
+            let (mut push, mut motion) = (list(), list());
+            contacts.linearise(&scheme, k, line, &mut push, &mut motion);
+            columns.push(motion);
+        }
+    }
     for column in columns {
         let mut taken = column.clone();
         system.stage.matrix.solve(&mut taken);
         system.held.push((column, taken));
     }
-    let n = held.len();
+    let n = system.held.len();
     let mut matrix = vec![0.0; n * n];
     for i in 0..n {
         for j in 0..n {
             matrix[i * n + j] = product(&system.held[i].0, &system.held[j].1);
         }
-        matrix[i * n + i] += rod.cables[held[i]].compliance;
+        let own = &mut matrix[i * n + i];
+        *own += held.get(i).map_or(SHARING * *own, |&cable| rod.cables[cable].compliance);
     }
     system.lu.factor(n, &matrix).ok()?;
     let modes = iterate(&system, count)?;
     let damped = |(squared_frequency, shape): (f64, Vec<Twist>)| {
         let rate = damping(rod, &system.stage, solver.drag, &shape);
-        let damping_ratio = 0.5 * rate / squared_frequency.abs().sqrt();
+        let damping_ratio = 0.5 * rate / squared_frequency.abs().sqrt().max(f64::MIN_POSITIVE);
         Mode { squared_frequency, damping_ratio, shape }
     };
     Some(modes.into_iter().map(damped).collect())
 }
 
+/// A squared frequency in rad²/s² of the order of the slowest vibrations: `EI/(m L³)` with the least stiffness against bending.
+fn slowest(rod: &Rod) -> f64 {
+    let stiffness = rod.points.iter().map(|point| {
+        let d = &point.stiffness.d;
+        d.rows[0][0].min(d.rows[1][1])
+    });
+    let mass: f64 = rod.nodes.iter().map(|node| node.mass).sum();
+    stiffness.fold(f64::INFINITY, f64::min) / (mass * rod.length.powi(3))
+}
+
 /// Subspace iteration with Ritz vectors.
 fn iterate(system: &Vibrations<'_>, count: usize) -> Option<Vec<(f64, Vec<Twist>)>> {
     let nodes = system.rod.nodes.len();
-    let count = count.min(6 * (nodes - 1));
-    let size = (count + SPARE).min(6 * (nodes - 1));
+    let all = (6 * (nodes - system.first)).saturating_sub(system.held.len());
+    let count = count.min(all);
+    let size = (count + SPARE).min(all);
     let mut basis: Vec<Vec<Twist>> = (0..size).map(|k| start(nodes, k)).collect();
     let mut other = vec![Twist::default(); nodes];
     let mut values = vec![0.0; size];
@@ -194,7 +232,7 @@ fn iterate(system: &Vibrations<'_>, count: usize) -> Option<Vec<(f64, Vec<Twist>
             let modes = order[..count]
                 .iter()
                 .zip(&values)
-                .map(|(&row, &value)| (value, combine(row, &basis)));
+                .map(|(&row, &value)| (value - system.shift, combine(row, &basis)));
             let mut modes: Vec<_> = modes.collect();
             modes.sort_by(|a, b| a.0.total_cmp(&b.0));
             return Some(modes);
@@ -224,7 +262,7 @@ fn orthonormalize(
     for k in 0..basis.len() {
         let (before, from) = basis.split_at_mut(k);
         let x = &mut from[0];
-        x[0] = Twist::default();
+        x[..system.first].fill(Twist::default());
         for _ in 0..2 {
             for y in &*before {
                 system.inertia(y, other);

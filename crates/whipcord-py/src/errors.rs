@@ -402,6 +402,7 @@ pub fn motion(py: Python<'_>, error: &MotionError) -> PyErr {
         MotionError::Course { .. } => input(py, "motion.commands", message),
         MotionError::NotConverged { time, .. }
         | MotionError::NoGradient { time }
+        | MotionError::NotSmooth { time }
         | MotionError::Tolerance { time, .. } => failed(Some(*time)),
         MotionError::Unbalanced { .. }
         | MotionError::NoModes

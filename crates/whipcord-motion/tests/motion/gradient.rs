@@ -324,6 +324,27 @@ fn by_motors(model: ModelKind, method: Method) {
     }
 }
 
+/// An obstacle that is not touched changes nothing; of one that is, the time is named.
+#[test]
+fn gradients_beside_obstacles_are_those_without_them() {
+    let mut problem = by_tensions((ModelKind::Cosserat, Method::Accurate), 1.0, 1.0, 1.0);
+    let without = problem.gradient();
+    let pose =
+        whipcord::Pose { position: Vec3::new(-0.079, 0.173, 0.13), ..whipcord::Pose::IDENTITY };
+    let form = whipcord::Form::Sphere { radius: 0.1 };
+    let ball =
+        whipcord::Obstacle { name: "ball".to_owned(), form, pose, friction: 0.3, movable: None };
+    problem.case.obstacles = vec![ball];
+    let beside = problem.gradient();
+    for (a, b) in beside.cables.iter().flatten().zip(without.cables.iter().flatten()) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+    let mut simulation = problem.simulation();
+    let commands = vec![Commands::tensions(&[2.0, 7.0]), Commands::tensions(&[2.0, 7.0])];
+    let refused = (0..30).find_map(|_| simulation.record(&commands, DT).err()).unwrap();
+    assert!(matches!(refused, MotionError::NotSmooth { .. }), "{refused}");
+}
+
 #[test]
 fn what_has_no_gradient_is_refused() {
     let problem = by_tensions((ModelKind::Cosserat, Method::Energy), 1.0, 1.0, 1.0);
