@@ -21,7 +21,7 @@ use crate::state::State;
 pub struct Mode {
     /// Square of the angular frequency without damping in rad²/s²; negative where the state is unstable.
     pub squared_frequency: f64,
-    /// Damping ratio: 1 is critical. Exact where the damping is proportional to the stiffness or small, else that of the undamped shape.
+    /// Damping ratio: 1 is critical; 0 where the frequency is 0. Exact where the damping is proportional to the stiffness or small, else that of the undamped shape.
     pub damping_ratio: f64,
     /// Displacement of each node in its frame, in m and rad, as a twist; scaled to a kinetic energy of ½ J for velocities of this size.
     pub shape: Vec<Twist>,
@@ -121,6 +121,8 @@ pub(crate) fn find(
 ) -> Option<Vec<Mode>> {
     /// What a held contact yields of itself, as a part of what the robot does: several of one disk may depend on one another.
     const SHARING: f64 = 1e-9;
+    /// A squared frequency of a free robot that counts as 0, as a part of the shift.
+    const ROUNDING: f64 = 1e-6;
     let first = loads.first_free();
     // A robot that nothing holds falls with its gravity, and has it not in its frame.
     let (shift, gravity) =
@@ -167,8 +169,12 @@ pub(crate) fn find(
     system.lu.factor(n, &matrix).ok()?;
     let modes = iterate(&system, count)?;
     let damped = |(squared_frequency, shape): (f64, Vec<Twist>)| {
+        // Of a motion as a whole rounding is left.
+        if squared_frequency.abs() < ROUNDING * shift {
+            return Mode { squared_frequency: 0.0, damping_ratio: 0.0, shape };
+        }
         let rate = damping(rod, &system.stage, solver.drag, &shape);
-        let damping_ratio = 0.5 * rate / squared_frequency.abs().sqrt().max(f64::MIN_POSITIVE);
+        let damping_ratio = 0.5 * rate / squared_frequency.abs().sqrt();
         Mode { squared_frequency, damping_ratio, shape }
     };
     Some(modes.into_iter().map(damped).collect())

@@ -144,8 +144,8 @@ pub fn modes<'py>(
     count: usize,
     time: Option<f64>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (robot, case) = (setup.robot.clone(), Arc::clone(&setup.case));
-    let (commands, options) = setup.file_data.motion.held_at(&robot, &case, time);
+    let robot = setup.robot.clone();
+    let (case, commands, options) = setup.file_data.motion.held_at(&robot, &setup.case, time);
     let found = within(py, &Limit::default(), move || {
         let mut simulation = Inner::with_commands(&robot, &case, &commands, options)?;
         let modes = simulation.modes(&commands, count)?;

@@ -69,8 +69,8 @@ pub fn run(args: &ModesArgs, style: Style) -> Result<String, Failure> {
     args.model.choose(&mut file);
     let warnings = file.warnings_in_motion();
     args.warnings.tell(&file, &warnings)?;
-    let (commands, options) = file.motion.held_at(&file.robot, &file.case, args.time);
-    let found = Simulation::with_commands(&file.robot, &file.case, &commands, options).and_then(
+    let (case, commands, options) = file.motion.held_at(&file.robot, &file.case, args.time);
+    let found = Simulation::with_commands(&file.robot, &case, &commands, options).and_then(
         |mut simulation| {
             let modes = simulation.modes(&commands, usize::from(args.count))?;
             Ok((simulation, modes))

@@ -100,15 +100,16 @@ impl Motion {
         }
     }
 
-    /// Commands and options for the equilibrium whose vibrations are asked for: that under the commands and loads over time at this time
-    /// in s, held constant; without a time, that under those of the case alone.
+    /// Case, commands and options for the equilibrium whose vibrations are asked for: that under the commands and loads over time at this time
+    /// in s, held constant; without a time, that under those of the case alone. A robot that nothing holds falls with its gravity, and has it not in its
+    /// equilibrium.
     #[must_use]
     pub fn held_at(
         &self,
         robot: &Robot,
         case: &Case,
         time: Option<f64>,
-    ) -> (Commands, MotionOptions) {
+    ) -> (Case, Commands, MotionOptions) {
         let held = |of: &LoadCourse, time: f64| LoadCourse {
             loads: of.loads.clone(),
             factor: Course::constant(of.factor.after(time)),
@@ -126,7 +127,11 @@ impl Motion {
             Some(time) => self.commands(robot, case).held_at(time),
             None => Commands::of_case(robot, case),
         };
-        (commands, options)
+        let mut case = case.clone();
+        if self.has_free_base {
+            case.loads.gravity = None;
+        }
+        (case, commands, options)
     }
 
     /// The commands of all cables and motors: those over time, and those of the case for the others.
