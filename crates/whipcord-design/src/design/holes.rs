@@ -81,11 +81,13 @@ impl Work<'_> {
             }
         }
         found.sort_by(|a, b| a.1.merit.total_cmp(&b.1.merit));
+        let compared = found.len();
         found.truncate(match (tensions.is_empty(), is_sequential) {
             (true, _) => 1,
             (false, true) => KEPT,
             (false, false) => KEPT_OF_WHOLE,
         });
+        let in_turn = Known::InTurn { compared, improved: found.len() };
         let mut best: Option<(Vec<Case>, HoleDesign, Option<Known>)> = None;
         for (cases, design) in found {
             self.cases = cases;
@@ -120,11 +122,10 @@ impl Work<'_> {
         for cable in cables {
             self.find(Vary::Holes { cable: *cable }, Known::Holes(best.proof));
         }
+        // Least squares of the tensions alone know nothing of other holes.
+        let known = known.filter(|known| !matches!(known, Known::LeastSquares { .. }));
         for cable in tensions {
-            self.find(
-                Vary::Tension { cable: *cable },
-                known.unwrap_or(Known::LeastSquares { starts: 1, agree: 1 }),
-            );
+            self.find(Vary::Tension { cable: *cable }, known.unwrap_or(in_turn));
         }
         Ok(())
     }
