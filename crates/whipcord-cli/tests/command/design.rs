@@ -246,6 +246,19 @@ fn a_target_out_of_reach_has_a_bound() {
     assert!(json(&succeed(&all.copied().collect::<Vec<_>>()))["lower_bound"].is_null());
 }
 
+/// What is far off says why that may be.
+#[test]
+fn units_that_are_forgotten_and_cables_that_are_not_pulled_are_told() {
+    let scratch = Scratch::new();
+    let table = scratch.file("mm.csv");
+    std::fs::write(&table, "disk,x,y,z\n5,2,0,80\n10,10,0,178\n").unwrap();
+    let words = succeed(&["design", THREE, "--target", &table]);
+    assert!(words.contains("178.3 m from the base") && words.contains("x [mm]"), "{words}");
+    let slack = ["--set", "cables[0].tension=0 N"];
+    let words = succeed(&["design", THREE, "--target", ARC, slack[0], slack[1]]);
+    assert!(words.contains("no cable is pulled"), "{words}");
+}
+
 #[test]
 fn what_is_no_design_is_refused() {
     for (args, words) in [
@@ -254,6 +267,7 @@ fn what_is_no_design_is_refused() {
         (&["--target", ARC, "--vary", "cables[7].holes"], "there is no cable `7`"),
         (&["--target", "arc, angle = 60 mm"], "`angle`"),
         (&["--target", "measured"], "no disks were measured"),
+        (&["--target", "clothoid, start = 0, end = 1e9 1/m"], "winds more than 100 times"),
     ] {
         let all: Vec<&str> = ["design", THREE].into_iter().chain(args.iter().copied()).collect();
         let message = fail(2, &all);
