@@ -30,22 +30,20 @@ pub(crate) struct CableByCable<'a, C> {
 const BETTER: f64 = 1e-9;
 
 impl<C: Fn(&Robot, &Choices, usize) -> Result<Step, DesignError>> CableByCable<'_, C> {
-    /// From the lists that the robot has, where the rules allow these, and from so many robots whose cables are added one after the other. The best robot, the effort, and whether no
-    /// other list of one cable is better; `None` where no lists were found that the rules allow.
-    pub fn run(
-        &self,
-        robot: &Robot,
-        starts: usize,
-    ) -> Result<Option<(Robot, usize, bool)>, DesignError> {
+    /// From the lists of some robots, the same but for these, as far as the rules allow them, and from so many robots whose cables are added one after the other. The best robot, the effort, and
+    /// whether no other list of one cable is better.
+    pub fn run(&self, robots: &[Robot], added: usize) -> Result<(Robot, usize, bool), DesignError> {
         let mut spent = 0;
         let mut best: Option<Step> = None;
         let mut refusal = None;
-        let own = self.is_allowed(robot).then_some(None);
-        let order = (0..starts.min(2 * self.cables.len())).map(Some);
-        for first in own.into_iter().chain(order) {
-            let begun = match first {
+        let given = robots.iter().filter(|robot| self.is_allowed(robot)).map(|robot| (robot, None));
+        let last = robots.last().into_iter();
+        let added = last
+            .flat_map(|robot| (0..added.min(2 * self.cables.len())).map(move |k| (robot, Some(k))));
+        for (robot, start) in given.chain(added) {
+            let begun = match start {
                 None => Ok(robot.clone()),
-                Some(first) => self.added(robot, first, &mut spent),
+                Some(start) => self.added(robot, start, &mut spent),
             };
             match begun.and_then(|begun| self.improved(begun, &mut spent)) {
                 Ok(found) => {
@@ -54,7 +52,6 @@ impl<C: Fn(&Robot, &Choices, usize) -> Result<Step, DesignError>> CableByCable<'
                     }
                 }
                 Err(error @ DesignError::Solve(SolveError::Cancelled { .. })) => return Err(error),
-                Err(DesignError::TooManySpans { .. }) => {}
                 Err(error) => {
                     refusal.get_or_insert(error);
                 }
@@ -64,9 +61,9 @@ impl<C: Fn(&Robot, &Choices, usize) -> Result<Step, DesignError>> CableByCable<'
             }
         }
         match (best, refusal) {
-            (Some(best), _) => Ok(Some((best.robot, spent, best.is_best))),
+            (Some(best), _) => Ok((best.robot, spent, best.is_best)),
             (None, Some(error)) => Err(error),
-            (None, None) => Ok(None),
+            (None, None) => Err(DesignError::NoChoice { disk: 0 }),
         }
     }
 

@@ -49,7 +49,7 @@ impl Curve {
     /// A helix of this radius that climbs by `pitch` in a turn; both in m.
     #[must_use]
     pub fn helix(length: f64, radius: f64, pitch: f64) -> Self {
-        let climb = pitch / core::f64::consts::TAU;
+        let climb = pitch / TAU;
         let square = radius * radius + climb * climb;
         Self::new(length, 0.0, move |_| radius / square, move |_| climb / square)
     }
@@ -58,7 +58,7 @@ impl Curve {
     #[must_use]
     pub fn s_curve(length: f64, angle: f64) -> Self {
         let greatest = core::f64::consts::PI * angle / length;
-        let turns = core::f64::consts::TAU / length;
+        let turns = TAU / length;
         Self::new(length, 0.0, move |s| greatest * (turns * s).sin(), |_| 0.0)
     }
 

@@ -101,7 +101,7 @@ pub struct HoleDesign {
 ///
 /// Without load, by tensions, and in models with straight cables between disks, every span is independent of the others: its shapes are tabulated, and the choice is proven to be
 /// the best of all lists by branch and bound, or by meeting in the middle where there is one goal with one point. Else
-/// changes of one or two holes are tried from several starts. Where all lists of several cables are too many to be tabulated, the lists of one cable after the other are chosen in
+/// changes of one or two holes are tried from several starts. Where all lists of several cables are too many for a table, or must be solved as a whole, the lists of one cable after the other are chosen in
 /// these ways until none comes nearer, which proves nothing. The winner is solved again as a whole robot by the model. Cables that end before the tip get holes up to the tip.
 ///
 /// # Errors
@@ -145,13 +145,23 @@ pub(crate) fn search(
         cases: goals.iter().map(|goal| goal.case.clone()).collect(),
         criteria: criteria.filter(|criteria| !criteria.is_empty()),
     };
-    let at_once = Choices::new(robot, cables, rules)
-        .and_then(|choices| asked.chosen(robot, &choices, (options, from)));
-    match at_once {
-        Err(error @ DesignError::TooManySpans { .. }) if cables.len() > 1 => {
-            asked.one_by_one(robot, rules, (options, from), error)
+    let choices = match Choices::new(robot, cables, rules) {
+        Ok(choices) => Some(choices),
+        Err(DesignError::TooManySpans { .. }) if cables.len() > 1 => None,
+        Err(error) => return Err(error),
+    };
+    if let Some(choices) =
+        choices.as_ref().filter(|_| cables.len() == 1 || asked.is_tabulated(robot))
+    {
+        match asked.chosen(robot, choices, (options, from)) {
+            Err(DesignError::TooManySpans { .. }) if cables.len() > 1 => {}
+            at_once => return at_once,
         }
-        at_once => at_once,
+    }
+    let found = asked.one_by_one(robot, choices.as_ref(), rules, (options, from))?;
+    match choices {
+        Some(choices) if !asked.is_tabulated(robot) => asked.together(found, &choices, options),
+        _ => Ok(found),
     }
 }
 
@@ -165,6 +175,16 @@ struct Asked<'a> {
 }
 
 impl Asked<'_> {
+    /// Whether shapes are products of spans, and nothing but them decides.
+    fn is_tabulated(&self, robot: &Robot) -> bool {
+        let has_points = self.goals.iter().any(|goal| !goal.points.is_empty());
+        let hangs_on_shapes =
+            |criteria: &Criteria| criteria.has_objectives() && !criteria.are_of_tensions();
+        has_points
+            && is_sequential(&self.model, robot, self.goals)
+            && !self.criteria.is_some_and(hangs_on_shapes)
+    }
+
     /// The best of some choices, as far as that is found.
     fn chosen(
         &self,
@@ -177,14 +197,12 @@ impl Asked<'_> {
         if let Some(disk) = choices.dead_end() {
             return Err(DesignError::NoChoice { disk });
         }
-        let has_points = goals.iter().any(|goal| !goal.points.is_empty());
         let mut found = None;
-        if has_points && is_sequential(model, robot, goals) {
+        if self.is_tabulated(robot) {
             let nearest = sequential(model, robot, choices, goals, options)?;
             let proof = if nearest.is_proven { Proof::Optimal } else { Proof::Budget };
             let is_all = match criteria {
                 None => true,
-                Some(criteria) if criteria.has_objectives() && !criteria.are_of_tensions() => false,
                 Some(criteria) => {
                     let robot = with_holes(robot, choices, &nearest.list)?;
                     let solutions = cases.iter().map(|case| model.solve(&robot, case));
@@ -202,7 +220,7 @@ impl Asked<'_> {
                 let search = SwapSearch {
                     model,
                     robot,
-                    choices: choices,
+                    choices,
                     goals,
                     criteria,
                     most_solves: options.solves,
@@ -265,17 +283,15 @@ impl Asked<'_> {
         })
     }
 
-    /// The lists of one cable after the other, those of the others held, where all lists at once are too many to compare.
+    /// The lists of one cable after the other, those of the others held.
     fn one_by_one(
         &self,
         robot: &Robot,
+        choices: Option<&Choices>,
         rules: &HoleRules,
         (options, from): (&HoleSearchOptions, Starts),
-        too_many: DesignError,
     ) -> Result<HoleDesign, DesignError> {
-        let has_points = self.goals.iter().any(|goal| !goal.points.is_empty());
-        let is_free = has_points && is_sequential(&self.model, robot, self.goals);
-        let budget = if is_free { options.nodes } else { options.solves };
+        let budget = if self.is_tabulated(robot) { options.nodes } else { options.solves };
         let own = HoleSearchOptions { nodes: options.nodes.min(QUICK), starts: 1, ..*options };
         let choose = |robot: &Robot, choices: &Choices, left: usize| {
             let own = HoleSearchOptions { solves: own.solves.min(left), ..own };
@@ -287,16 +303,47 @@ impl Asked<'_> {
                 robot: found.robot,
             })
         };
-        // Each is done in a moment, beside a search for all at once.
-        let starts = if from == Starts::Own { 0 } else { STARTS_OF_CABLES * options.starts };
+        let mut robots = vec![robot.clone()];
+        let mut added = 0;
+        if from == Starts::All {
+            // Each is done in a moment, beside a search for all at once.
+            added = STARTS_OF_CABLES * options.starts;
+            if let Some(choices) = choices.filter(|_| !self.is_tabulated(robot)) {
+                let all = starts(robot, choices, self.goals, options);
+                for list in all.iter().take(1) {
+                    robots.insert(0, with_holes(robot, choices, list)?);
+                }
+            }
+        }
         let search = CableByCable { cables: self.cables, rules, budget, choose: &choose };
-        let Some((robot, effort, is_best)) = search.run(robot, starts)? else {
-            return Err(too_many);
-        };
+        let (robot, effort, is_best) = search.run(&robots, added)?;
         let proof = if is_best { Proof::InTurn } else { Proof::Budget };
         let found =
             Found { list: Vec::new(), cost: 0.0, is_proven: false, least: 0.0, nodes: effort };
         self.measured(robot, &found, proof)
+    }
+
+    /// Changes of several cables at once, as far as the solves that are left suffice for all of one disk.
+    fn together(
+        &self,
+        found: HoleDesign,
+        choices: &Choices,
+        options: &HoleSearchOptions,
+    ) -> Result<HoleDesign, DesignError> {
+        let left = options.solves.saturating_sub(found.effort);
+        if left < choices.count * found.robot.disks().count() {
+            return Ok(found);
+        }
+        let options = HoleSearchOptions { solves: left, ..*options };
+        let mut better = self.chosen(&found.robot, choices, (&options, Starts::Own))?;
+        better.effort += found.effort;
+        if better.proof == Proof::Budget
+            && found.proof == Proof::InTurn
+            && better.merit >= found.merit
+        {
+            better.proof = Proof::InTurn;
+        }
+        Ok(better)
     }
 }
 
