@@ -68,6 +68,8 @@ pub fn disk_drawing(robot: &Robot, disk: usize, options: &DiskDrawingOptions) ->
             note(&mut drawing, place(hole, holes, inner), 0.8 * NOTE, (hole + 1).to_string());
         }
     }
+    // Where the names of cables are, by the places of these.
+    let mut named: Vec<([f64; 2], f64)> = Vec::new();
     for of in &passed {
         let centre = of.at;
         let form = DraftForm::Circle { centre, radius: 1.5 * hole_radius };
@@ -87,9 +89,15 @@ pub fn disk_drawing(robot: &Robot, disk: usize, options: &DiskDrawingOptions) ->
         let half = [0.5 * LETTER * NOTE * words.chars().count() as f64, 0.5 * NOTE];
         let towards = centre.map(|along| along / distance);
         let out = rim + 0.4 * NOTE + half[0] * towards[0].abs() + half[1] * towards[1].abs();
-        let away = if towards[1] < 0.0 { -1.2 * NOTE } else { 1.2 * NOTE };
-        let at = [out * towards[0], out * towards[1] + of.beyond * away];
-        note(&mut drawing, at, NOTE, words);
+        // Behind the name of another cable at the same place.
+        let [x, mut y] = towards.map(|along| out * along);
+        let near = |(at, _): &&([f64; 2], f64)| (at[0] - centre[0]).hypot(at[1] - centre[1]) < NOTE;
+        if let Some((_, before)) = named.iter().rev().find(near) {
+            let line = 1.2 * NOTE;
+            y = if towards[1] < 0.0 { y.min(before - line) } else { y.max(before + line) };
+        }
+        named.push((centre, y));
+        note(&mut drawing, [x, y], NOTE, words);
         if let Some(next) = of.next {
             drawing.add(DraftLayer::Courses, DraftForm::Line { from: centre, to: next });
         }
@@ -165,8 +173,6 @@ struct Passed {
     hole: Option<usize>,
     at: [f64; 2],
     next: Option<[f64; 2]>,
-    /// Lines by which its name is farther from the disk than that of another one at the same place.
-    beyond: f64,
 }
 
 fn passed(robot: &Robot, disk: usize) -> Vec<Passed> {
@@ -186,11 +192,9 @@ fn passed(robot: &Robot, disk: usize) -> Vec<Passed> {
             Routing::Holes { holes, .. } => holes.get(disk).copied(),
             _ => None,
         };
-        let near = |of: &&Passed| (of.at[0] - here[0]).hypot(of.at[1] - here[1]) < NOTE;
-        let beyond = all.iter().filter(near).count() as f64;
         let next =
             at(route, disk + 1).filter(|next| (next[0] - here[0]).hypot(next[1] - here[1]) > 1e-6);
-        all.push(Passed { name: cable.name.clone(), hole, at: here, next, beyond });
+        all.push(Passed { name: cable.name.clone(), hole, at: here, next });
     }
     all
 }
