@@ -183,7 +183,7 @@ mod tests {
         assert!((end - exact).norm() < 1e-14);
         // Of a helix the distance of points a turn apart is the pitch.
         let (radius, pitch) = (0.02, 0.03);
-        let turn = (radius * core::f64::consts::TAU).hypot(pitch);
+        let turn = (radius * TAU).hypot(pitch);
         let points = Curve::helix(2.0 * turn, radius, pitch).points(&[0.3 * turn, 1.3 * turn]);
         assert!(((points[1] - points[0]).norm() - pitch).abs() < 1e-12);
     }
