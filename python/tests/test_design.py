@@ -69,6 +69,25 @@ def test_a_path_has_tensions_of_its_own(finger: whipcord.Case) -> None:
         finger.design(path=np.zeros((2, 2)), vary="tension")
 
 
+def test_no_list_of_holes_is_below_the_bound(finger: whipcord.Case) -> None:
+    proven = finger.design("arc, angle = 40 deg", vary="holes")
+    assert proven.proven and proven.lower_bound == pytest.approx(proven.error, rel=1e-6)
+    # Beyond the reach of the tension; of every other list the error is greater.
+    fine = whipcord.Disks(count=8, hole_circle_radius=0.008, holes=36)
+    robot = whipcord.Robot(backbone=finger.robot.backbone, disks=fine, cables=finger.robot.cables)
+    found = whipcord.Case(robot, tension=[1.0]).design("arc, angle = 60 deg", vary="holes")
+    assert found.lower_bound is not None and 0.8 * found.error < found.lower_bound <= found.error * (1 + 1e-9)
+    wanted = found.targets[0].wanted
+    random = np.random.default_rng(3)
+    for holes in [[1] * 8, *random.integers(1, 37, size=(20, 8)).tolist()]:
+        other = whipcord.Robot(
+            backbone=robot.backbone, disks=fine, cables=[whipcord.Cable(name="pull", holes=holes)]
+        )
+        off = whipcord.Case(other, tension=[1.0]).solve(model="cosserat-disks").disks.position[1:] - wanted
+        assert np.sqrt((off**2).sum(axis=1).mean()) >= found.lower_bound
+    assert finger.design("arc, angle = 40 deg", vary="backbone.young_modulus").lower_bound is None
+
+
 def test_what_is_no_design_says_why(finger: whipcord.Case) -> None:
     with pytest.raises(InputError, match="did you mean `helix`"):
         finger.design("helx, radius = 20 mm", vary="holes")

@@ -28,6 +28,15 @@ pub struct HoleRules {
     pub do_not_cross: bool,
 }
 
+/// Varied cables that are not chosen together with others.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Apart<'a> {
+    /// Those whose lists the robot has already: the others must not cross them where rules say so.
+    pub held: &'a [usize],
+    /// Those that are chosen afterwards, whose holes do not count yet.
+    pub later: &'a [usize],
+}
+
 /// The combined choices of all varied cables at one disk, by numbers in mixed radix, and which of them the rules allow.
 #[derive(Clone, Debug)]
 pub(crate) struct Choices {
@@ -41,6 +50,8 @@ pub(crate) struct Choices {
     next: Vec<Vec<usize>>,
     /// Of each combination the number of its first pair with one of the next disk: pairs count on through [`Self::next`].
     first_pairs: Vec<usize>,
+    /// By cables that must not be crossed: their holes from 0 at the disks.
+    held: Vec<Vec<usize>>,
 }
 
 /// Combinations of holes at a disk that are looked at.
@@ -48,6 +59,16 @@ const MOST: usize = 2_000;
 
 impl Choices {
     pub fn new(robot: &Robot, cables: &[usize], rules: &HoleRules) -> Result<Self, DesignError> {
+        Self::beside(robot, cables, rules, Apart::default())
+    }
+
+    /// Those of some of the varied cables, beside the others.
+    pub fn beside(
+        robot: &Robot,
+        cables: &[usize],
+        rules: &HoleRules,
+        apart: Apart<'_>,
+    ) -> Result<Self, DesignError> {
         let holes = robot.disks().holes.filter(|holes| *holes > 0).ok_or(DesignError::NoHoles)?;
         let disks = robot.disks().count();
         if cables.is_empty() {
@@ -79,10 +100,14 @@ impl Choices {
             allowed: Vec::new(),
             next: Vec::new(),
             first_pairs: Vec::new(),
+            held: match rules.do_not_cross {
+                true => apart.held.iter().filter_map(|of| listed(robot, *of)).collect(),
+                false => Vec::new(),
+            },
         };
         choices.allowed = (0..disks)
             .map(|disk| {
-                let taken = choices.taken(robot, disk);
+                let taken = choices.taken(robot, disk, apart.later);
                 (0..count).filter(|&choice| choices.allows(choice, disk, rules, &taken)).collect()
             })
             .collect();
@@ -143,6 +168,7 @@ impl Choices {
         let next = self.next[choice].iter().enumerate();
         next.map(move |(number, &next)| (first + number, next))
             .filter(move |(_, next)| is_free || allowed.binary_search(next).is_ok())
+            .filter(move |(_, next)| !self.crosses_held(choice, *next, disk))
     }
 
     /// What may follow a combination by the rules of neighbouring disks alone, with the number of the first pair: pairs count on.
@@ -176,15 +202,31 @@ impl Choices {
         None
     }
 
-    /// Holes of the cables that are not varied, from 0.
-    fn taken(&self, robot: &Robot, disk: usize) -> Vec<usize> {
-        let others = robot.cables().iter().enumerate();
-        let others = others.filter(|(cable, _)| !self.cables.contains(cable));
-        let hole = |routing: &Routing| match routing {
-            Routing::Holes { holes, .. } => holes.get(disk).map(|hole| hole - 1),
-            _ => None,
+    /// The list that the robot has, where its varied cables have one that the rules allow.
+    pub fn own_list(&self, robot: &Robot) -> Option<Vec<usize>> {
+        let lists: Vec<Vec<usize>> =
+            self.cables.iter().map(|cable| listed(robot, *cable)).collect::<Option<_>>()?;
+        let at = |disk: usize| {
+            let holes: Option<Vec<usize>> =
+                lists.iter().map(|list| list.get(disk).copied()).collect();
+            holes.map(|holes| self.combined(|place| holes[place]))
         };
-        others.filter_map(|(_, cable)| hole(&cable.routing)).collect()
+        let list: Vec<usize> = (0..robot.disks().count()).map(at).collect::<Option<_>>()?;
+        self.allows_list(&list).then_some(list)
+    }
+
+    /// Whether the rules allow a list of combinations.
+    pub fn allows_list(&self, list: &[usize]) -> bool {
+        let is_first = list.first().is_none_or(|first| self.at(0).binary_search(first).is_ok());
+        let mut pairs = list.windows(2).enumerate();
+        is_first && pairs.all(|(k, pair)| self.after(pair[0], k + 1).any(|next| next == pair[1]))
+    }
+
+    /// Holes of other cables, from 0, but of those that are chosen afterwards.
+    fn taken(&self, robot: &Robot, disk: usize, later: &[usize]) -> Vec<usize> {
+        let others = 0..robot.cables().len();
+        let others = others.filter(|of| !self.cables.contains(of) && !later.contains(of));
+        others.filter_map(|cable| listed(robot, cable)?.get(disk).copied()).collect()
     }
 
     fn allows(&self, choice: usize, disk: usize, rules: &HoleRules, taken: &[usize]) -> bool {
@@ -220,13 +262,35 @@ impl Choices {
 
     /// Whether two cables change sides between two disks.
     fn crosses(&self, from: usize, to: usize, (a, b): (usize, usize)) -> bool {
-        let [start_a, start_b] = [a, b].map(|place| self.hole(from, place));
-        let [end_a, end_b] = [a, b].map(|place| self.hole(to, place));
+        let way = |place| [self.hole(from, place), self.hole(to, place)];
+        self.ways_cross(way(a), way(b))
+    }
+
+    /// Whether a cable crosses one that is held, before a disk.
+    fn crosses_held(&self, from: usize, to: usize, disk: usize) -> bool {
+        let ways =
+            self.held.iter().filter_map(|list| Some([*list.get(disk - 1)?, *list.get(disk)?]));
+        ways.into_iter().any(|held| {
+            let mut places = 0..self.cables.len();
+            places.any(|of| self.ways_cross([self.hole(from, of), self.hole(to, of)], held))
+        })
+    }
+
+    /// Whether ways from a hole to one of the next disk change sides.
+    fn ways_cross(&self, [start_a, end_a]: [usize; 2], [start_b, end_b]: [usize; 2]) -> bool {
         let apart = ((start_b + self.holes - start_a) % self.holes).cast_signed();
         let then = apart + self.jump(start_b, end_b) - self.jump(start_a, end_a);
         let holes = self.holes.cast_signed();
         // Cables in one hole cross where they leave it apart from one another only by choice of the designer.
         apart != 0 && (then <= 0 || then >= holes)
+    }
+}
+
+/// The holes of a cable from 0, where it has a list of them.
+fn listed(robot: &Robot, cable: usize) -> Option<Vec<usize>> {
+    match &robot.cables().get(cable)?.routing {
+        Routing::Holes { holes, .. } => Some(holes.iter().map(|hole| hole - 1).collect()),
+        _ => None,
     }
 }
 
@@ -281,5 +345,20 @@ mod tests {
             HoleRules { are_distinct: true, fixed: vec![fixed(1, 2)], ..HoleRules::default() };
         let refused = Choices::new(&robot(2), &[0], &rules);
         assert!(matches!(refused, Err(DesignError::NoChoice { disk: 1 })));
+    }
+
+    #[test]
+    fn cables_that_are_held_are_not_crossed_and_those_to_come_do_not_count() {
+        let robot = robot(2);
+        let rules = HoleRules { do_not_cross: true, are_distinct: true, ..HoleRules::default() };
+        // The other one is straight through hole 2.
+        let held = Apart { held: &[1], later: &[] };
+        let choices = Choices::beside(&robot, &[0], &rules, held).unwrap();
+        let follows = |choices: &Choices, from, to| choices.after(from, 1).any(|next| next == to);
+        assert!(follows(&choices, 0, 11) && !follows(&choices, 0, 2) && !follows(&choices, 0, 1));
+        assert!(choices.own_list(&robot).is_some() && !choices.allows_list(&[0, 2, 2]));
+        let later = Apart { held: &[], later: &[1] };
+        let choices = Choices::beside(&robot, &[0], &rules, later).unwrap();
+        assert!(follows(&choices, 0, 2) && follows(&choices, 0, 1));
     }
 }

@@ -1,5 +1,7 @@
 //! Curves that a backbone is to follow.
 
+use core::f64::consts::TAU;
+
 use whipcord::{Pose, Twist, Vec3};
 use whipcord_numerics::GAUSS_3;
 
@@ -23,6 +25,8 @@ impl core::fmt::Debug for Curve {
 
 /// Steps of the integration of a curve.
 const STEPS: usize = 400;
+/// A curve that winds more often over its length is none that its steps follow, and no backbone does.
+const MOST_TURNS: f64 = 100.0;
 
 impl Curve {
     /// Of this length in m, with the curvature and the torsion in 1/m at each arc length in m; `direction` in rad from x.
@@ -45,7 +49,7 @@ impl Curve {
     /// A helix of this radius that climbs by `pitch` in a turn; both in m.
     #[must_use]
     pub fn helix(length: f64, radius: f64, pitch: f64) -> Self {
-        let climb = pitch / core::f64::consts::TAU;
+        let climb = pitch / TAU;
         let square = radius * radius + climb * climb;
         Self::new(length, 0.0, move |_| radius / square, move |_| climb / square)
     }
@@ -54,7 +58,7 @@ impl Curve {
     #[must_use]
     pub fn s_curve(length: f64, angle: f64) -> Self {
         let greatest = core::f64::consts::PI * angle / length;
-        let turns = core::f64::consts::TAU / length;
+        let turns = TAU / length;
         Self::new(length, 0.0, move |s| greatest * (turns * s).sin(), |_| 0.0)
     }
 
@@ -95,21 +99,28 @@ impl Curve {
     }
 
     pub(crate) fn check(&self) -> Result<(), DesignError> {
-        let samples = 0..=STEPS;
         #[allow(clippy::cast_precision_loss, reason = "few steps")]
         let at = |k: usize| self.length * k as f64 / STEPS as f64;
         let is_finite = self.length > 0.0
             && self.length.is_finite()
             && self.direction.is_finite()
-            && samples
+            && (0..=STEPS)
                 .map(at)
                 .all(|s| self.curvature(s).is_finite() && self.torsion(s).is_finite());
-        if is_finite {
-            return Ok(());
+        let refuse = |what: String| Err(DesignError::Curve { what });
+        if !is_finite {
+            return refuse(
+                "a curve needs a positive length and finite curvature and torsion".to_owned(),
+            );
         }
-        Err(DesignError::Curve {
-            what: "a curve needs a positive length and finite curvature and torsion".to_owned(),
-        })
+        let winds = |s: f64| self.curvature(s).hypot(self.torsion(s)) * self.length / TAU;
+        if (0..=STEPS).map(at).any(|s| winds(s) > MOST_TURNS) {
+            return refuse(format!(
+                "the curve winds more than {MOST_TURNS} times over the length of {} mm: check its numbers and their units",
+                1e3 * self.length
+            ));
+        }
+        Ok(())
     }
 
     /// Frames at these ascending arc lengths in m: z along the curve, without twist about it (the frame of Bishop).
@@ -172,7 +183,7 @@ mod tests {
         assert!((end - exact).norm() < 1e-14);
         // Of a helix the distance of points a turn apart is the pitch.
         let (radius, pitch) = (0.02, 0.03);
-        let turn = (radius * core::f64::consts::TAU).hypot(pitch);
+        let turn = (radius * TAU).hypot(pitch);
         let points = Curve::helix(2.0 * turn, radius, pitch).points(&[0.3 * turn, 1.3 * turn]);
         assert!(((points[1] - points[0]).norm() - pitch).abs() < 1e-12);
     }

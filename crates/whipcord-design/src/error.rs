@@ -104,7 +104,7 @@ pub enum DesignError {
     },
     /// More pairs of holes than can be tabulated.
     #[error(
-        "{spans} pairs of neighbouring holes are more than the {most} that can be tabulated: vary fewer cables at once or allow smaller jumps"
+        "{spans} pairs of neighbouring holes are more than the {most} that can be tabulated: allow smaller jumps, vary fewer cables, or give the disks fewer holes"
     )]
     TooManySpans {
         /// How many there are.

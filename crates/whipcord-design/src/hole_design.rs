@@ -4,6 +4,7 @@ use whipcord::{
     Actuation, Case, Loads, Model, ModelKind, Robot, Routing, Solution, Statics as _, Stations,
 };
 
+use crate::cable_by_cable::{CableByCable, Step};
 use crate::candidates::with_holes;
 use crate::choices::{Choices, HoleRules};
 use crate::criteria::Criteria;
@@ -31,6 +32,10 @@ impl Default for HoleSearchOptions {
     }
 }
 
+/// Spans that may be looked at for the list of one of several cables.
+const QUICK: usize = 200_000;
+/// Starts of a search for one cable after the other, for each start of a search for all.
+const STARTS_OF_CABLES: usize = 4;
 /// How far the errors of the spans and of the whole robot may be apart, as a part of the length.
 const CONSISTENT: f64 = 1e-5;
 
@@ -44,6 +49,8 @@ pub enum Proof {
     /// The best of what was found: no change of one hole or of two neighbouring ones comes nearer. Under loads, with given lengths, with friction, among
     /// obstacles and in models of continuous cables the shape of a span depends on all holes.
     Local,
+    /// The best of what was found: no other list of one cable comes nearer, those of the others held. All lists of so many cables at once are too many to compare.
+    InTurn,
 }
 
 impl Proof {
@@ -51,12 +58,17 @@ impl Proof {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
-            Self::Optimal => "no other list of holes that the rules allow comes nearer",
+            Self::Optimal => {
+                "no other list of holes that the rules allow comes nearer with these commands"
+            }
             Self::Budget => {
                 "the best found within the budget of the search, which may not be the best of all"
             }
             Self::Local => {
                 "no change of one hole or of two neighbouring ones comes nearer; it may not be the best of all"
+            }
+            Self::InTurn => {
+                "no other list of one cable comes nearer with those of the others held; the lists of all cables at once, which are too many to compare, may be better"
             }
         }
     }
@@ -89,7 +101,8 @@ pub struct HoleDesign {
 ///
 /// Without load, by tensions, and in models with straight cables between disks, every span is independent of the others: its shapes are tabulated, and the choice is proven to be
 /// the best of all lists by branch and bound, or by meeting in the middle where there is one goal with one point. Else
-/// changes of one or two holes are tried from several starts. The winner is solved again as a whole robot by the model. Cables that end before the tip get holes up to the tip.
+/// changes of one or two holes are tried from several starts. Where all lists of several cables are too many for a table, or must be solved as a whole, the lists of one cable after the other are chosen in
+/// these ways until none comes nearer, which proves nothing. The winner is solved again as a whole robot by the model. Cables that end before the tip get holes up to the tip.
 ///
 /// # Errors
 /// [`DesignError`].
@@ -125,87 +138,213 @@ pub(crate) fn search(
     (options, from): (&HoleSearchOptions, Starts),
 ) -> Result<HoleDesign, DesignError> {
     goal::check(robot, goals)?;
-    let choices = Choices::new(robot, cables, rules)?;
-    if let Some(disk) = choices.dead_end() {
-        return Err(DesignError::NoChoice { disk });
+    let asked = Asked {
+        model: model.at(Stations::Disks),
+        cables,
+        goals,
+        cases: goals.iter().map(|goal| goal.case.clone()).collect(),
+        criteria: criteria.filter(|criteria| !criteria.is_empty()),
+    };
+    let choices = match Choices::new(robot, cables, rules) {
+        Ok(choices) => Some(choices),
+        Err(DesignError::TooManySpans { .. }) if cables.len() > 1 => None,
+        Err(error) => return Err(error),
+    };
+    if let Some(choices) =
+        choices.as_ref().filter(|_| cables.len() == 1 || asked.is_tabulated(robot))
+    {
+        match asked.chosen(robot, choices, (options, from)) {
+            Err(DesignError::TooManySpans { .. }) if cables.len() > 1 => {}
+            at_once => return at_once,
+        }
     }
-    let model = model.at(Stations::Disks);
-    let criteria = criteria.filter(|criteria| !criteria.is_empty());
-    let cases: Vec<Case> = goals.iter().map(|goal| goal.case.clone()).collect();
-    let has_points = goals.iter().any(|goal| !goal.points.is_empty());
-    let mut found = None;
-    if has_points && is_sequential(&model, robot, goals) {
-        let nearest = sequential(&model, robot, &choices, goals, options)?;
-        let proof = if nearest.is_proven { Proof::Optimal } else { Proof::Budget };
-        let is_all = match criteria {
-            None => true,
-            Some(criteria) if criteria.has_objectives() && !criteria.are_of_tensions() => false,
-            Some(criteria) => {
-                let robot = with_holes(robot, &choices, &nearest.list)?;
-                let solutions = cases.iter().map(|case| model.solve(&robot, case));
-                let solutions = solutions.collect::<Result<Vec<_>, _>>()?;
-                criteria.terms(&robot, &cases, &solutions)?.worst_violation() <= 0.0
+    let found = asked.one_by_one(robot, choices.as_ref(), rules, (options, from))?;
+    match choices {
+        Some(choices) if !asked.is_tabulated(robot) => asked.together(found, &choices, options),
+        _ => Ok(found),
+    }
+}
+
+/// What holes are chosen for.
+struct Asked<'a> {
+    model: Model,
+    cables: &'a [usize],
+    goals: &'a [ShapeGoal],
+    cases: Vec<Case>,
+    criteria: Option<&'a Criteria>,
+}
+
+impl Asked<'_> {
+    /// Whether shapes are products of spans, and nothing but them decides.
+    fn is_tabulated(&self, robot: &Robot) -> bool {
+        let has_points = self.goals.iter().any(|goal| !goal.points.is_empty());
+        let hangs_on_shapes =
+            |criteria: &Criteria| criteria.has_objectives() && !criteria.are_of_tensions();
+        has_points
+            && is_sequential(&self.model, robot, self.goals)
+            && !self.criteria.is_some_and(hangs_on_shapes)
+    }
+
+    /// The best of some choices, as far as that is found.
+    fn chosen(
+        &self,
+        robot: &Robot,
+        choices: &Choices,
+        (options, from): (&HoleSearchOptions, Starts),
+    ) -> Result<HoleDesign, DesignError> {
+        let Self { model, goals, cases, criteria, .. } = self;
+        let criteria = *criteria;
+        if let Some(disk) = choices.dead_end() {
+            return Err(DesignError::NoChoice { disk });
+        }
+        let mut found = None;
+        if self.is_tabulated(robot) {
+            let nearest = sequential(model, robot, choices, goals, options)?;
+            let proof = if nearest.is_proven { Proof::Optimal } else { Proof::Budget };
+            let is_all = match criteria {
+                None => true,
+                Some(criteria) => {
+                    let robot = with_holes(robot, choices, &nearest.list)?;
+                    let solutions = cases.iter().map(|case| model.solve(&robot, case));
+                    let solutions = solutions.collect::<Result<Vec<_>, _>>()?;
+                    criteria.terms(&robot, cases, &solutions)?.worst_violation() <= 0.0
+                }
+            };
+            if is_all {
+                found = Some((nearest, proof));
+            }
+        }
+        let (found, proof) = match found {
+            Some(found) => found,
+            None => {
+                let search = SwapSearch {
+                    model,
+                    robot,
+                    choices,
+                    goals,
+                    criteria,
+                    most_solves: options.solves,
+                };
+                let own = (from == Starts::Own).then(|| choices.own_list(robot)).flatten();
+                let starts = match own {
+                    Some(own) => vec![own],
+                    None => starts(robot, choices, goals, options),
+                };
+                let found = search.run(&starts)?;
+                let proof = if found.is_proven { Proof::Local } else { Proof::Budget };
+                (found, proof)
             }
         };
-        if is_all {
-            found = Some((nearest, proof));
-        }
+        self.measured(with_holes(robot, choices, &found.list)?, &found, proof)
     }
-    let (found, proof) = match found {
-        Some(found) => found,
-        None => {
-            let search = SwapSearch {
-                model: &model,
-                robot,
-                choices: &choices,
-                goals,
-                criteria,
-                most_solves: options.solves,
-            };
-            let own = (from == Starts::Own).then(|| own_list(robot, &choices)).flatten();
-            let starts = match own {
-                Some(own) => vec![own],
-                None => starts(robot, &choices, goals, options),
-            };
-            let found = search.run(&starts)?;
-            let proof = if found.is_proven { Proof::Local } else { Proof::Budget };
-            (found, proof)
+
+    /// A robot with chosen holes, and what is known of it.
+    fn measured(
+        &self,
+        robot: Robot,
+        found: &Found,
+        proof: Proof,
+    ) -> Result<HoleDesign, DesignError> {
+        let Self { model, goals, cases, criteria, cables } = self;
+        let solutions = goals
+            .iter()
+            .map(|goal| model.solve(&robot, &goal.case))
+            .collect::<Result<Vec<_>, _>>()?;
+        let costs = goals.iter().zip(&solutions);
+        let cost = costs.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
+        let merit = match criteria {
+            None => cost,
+            Some(criteria) => cost + criteria.cost(&robot, cases, &solutions, f64::INFINITY)?,
+        };
+        let error = root_mean_square(goals, cost);
+        // The proof holds for the robot only if its shape is the product of the spans.
+        let off = (error - root_mean_square(goals, found.cost)).abs();
+        let is_consistent = off <= CONSISTENT * robot.backbone().length;
+        let of_cable = |cable: &usize| match &robot.cables()[*cable].routing {
+            Routing::Holes { holes, .. } => holes.clone(),
+            _ => Vec::new(),
+        };
+        Ok(HoleDesign {
+            holes: cables.iter().map(of_cable).collect(),
+            misses: goals.iter().zip(&solutions).map(|(goal, of)| goal.misses(of)).collect(),
+            error,
+            merit,
+            robot,
+            solutions,
+            proof: match proof {
+                Proof::Optimal if !is_consistent => Proof::Budget,
+                proof => proof,
+            },
+            lower_bound: match is_consistent {
+                true => root_mean_square(goals, found.least).min(error),
+                false => 0.0,
+            },
+            effort: found.nodes,
+        })
+    }
+
+    /// The lists of one cable after the other, those of the others held.
+    fn one_by_one(
+        &self,
+        robot: &Robot,
+        choices: Option<&Choices>,
+        rules: &HoleRules,
+        (options, from): (&HoleSearchOptions, Starts),
+    ) -> Result<HoleDesign, DesignError> {
+        let budget = if self.is_tabulated(robot) { options.nodes } else { options.solves };
+        let own = HoleSearchOptions { nodes: options.nodes.min(QUICK), starts: 1, ..*options };
+        let choose = |robot: &Robot, choices: &Choices, left: usize| {
+            let own = HoleSearchOptions { solves: own.solves.min(left), ..own };
+            let found = self.chosen(robot, choices, (&own, Starts::Own))?;
+            Ok(Step {
+                merit: found.merit,
+                effort: found.effort,
+                is_best: matches!(found.proof, Proof::Optimal | Proof::Local),
+                robot: found.robot,
+            })
+        };
+        let mut robots = vec![robot.clone()];
+        let mut added = 0;
+        if from == Starts::All {
+            // Each is done in a moment, beside a search for all at once.
+            added = STARTS_OF_CABLES * options.starts;
+            if let Some(choices) = choices.filter(|_| !self.is_tabulated(robot)) {
+                let all = starts(robot, choices, self.goals, options);
+                for list in all.iter().take(1) {
+                    robots.insert(0, with_holes(robot, choices, list)?);
+                }
+            }
         }
-    };
-    let robot = with_holes(robot, &choices, &found.list)?;
-    let solutions =
-        goals.iter().map(|goal| model.solve(&robot, &goal.case)).collect::<Result<Vec<_>, _>>()?;
-    let costs = goals.iter().zip(&solutions);
-    let cost = costs.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
-    let merit = match criteria {
-        None => cost,
-        Some(criteria) => cost + criteria.cost(&robot, &cases, &solutions, f64::INFINITY)?,
-    };
-    let error = root_mean_square(goals, cost);
-    // The proof holds for the robot only if its shape is the product of the spans.
-    let off = (error - root_mean_square(goals, found.cost)).abs();
-    let is_consistent = off <= CONSISTENT * robot.backbone().length;
-    let proof = match proof {
-        Proof::Optimal if !is_consistent => Proof::Budget,
-        proof => proof,
-    };
-    let of_cable = |place| {
-        found.list.iter().map(|&choice| choices.hole(choice, place) + 1).collect::<Vec<usize>>()
-    };
-    Ok(HoleDesign {
-        holes: (0..cables.len()).map(of_cable).collect(),
-        misses: goals.iter().zip(&solutions).map(|(goal, of)| goal.misses(of)).collect(),
-        error,
-        merit,
-        robot,
-        solutions,
-        proof,
-        lower_bound: match is_consistent {
-            true => root_mean_square(goals, found.least).min(error),
-            false => 0.0,
-        },
-        effort: found.nodes,
-    })
+        let search = CableByCable { cables: self.cables, rules, budget, choose: &choose };
+        let (robot, effort, is_best) = search.run(&robots, added)?;
+        let proof = if is_best { Proof::InTurn } else { Proof::Budget };
+        let found =
+            Found { list: Vec::new(), cost: 0.0, is_proven: false, least: 0.0, nodes: effort };
+        self.measured(robot, &found, proof)
+    }
+
+    /// Changes of several cables at once, as far as the solves that are left suffice for all of one disk.
+    fn together(
+        &self,
+        found: HoleDesign,
+        choices: &Choices,
+        options: &HoleSearchOptions,
+    ) -> Result<HoleDesign, DesignError> {
+        let left = options.solves.saturating_sub(found.effort);
+        if left < choices.count * found.robot.disks().count() {
+            return Ok(found);
+        }
+        let options = HoleSearchOptions { solves: left, ..*options };
+        let mut better = self.chosen(&found.robot, choices, (&options, Starts::Own))?;
+        better.effort += found.effort;
+        if better.proof == Proof::Budget
+            && found.proof == Proof::InTurn
+            && better.merit >= found.merit
+        {
+            better.proof = Proof::InTurn;
+        }
+        Ok(better)
+    }
 }
 
 /// The best list of all by the table of spans.
@@ -252,24 +391,6 @@ fn sequential(
         found.list.push(next.ok_or(DesignError::NoChoice { disk })?);
     }
     Ok(found)
-}
-
-/// The list that the robot has, where its varied cables have one that the rules allow.
-fn own_list(robot: &Robot, choices: &Choices) -> Option<Vec<usize>> {
-    let hole = |cable: usize, disk: usize| match &robot.cables()[cable].routing {
-        Routing::Holes { holes, .. } => holes.get(disk).map(|hole| hole - 1),
-        _ => None,
-    };
-    let at = |disk: usize| {
-        let holes: Option<Vec<usize>> =
-            choices.cables.iter().map(|&cable| hole(cable, disk)).collect();
-        holes.map(|holes| choices.combined(|place| holes[place]))
-    };
-    let list: Vec<usize> = (0..robot.disks().count()).map(at).collect::<Option<_>>()?;
-    let is_first = choices.at(0).binary_search(&list[0]).is_ok();
-    let mut pairs = list.windows(2).enumerate();
-    let follow = pairs.all(|(k, pair)| choices.after(pair[0], k + 1).any(|next| next == pair[1]));
-    (is_first && follow).then_some(list)
 }
 
 /// Lists to start from: the best without loads where that is known, then lists straight on.

@@ -6,6 +6,7 @@
 //! curve, in closed form; [`rest_curvature_for_curve`] the pre-bend, and [`taper_for_curve`] the diameters, with which a robot takes a curve
 //! under its loads. This crate opens no files and reads no clocks. The equations are those of `docs/theory/design.md`.
 
+mod cable_by_cable;
 mod cable_count;
 mod candidates;
 mod chebyshev;

@@ -120,6 +120,14 @@ pub enum Known {
         /// Those that ended as near as the best.
         agree: usize,
     },
+    /// Of tensions that vary with holes: some tensions were compared by the lists of holes that suit them, and from the best of these, holes and tensions were chosen in turn
+    /// until neither came nearer. That no other tension comes nearer is not proven.
+    InTurn {
+        /// Tensions that had an answer.
+        compared: usize,
+        /// Those from which holes and tensions were chosen in turn.
+        improved: usize,
+    },
     /// Least squares did not converge from the best start.
     Unconverged {
         /// Starts with an answer.
@@ -176,10 +184,12 @@ impl Known {
             Self::Holes(Proof::Optimal) => "optimal_proven",
             Self::Holes(Proof::Budget) => "budget_spent",
             Self::Holes(Proof::Local) => "local_optimum",
+            Self::Holes(Proof::InTurn) => "in_turn",
             Self::ClosedForm => "closed_form",
             Self::Iterated => "iterated",
             Self::Met => "targets_met",
             Self::LeastSquares { .. } => "least_squares",
+            Self::InTurn { .. } => "in_turn",
             Self::Unconverged { .. } => "not_converged",
             Self::AtLeast { .. } => "lower_bound",
         }
@@ -208,6 +218,13 @@ impl fmt::Display for Known {
             Self::LeastSquares { starts, agree } => write!(
                 f,
                 "not proven: no small change comes nearer, and {agree} of {starts} starts ended as near; it may not be the best of all"
+            ),
+            Self::InTurn { compared: 1, .. } => f.write_str(
+                "not proven: holes and tensions were chosen in turn until neither came nearer, from the tensions that were given; others may be better",
+            ),
+            Self::InTurn { compared, improved } => write!(
+                f,
+                "not proven: the best of {compared} tensions that were compared by the holes that suit them, of which {improved} were improved with their holes in turn until neither came nearer; another may be better"
             ),
             Self::Unconverged { starts, reason } => {
                 let from = if *starts == 1 { "one start" } else { &format!("{starts} starts") };

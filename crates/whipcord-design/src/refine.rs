@@ -31,6 +31,9 @@ const EXACT: f64 = 1e-7;
 /// Costs that agree to this part are of one answer.
 const AGREE: f64 = 0.01;
 
+/// Starts but the first are each the best of so many, as these are compared by a solve each.
+const DRAWN: usize = 8;
+
 /// A rest curvature bends the backbone by no more than this over its length, in rad.
 const LARGEST_TURN: f64 = 30.0;
 
@@ -74,15 +77,15 @@ pub(crate) fn refine(
     let mut ends: Vec<(f64, Ending, Vec<f64>)> = Vec::new();
     let mut refusal = None;
     for start in 0..options.starts.max(1) {
-        let mut values = start_values(unknowns, start, options);
         let mut problem = Problem::new(model, robot, goals, unknowns, options)?;
+        let mut values = start_values(&mut problem, unknowns, start, options);
         match problem.constrained(&mut values, &minimiser) {
             Ok(ending) => {
                 values = problem.within_rim(&values);
                 let mut end = (problem.cost(&values), ending, values);
                 if end.0.is_none() && start == 0 {
                     // What was given is better than no answer.
-                    let given = problem.within_rim(&start_values(unknowns, 0, options));
+                    let given = problem.within_rim(&given_values(unknowns));
                     end = (problem.cost(&given), Ending::Refused, given);
                 }
                 let (cost, ending, values) = end;
@@ -138,12 +141,32 @@ fn is_met(robot: &Robot, goals: &[ShapeGoal], options: &RefineOptions<'_>, cost:
     points > 0 && cost.sqrt() <= most
 }
 
-/// The given start, or another: cables on helices that start at any angle, all else anywhere in its range.
-fn start_values(unknowns: &[Bounded], start: usize, options: &RefineOptions<'_>) -> Vec<f64> {
-    if start == 0 {
-        return unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect();
+/// The given start, or the best of some others.
+fn start_values(
+    problem: &mut Problem<'_>,
+    unknowns: &[Bounded],
+    start: usize,
+    options: &RefineOptions<'_>,
+) -> Vec<f64> {
+    let Some(other) = start.checked_sub(1) else { return given_values(unknowns) };
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for draw in 0..DRAWN {
+        let values = drawn_values(unknowns, other * DRAWN + draw, options);
+        let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
+        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+            best = Some((cost, values));
+        }
     }
-    let mut random = SplitMix64::of(options.seed, start as u64);
+    best.map_or_else(|| given_values(unknowns), |(_, values)| values)
+}
+
+fn given_values(unknowns: &[Bounded]) -> Vec<f64> {
+    unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect()
+}
+
+/// Cables on helices that start at any angle, all else anywhere between its starts.
+fn drawn_values(unknowns: &[Bounded], draw: usize, options: &RefineOptions<'_>) -> Vec<f64> {
+    let mut random = SplitMix64::of(options.seed, draw as u64);
     let mut helices: Vec<(usize, [f64; 3])> = Vec::new();
     unknowns
         .iter()

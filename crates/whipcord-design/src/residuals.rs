@@ -11,11 +11,10 @@ use whipcord_numerics::least_squares::{
 };
 
 use crate::chebyshev;
-use crate::criteria::rates::Varied;
 use crate::criteria::{Criteria, Terms};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
-use crate::unknown::{Unknown, applied, parameters};
+use crate::unknown::{Unknown, Varied, applied, parameters};
 
 /// An unknown with its start and bounds.
 #[derive(Clone, Copy, Debug)]

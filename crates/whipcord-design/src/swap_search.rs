@@ -143,15 +143,9 @@ impl SwapSearch<'_> {
                         changed[first + 1] = b;
                     }
                     let is_new = a != list[first] && b.is_none_or(|b| b != list[first + 1]);
-                    (is_new && self.is_allowed(&changed)).then_some(changed)
+                    (is_new && self.choices.allows_list(&changed)).then_some(changed)
                 })
             })
         })
-    }
-
-    fn is_allowed(&self, list: &[usize]) -> bool {
-        list.windows(2)
-            .enumerate()
-            .all(|(span, pair)| self.choices.after(pair[0], span + 1).any(|next| next == pair[1]))
     }
 }

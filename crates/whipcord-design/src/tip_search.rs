@@ -82,7 +82,11 @@ pub(crate) fn nearest(
         // From the disk before the middle to it, back.
         let to_middle: Vec<Option<(Mat3, Vec3)>> = (0..choices.count)
             .map(|before| {
-                let span = table.span(0, middle - 1, choices.pair(before, meeting)?)?.inverse();
+                let pair = choices.pair(before, meeting)?;
+                let span = table.span(0, middle - 1, pair)?.inverse();
+                if !table.is_possible(middle - 1, pair) {
+                    return None;
+                }
                 Some((span.rotation.to_matrix(), span.position))
             })
             .collect();

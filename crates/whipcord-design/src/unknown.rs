@@ -18,6 +18,16 @@ pub(crate) enum Unknown {
     DiskPosition { disk: usize },
 }
 
+/// What the robot of some unknowns is, and by what it is differentiated.
+#[derive(Clone, Copy)]
+pub(crate) struct Varied<'a> {
+    pub robot: &'a Robot,
+    pub cases: &'a [Case],
+    pub unknowns: &'a [Unknown],
+    /// Those of the core that the unknowns need.
+    pub parameters: &'a [Parameter],
+}
+
 /// Robot and cases with these values of the unknowns.
 pub(crate) fn applied(
     robot: &Robot,

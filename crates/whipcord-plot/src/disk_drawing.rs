@@ -68,6 +68,8 @@ pub fn disk_drawing(robot: &Robot, disk: usize, options: &DiskDrawingOptions) ->
             note(&mut drawing, place(hole, holes, inner), 0.8 * NOTE, (hole + 1).to_string());
         }
     }
+    // Where the names of cables are, by the places of these.
+    let mut named: Vec<([f64; 2], f64)> = Vec::new();
     for of in &passed {
         let centre = of.at;
         let form = DraftForm::Circle { centre, radius: 1.5 * hole_radius };
@@ -84,11 +86,18 @@ pub fn disk_drawing(robot: &Robot, disk: usize, options: &DiskDrawingOptions) ->
             None => of.name.clone(),
         };
         // Beside the rim, however long the words are.
-        let half = 0.5 * LETTER * NOTE * words.chars().count() as f64;
-        let [towards_x, towards_y] = [centre[0] / distance, centre[1] / distance];
-        let out = rim + 0.7 * NOTE;
-        let [x, y] = [(out + half) * towards_x, out * towards_y];
-        note(&mut drawing, [x, y + of.above * 1.2 * NOTE], NOTE, words);
+        let half = [0.5 * LETTER * NOTE * words.chars().count() as f64, 0.5 * NOTE];
+        let towards = centre.map(|along| along / distance);
+        let out = rim + 0.4 * NOTE + half[0] * towards[0].abs() + half[1] * towards[1].abs();
+        // Behind the name of another cable at the same place.
+        let [x, mut y] = towards.map(|along| out * along);
+        let near = |(at, _): &&([f64; 2], f64)| (at[0] - centre[0]).hypot(at[1] - centre[1]) < NOTE;
+        if let Some((_, before)) = named.iter().rev().find(near) {
+            let line = 1.2 * NOTE;
+            y = if towards[1] < 0.0 { y.min(before - line) } else { y.max(before + line) };
+        }
+        named.push((centre, y));
+        note(&mut drawing, [x, y], NOTE, words);
         if let Some(next) = of.next {
             drawing.add(DraftLayer::Courses, DraftForm::Line { from: centre, to: next });
         }
@@ -164,8 +173,6 @@ struct Passed {
     hole: Option<usize>,
     at: [f64; 2],
     next: Option<[f64; 2]>,
-    /// Lines by which its name is above that of another one at the same place.
-    above: f64,
 }
 
 fn passed(robot: &Robot, disk: usize) -> Vec<Passed> {
@@ -185,11 +192,9 @@ fn passed(robot: &Robot, disk: usize) -> Vec<Passed> {
             Routing::Holes { holes, .. } => holes.get(disk).copied(),
             _ => None,
         };
-        let near = |of: &&Passed| (of.at[0] - here[0]).hypot(of.at[1] - here[1]) < NOTE;
-        let above = all.iter().filter(near).count() as f64;
         let next =
             at(route, disk + 1).filter(|next| (next[0] - here[0]).hypot(next[1] - here[1]) > 1e-6);
-        all.push(Passed { name: cable.name.clone(), hole, at: here, next, above });
+        all.push(Passed { name: cable.name.clone(), hole, at: here, next });
     }
     all
 }
@@ -255,5 +260,38 @@ mod tests {
         let [low, high] = sheet.extent();
         assert!(high[0] - low[0] < 200.0);
         assert!(sheet.svg().unwrap().contains("disk 2, at 50 mm"));
+    }
+
+    #[test]
+    fn names_are_beside_the_disk_wherever_their_holes_are() {
+        let count = 36;
+        let disks = Disks::equally_spaced(0.1, 3, 0.008).with_holes(count);
+        let of_hole = |hole: usize| {
+            // Two cables through the same hole have their names one behind the other.
+            let cable = |name: &str| Cable::new(name, Routing::holes(vec![hole; 3]));
+            let cables = vec![cable("a long name"), cable("x")];
+            Robot::new(Backbone::new(0.1), disks.clone(), cables).unwrap()
+        };
+        for hole in 1..=count {
+            let drawing = disk_drawing(&of_hole(hole), 1, &DiskDrawingOptions::default());
+            let rim = drawing.items.iter().find_map(|item| match item.form {
+                DraftForm::Circle { radius, .. } => Some(radius),
+                _ => None,
+            });
+            let rim = rim.unwrap();
+            let boxes = drawing.items.iter().filter_map(|item| match &item.form {
+                DraftForm::Text { at, height, text, .. } if text.contains(':') => {
+                    Some((*at, [0.5 * LETTER * height * text.chars().count() as f64, 0.5 * height]))
+                }
+                _ => None,
+            });
+            let boxes: Vec<([f64; 2], [f64; 2])> = boxes.collect();
+            assert_eq!(boxes.len(), 2);
+            for (at, half) in &boxes {
+                let nearest = [0, 1].map(|k| (at[k].abs() - half[k]).max(0.0));
+                assert!(nearest[0].hypot(nearest[1]) > rim, "hole {hole}");
+            }
+            assert!((boxes[0].0[1] - boxes[1].0[1]).abs() > 2.0 * boxes[0].1[1], "hole {hole}");
+        }
     }
 }

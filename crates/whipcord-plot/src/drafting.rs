@@ -77,6 +77,19 @@ impl DraftLayer {
         }
     }
 
+    /// Lengths of the dashes and of what is between them in mm, of lines that are dashed.
+    const fn dashes(self) -> Option<[f64; 2]> {
+        match self {
+            Self::Courses => Some([0.8, 0.5]),
+            Self::Cut | Self::Cables | Self::Notes => None,
+        }
+    }
+
+    /// Name of its lines in a DXF.
+    const fn line_type(self) -> &'static str {
+        if self.dashes().is_some() { "DASHED" } else { "CONTINUOUS" }
+    }
+
     /// Its colour by the index of AutoCAD, and as SVG has it.
     const fn colours(self) -> (u8, &'static str) {
         match self {
@@ -182,9 +195,9 @@ impl Drafting {
         );
         for layer in DraftLayer::ALL {
             let (_, colour) = layer.colours();
-            let dash = match layer {
-                DraftLayer::Courses => " stroke-dasharray=\"0.8 0.5\"",
-                _ => "",
+            let dash = match layer.dashes() {
+                Some([dash, gap]) => format!(" stroke-dasharray=\"{dash} {gap}\""),
+                None => String::new(),
             };
             let line = if layer == DraftLayer::Notes { 0.1 } else { 0.18 };
             let name = layer.name().to_lowercase();
@@ -256,6 +269,25 @@ impl Drafting {
         pair(0, "SECTION");
         pair(2, "TABLES");
         pair(0, "TABLE");
+        pair(2, "LTYPE");
+        pair(70, "2");
+        let dashed = DraftLayer::ALL.into_iter().find_map(DraftLayer::dashes).unwrap_or_default();
+        for (name, words, parts) in [
+            ("CONTINUOUS", "Solid line", &[][..]),
+            ("DASHED", "__ __ __", &[dashed[0], -dashed[1]]),
+        ] {
+            pair(0, "LTYPE");
+            pair(2, name);
+            pair(70, "0");
+            pair(3, words);
+            // The code of the only alignment there is.
+            pair(72, "65");
+            pair(73, &parts.len().to_string());
+            pair(40, &decimal(parts.iter().map(|part| part.abs()).sum()));
+            parts.iter().for_each(|part| pair(49, &decimal(*part)));
+        }
+        pair(0, "ENDTAB");
+        pair(0, "TABLE");
         pair(2, "LAYER");
         pair(70, &DraftLayer::ALL.len().to_string());
         for layer in DraftLayer::ALL {
@@ -263,7 +295,7 @@ impl Drafting {
             pair(2, layer.name());
             pair(70, "0");
             pair(62, &layer.colours().0.to_string());
-            pair(6, "CONTINUOUS");
+            pair(6, layer.line_type());
         }
         pair(0, "ENDTAB");
         pair(0, "ENDSEC");

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use whipcord::warning::of_case;
 use whipcord::{Actuation, Model, ModelKind, Stations, Vec3, Warning};
-use whipcord_design::{CriterionResult, Design, DesignError, Quantity, Vary, design, spread};
+use whipcord_design::{
+    CriterionResult, Design, DesignError, GoalResult, Quantity, Vary, design, spread,
+};
 use whipcord_io::{
     CaseFile, DesignShape, DesignTable, DesignTarget, FittedFile, design_json, designed_case,
     is_curve, load_shape, load_tip_path, parse_criterion, parse_curve, warnings_json,
@@ -286,7 +288,7 @@ fn check_note(found: &Design) -> Option<&'static str> {
     const FARTHER: f64 = 2.0;
     const PART: f64 = 0.005;
     let length = found.robot.backbone().length;
-    let is_off = |goal: &whipcord_design::GoalResult| {
+    let is_off = |goal: &GoalResult| {
         let Some(Ok(check)) = &goal.check else { return false };
         let [checked, found] = [spread(check)[0], spread(&goal.distances)[0]];
         checked > FARTHER * found && checked - found > PART * length
@@ -365,10 +367,36 @@ fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     if let Some(note) = check_note(found) {
         text += note;
     }
-    let length = file.robot.backbone().length;
-    if found.largest > 0.1 * length {
-        text +=
-            &format!("the shape is far from the target, at a length of {}\n", millimetres(length));
+    text + &far_note(found)
+}
+
+/// Of a shape that is far from its target, why that may be.
+fn far_note(found: &Design) -> String {
+    // As parts of the length: what is far, and beyond what no stretch gets.
+    const FAR: f64 = 0.1;
+    const BEYOND: f64 = 2.0;
+    let length = found.robot.backbone().length;
+    if found.largest <= FAR * length {
+        return String::new();
     }
-    text
+    let far = format!("the shape is far from the target, at a length of {}", millimetres(length));
+    let away = |goal: &GoalResult| {
+        let base = goal.case.base.position;
+        goal.points.iter().map(|(_, point)| (*point - base).norm()).fold(0.0, f64::max)
+    };
+    let farthest = found.goals.iter().map(away).fold(0.0, f64::max);
+    let is_pulled = |goal: &GoalResult| {
+        let mut commands = goal.case.commands.iter();
+        commands.any(|command| command.tension.is_none_or(|tension| tension > 0.0))
+    };
+    if farthest > BEYOND * length {
+        let farthest = number(farthest, 4);
+        format!(
+            "{far}: a wanted place is {farthest} m from the base; numbers without a unit are in m, and a column may name another, as in x [mm]\n"
+        )
+    } else if !found.goals.iter().any(is_pulled) {
+        format!("{far}: no cable is pulled; give tensions, or let them vary (--vary tension)\n")
+    } else {
+        format!("{far}\n")
+    }
 }

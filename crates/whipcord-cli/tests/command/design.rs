@@ -34,6 +34,9 @@ fn holes_for_an_arc_are_proven_written_and_drawn() {
     let design = json(&succeed(&args));
     assert_eq!(design["proven"], true);
     assert_eq!(design["findings"][0]["known"], "optimal_proven");
+    // No list is nearer than one that is proven to be the best.
+    let bound = design["lower_bound"].as_f64().unwrap() / design["error"].as_f64().unwrap();
+    assert!((bound - 1.0).abs() < 1e-6, "{bound}");
     let error = design["error"].as_f64().unwrap();
     assert!(error < design["before"]["error"].as_f64().unwrap() && error < 2e-3, "{error}");
     let checked = design["targets"][0]["check"]["error"].as_f64().unwrap();
@@ -61,11 +64,81 @@ fn holes_for_an_arc_are_proven_written_and_drawn() {
     assert_eq!(read("errors.csv").lines().count(), 10);
     assert_eq!(read("tolerances.csv").lines().count(), 51);
     assert!(read("disks.svg").contains("mm\" viewBox"));
-    assert!(read("disk-10.dxf").ends_with("  0\r\nEOF\r\n"));
+    // The bill of holes is what the drawings have.
+    let bill = read("holes.csv");
+    for (number, row) in bill.lines().skip(1).enumerate() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let place = [cells[4], cells[5]].map(|metres| 1e3 * metres.parse::<f64>().unwrap());
+        let dxf = read(&format!("disk-{:02}.dxf", number + 1));
+        let svg = read(&format!("disk-{:02}.svg", number + 1));
+        for (cut, marked) in [drawn_by_dxf(&dxf), drawn_by_svg(&svg)] {
+            // The rim, the hole for the backbone and twelve holes, in mm.
+            assert_eq!(cut.len(), 14, "disk {}", number + 1);
+            let near = |[x, y, _]: &&[f64; 3]| (x - place[0]).hypot(y - place[1]) < 1e-3;
+            assert_eq!(cut[2..].iter().filter(near).count(), 1, "{row}");
+            assert!(cut[2..].iter().all(|[x, y, _]| (x.hypot(*y) - 8.0).abs() < 1e-3));
+            assert!((cut[1][2] - 1.5).abs() < 1e-3, "the backbone is {}", cut[1][2]);
+            assert!(marked.len() == 1 && near(&&marked[0]), "{row} {marked:?}");
+        }
+    }
     assert_eq!(json(&read("design.json"))["tolerances"]["failed"], 0);
     for name in ["shape.png", "tolerances.png", "errors.png", "disks.dxf", "disk-01.svg"] {
         assert!(path(name).exists(), "{name}");
     }
+}
+
+/// Circles of the layers CUT and CABLES of a DXF, `[x, y, radius]`, with its units checked: pairs of a group code and a value, as the reference of the format has them.
+fn drawn_by_dxf(text: &str) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let pairs: Vec<(&str, &str)> = lines.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect();
+    let variable = |name: &str| {
+        let at = pairs.iter().position(|pair| *pair == ("9", name)).unwrap();
+        pairs[at + 1].1
+    };
+    assert_eq!([variable("$ACADVER"), variable("$INSUNITS")], ["AC1009", "4"]);
+    assert_eq!(pairs.last(), Some(&("0", "EOF")));
+    // What a layer or a line is called is in a table before.
+    let named = |code: &str| {
+        let of = pairs.iter().filter(move |pair| pair.0 == code).map(|pair| pair.1);
+        of.collect::<std::collections::BTreeSet<&str>>()
+    };
+    let tables = named("2");
+    assert!(named("8").is_subset(&tables) && named("6").is_subset(&tables));
+    let on = |layer: &str| {
+        let starts = pairs.iter().enumerate().filter(|(_, pair)| **pair == ("0", "CIRCLE"));
+        let circles = starts.map(|(at, _)| {
+            let end = pairs[at + 1..].iter().position(|pair| pair.0 == "0").unwrap();
+            &pairs[at + 1..at + 1 + end]
+        });
+        let of = circles.filter(|circle| circle.contains(&("8", layer)));
+        let number = |circle: &[(&str, &str)], code: &str| {
+            circle.iter().find(|pair| pair.0 == code).unwrap().1.parse().unwrap()
+        };
+        of.map(|circle| ["10", "20", "40"].map(|code| number(circle, code))).collect()
+    };
+    (on("CUT"), on("CABLES"))
+}
+
+/// The same of an SVG whose size is that of its view box in mm; the rim is round the origin, and y is upwards.
+fn drawn_by_svg(text: &str) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    let attribute = |line: &str, name: &str| -> String {
+        let from = line.split(&format!(" {name}=\"")).nth(1).unwrap();
+        from.split('"').next().unwrap().to_owned()
+    };
+    let head = text.lines().next().unwrap();
+    let size = ["width", "height"].map(|name| attribute(head, name).replace("mm", ""));
+    assert_eq!(attribute(head, "viewBox"), format!("0 0 {} {}", size[0], size[1]));
+    let on = |layer: &str| -> Vec<[f64; 3]> {
+        let group = text.split(&format!("<g id=\"{layer}\"")).nth(1).unwrap();
+        let group = group.split("</g>").next().unwrap();
+        let circles = group.lines().filter(|line| line.starts_with("<circle"));
+        let number = |line: &str, name: &str| attribute(line, name).parse().unwrap();
+        circles.map(|line| ["cx", "cy", "r"].map(|name| number(line, name))).collect()
+    };
+    let (cut, marked) = (on("cut"), on("cables"));
+    let [x, y, _] = cut[0];
+    let seen = |of: Vec<[f64; 3]>| of.into_iter().map(|[cx, cy, r]| [cx - x, y - cy, r]).collect();
+    (seen(cut), seen(marked))
 }
 
 #[test]
@@ -154,6 +227,38 @@ fn a_path_of_the_tip_is_followed_by_the_steps_of_the_new_file() {
     assert!(fail(2, &with(&[])).contains("tensions of their own"));
 }
 
+/// Within a limit of tension the arc is out of reach: the tension is not proven and says what was tried, and no list of holes comes below the bound.
+#[test]
+fn a_target_out_of_reach_has_a_bound() {
+    let target = ["--target", "arc, angle = 60 deg"];
+    let limits = ["--set", "limits.tension=['0 N', '1 N']", "--set", "disks.holes=36"];
+    let vary = ["--vary", "holes", "--vary", "tension", "--json"];
+    let all = ["design", THREE].iter().chain(&target).chain(&limits).chain(&vary);
+    let design = json(&succeed(&all.copied().collect::<Vec<_>>()));
+    let of = |name: &str| design[name].as_f64().unwrap();
+    assert!(of("lower_bound") <= of("error") * (1.0 + 1e-9));
+    assert!(of("lower_bound") > 0.8 * of("error"), "{} {}", of("lower_bound"), of("error"));
+    let [_, tension] = &design["findings"].as_array().unwrap()[..] else { panic!() };
+    assert_eq!((&tension["known"], &tension["proven"]), (&"in_turn".into(), &false.into()));
+    // Without holes there is no bound of lists.
+    let taper = ["--vary", "backbone.diameters", "--json"];
+    let all = ["design", THREE].iter().chain(&target).chain(&taper);
+    assert!(json(&succeed(&all.copied().collect::<Vec<_>>()))["lower_bound"].is_null());
+}
+
+/// What is far off says why that may be.
+#[test]
+fn units_that_are_forgotten_and_cables_that_are_not_pulled_are_told() {
+    let scratch = Scratch::new();
+    let table = scratch.file("mm.csv");
+    std::fs::write(&table, "disk,x,y,z\n5,2,0,80\n10,10,0,178\n").unwrap();
+    let words = succeed(&["design", THREE, "--target", &table]);
+    assert!(words.contains("178.3 m from the base") && words.contains("x [mm]"), "{words}");
+    let slack = ["--set", "cables[0].tension=0 N"];
+    let words = succeed(&["design", THREE, "--target", ARC, slack[0], slack[1]]);
+    assert!(words.contains("no cable is pulled"), "{words}");
+}
+
 #[test]
 fn what_is_no_design_is_refused() {
     for (args, words) in [
@@ -162,6 +267,7 @@ fn what_is_no_design_is_refused() {
         (&["--target", ARC, "--vary", "cables[7].holes"], "there is no cable `7`"),
         (&["--target", "arc, angle = 60 mm"], "`angle`"),
         (&["--target", "measured"], "no disks were measured"),
+        (&["--target", "clothoid, start = 0, end = 1e9 1/m"], "winds more than 100 times"),
     ] {
         let all: Vec<&str> = ["design", THREE].into_iter().chain(args.iter().copied()).collect();
         let message = fail(2, &all);

@@ -1,23 +1,17 @@
 //! Criteria of a robot and its cases: values, objectives as residuals, and how far constraints are violated.
 
-pub(crate) mod rates;
+mod clearance;
+mod rates;
+mod stiffness;
+mod workspace;
 
-use whipcord::batch::{BatchOptions, Rows, solve_batch};
-use whipcord::derivatives::{Hold, Place};
-use whipcord::kinematics::principal_axes;
 use whipcord::{
     Actuation, Case, Model, ModelKind, Robot, Solution, StabilityAnalysis, Statics as _, Stations,
-    Vec3,
 };
-use whipcord_numerics::Mat3;
-use whipcord_numerics::random::SplitMix64;
 
-use crate::criterion::{Criterion, CriterionResult, Quantity, WORKSPACE_RADIUS};
+use crate::criterion::{Criterion, CriterionResult, Quantity};
 use crate::error::DesignError;
-use crate::soft_volume::soft_volume;
 
-/// Stations at which the clearance is taken.
-const STATIONS: usize = 41;
 /// Commands of a workspace, and of an estimate by which robots are compared first.
 const COMMANDS: usize = 1_000;
 const FEW_COMMANDS: usize = 60;
@@ -191,92 +185,6 @@ impl Criteria {
         Ok(values)
     }
 
-    /// Distance of each station from its nearest obstacle, for the shape without contact.
-    fn clearances(&self, robot: &Robot, case: &Case) -> Result<Vec<f64>, DesignError> {
-        let length = robot.backbone().length;
-        let stations: Vec<f64> = whipcord::equally_spaced(0.0, length, STATIONS).collect();
-        let free = Case { obstacles: Vec::new(), ..case.clone() };
-        let solution = self.model.at(Stations::At(stations.clone())).solve(robot, &free)?;
-        let (backbone, disks) = (robot.backbone(), robot.disks());
-        let nearest = |at: Vec3, radius: f64| {
-            let distances = case.obstacles.iter().map(|of| of.surface(at).distance - radius);
-            distances.fold(f64::INFINITY, f64::min)
-        };
-        let along = stations.iter().zip(&solution.shape.poses);
-        let mut distances: Vec<f64> = along
-            .map(|(s, pose)| nearest(pose.position, backbone.outer_radius_at(disks, *s)))
-            .collect();
-        let rims = solution.disks.poses.iter().enumerate();
-        distances.extend(rims.map(|(disk, pose)| nearest(pose.position, disks.rim_radius(disk))));
-        Ok(distances)
-    }
-
-    fn stiffness(
-        &self,
-        robot: &Robot,
-        case: &Case,
-        disk: usize,
-        direction: Option<Vec3>,
-    ) -> Result<f64, DesignError> {
-        self.stiffness_along(robot, case, disk, direction).map(|(stiffness, _)| stiffness)
-    }
-
-    /// A stiffness and its direction in the world.
-    fn stiffness_along(
-        &self,
-        robot: &Robot,
-        case: &Case,
-        disk: usize,
-        direction: Option<Vec3>,
-    ) -> Result<(f64, Vec3), DesignError> {
-        if !self.model.has_derivatives(robot) {
-            let what = format!(
-                "the model {} has no compliance for this robot, so that no stiffness can be a criterion: choose cosserat or cosserat-disks",
-                self.model.kind().name()
-            );
-            return Err(DesignError::Criterion { what });
-        }
-        let mut prepared = self.model.prepare(robot, &case.loads)?;
-        let (_, derivatives) = prepared.solve_with_derivatives(case, None, &[])?;
-        let matrix = derivatives.compliance(Place::Disk(disk), Hold::Commands)?;
-        let row = |i: usize| Vec3::from([0, 1, 2].map(|j| matrix.at(i, j)));
-        let matrix = Mat3::from_rows(row(0), row(1), row(2));
-        let (compliance, direction) = match direction {
-            Some(direction) => {
-                // Compliances are in the frame of the base.
-                let n = case.base.rotation.conjugate().rotate(direction);
-                (n.dot(matrix * n), direction)
-            }
-            None => {
-                let principal = principal_axes(&matrix);
-                (principal.values[2], case.base.rotation.rotate(principal.directions[2]))
-            }
-        };
-        Ok((if compliance > 0.0 { 1.0 / compliance } else { 0.0 }, direction))
-    }
-
-    /// Commands all over their ranges, row after row.
-    fn sampled_commands(&self) -> Vec<f64> {
-        let mut random = SplitMix64::of(1, 0);
-        (0..self.commands)
-            .flat_map(|_| &self.ranges)
-            .map(|[least, greatest]| least + (greatest - least) * random.next_part())
-            .collect()
-    }
-
-    /// Volume of the places of the tip with commands all over their ranges, under the loads of a case.
-    fn volume(&self, robot: &Robot, case: &Case) -> Result<f64, DesignError> {
-        let commands = self.sampled_commands();
-        let model = self.model.at(Stations::At(vec![robot.backbone().length]));
-        let rows = rows_of(&commands, case);
-        let batch = solve_batch(&model, robot, rows, &BatchOptions::default())?;
-        let tips = (0..batch.len()).filter_map(|row| {
-            let row = batch.row(row)?.ok()?;
-            Some(Vec3::from(row.position(0)))
-        });
-        Ok(soft_volume(tips, WORKSPACE_RADIUS * robot.backbone().length))
-    }
-
     /// Residuals of the objectives and violations of the constraints.
     pub fn terms(
         &self,
@@ -400,14 +308,6 @@ impl Terms {
 /// Whether a case gives tensions.
 pub(crate) fn by_tension(case: &Case) -> bool {
     case.commands.iter().all(|command| command.tension.is_some())
-}
-
-/// Rows of tensions or shortenings, as the case has them.
-fn rows_of<'a>(values: &'a [f64], case: &'a Case) -> Rows<'a> {
-    match by_tension(case) {
-        true => Rows::Tensions { values, case },
-        false => Rows::Shortenings { values, case },
-    }
 }
 
 fn worst(criterion: &Criterion, values: &[f64]) -> f64 {

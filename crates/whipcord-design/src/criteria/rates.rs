@@ -1,31 +1,9 @@
 //! How criteria change with the unknowns of least squares, by the exact derivatives of the core.
-//!
-//! Clearances change with the places of the stations, along the normals of the obstacles. A workspace changes with the places of the tip, whose sensitivities are pulled back to all
-//! parameters at once. The compliance along a force changes by a quantity as the motion by that quantity changes along the force: of second derivatives only the one along the force is a difference,
-//! so that two solves with derivatives serve all unknowns.
 
-use whipcord::batch::{BatchOptions, Gradients, Sensitivities, pull_back_batch, solve_batch};
-use whipcord::derivatives::Place;
-use whipcord::{
-    Case, LoadFrame, Parameter, PointLoad, Robot, RobotError, SolveError, Stations, Vec3,
-};
-
-use super::{Criteria, STATIONS, by_tension, worst};
-use crate::chebyshev;
-use crate::criterion::{Criterion, Quantity, WORKSPACE_RADIUS};
+use super::{Criteria, by_tension, worst};
+use crate::criterion::{Criterion, Quantity};
 use crate::error::DesignError;
-use crate::soft_volume::soft_volume_slopes;
-use crate::unknown::Unknown;
-
-/// What the robot of some unknowns is, and by what it is differentiated.
-#[derive(Clone, Copy)]
-pub(crate) struct Varied<'a> {
-    pub robot: &'a Robot,
-    pub cases: &'a [Case],
-    pub unknowns: &'a [Unknown],
-    /// Those of the core that the unknowns need.
-    pub parameters: &'a [Parameter],
-}
+use crate::unknown::{Unknown, Varied};
 
 /// How the terms of criteria change with each unknown: a row for each term.
 #[derive(Clone, Debug, Default)]
@@ -33,9 +11,6 @@ pub(crate) struct TermRates {
     pub objectives: Vec<Vec<f64>>,
     pub violations: Vec<Vec<f64>>,
 }
-
-/// How far the force along which a compliance is differentiated moves its disk, as a part of the length.
-const MOVED: f64 = 1e-3;
 
 impl Criteria {
     /// The rates of the terms of [`Criteria::terms`]; `None` where a criterion has none: tensions that follow from lengths, and models without derivatives. Rates by
@@ -133,170 +108,21 @@ impl Criteria {
         }
         Ok((values, rates))
     }
-
-    fn clearance_rates(
-        &self,
-        number: usize,
-        case: &Case,
-        of: Varied<'_>,
-    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), DesignError> {
-        let (backbone, disks) = (of.robot.backbone(), of.robot.disks());
-        let stations: Vec<f64> = whipcord::equally_spaced(0.0, backbone.length, STATIONS).collect();
-        let free = Case { obstacles: Vec::new(), ..case.clone() };
-        let model = self.model.at(Stations::At(stations.clone()));
-        let mut prepared = model.prepare(of.robot, &free.loads)?;
-        let (solution, derivatives) =
-            prepared.solve_with_derivatives(&free, None, of.parameters)?;
-        let along = stations.iter().enumerate();
-        let along = along.map(|(station, s)| {
-            let radius = backbone.outer_radius_at(disks, *s);
-            (Place::Station(station), solution.shape.poses[station].position, radius)
-        });
-        let rims = solution.disks.poses.iter().enumerate();
-        let rims =
-            rims.map(|(disk, pose)| (Place::Disk(disk), pose.position, disks.rim_radius(disk)));
-        let places: Vec<(Place, Vec3, f64)> = along.chain(rims).collect();
-        let mut values = Vec::with_capacity(places.len());
-        let mut normals = Vec::with_capacity(places.len());
-        for (_, at, radius) in &places {
-            let nearest = case.obstacles.iter().map(|obstacle| obstacle.surface(*at));
-            let nearest = nearest.min_by(|a, b| a.distance.total_cmp(&b.distance));
-            values.push(nearest.map_or(f64::INFINITY, |surface| surface.distance - radius));
-            normals.push(nearest.map_or(Vec3::ZERO, |surface| surface.normal));
-        }
-        let mut rates = vec![vec![0.0; of.unknowns.len()]; places.len()];
-        let at: Vec<Place> = places.iter().map(|(place, ..)| *place).collect();
-        for (column, unknown) in of.unknowns.iter().enumerate() {
-            let derivatives = (&derivatives, of.parameters);
-            let velocities = unknown.velocities(number, &free, backbone.length, derivatives, &at);
-            let radii = radius_rates(unknown, of, &stations)?;
-            let radii = radii.into_iter().chain(core::iter::repeat(0.0));
-            for (((rates, velocity), normal), radius) in
-                rates.iter_mut().zip(&velocities).zip(&normals).zip(radii)
-            {
-                rates[column] = normal.dot(*velocity) - radius;
-            }
-        }
-        Ok((values, rates))
-    }
-
-    fn stiffness_rates(
-        &self,
-        number: usize,
-        disk: usize,
-        direction: Option<Vec3>,
-        of: Varied<'_>,
-    ) -> Result<(f64, Vec<f64>), DesignError> {
-        let case = &of.cases[number];
-        let (stiffness, n) = self.stiffness_along(of.robot, case, disk, direction)?;
-        let length = of.robot.backbone().length;
-        let force = MOVED * length * stiffness;
-        let base = case.base.rotation;
-        let side = |force: f64| -> Result<Vec<f64>, SolveError> {
-            let force = match case.loads.frame {
-                LoadFrame::Base => base.conjugate().rotate(n) * force,
-                LoadFrame::World => n * force,
-            };
-            let mut pushed = case.clone();
-            let at = of.robot.disks().arc_lengths[disk];
-            pushed.loads.points.push(PointLoad { at, force, ..PointLoad::default() });
-            let mut prepared = self.model.prepare(of.robot, &pushed.loads)?;
-            let (_, derivatives) = prepared.solve_with_derivatives(&pushed, None, of.parameters)?;
-            let derivatives = (&derivatives, of.parameters);
-            let speed = |unknown: &Unknown| {
-                let at = [Place::Disk(disk)];
-                unknown.velocities(number, &pushed, length, derivatives, &at)[0].dot(n)
-            };
-            Ok(of.unknowns.iter().map(speed).collect())
-        };
-        let (pulled, pushed) = (side(-force)?, side(force)?);
-        let rate = |(pulled, pushed): (f64, f64)| {
-            let of_compliance = (pushed - pulled) / (2.0 * force);
-            -stiffness * stiffness * of_compliance
-        };
-        Ok((stiffness, pulled.into_iter().zip(pushed).map(rate).collect()))
-    }
-
-    fn volume_rates(&self, of: Varied<'_>) -> Result<(f64, Vec<f64>), DesignError> {
-        let (robot, case) = (of.robot, &of.cases[0]);
-        let length = robot.backbone().length;
-        let commands = self.sampled_commands();
-        let rows = super::rows_of(&commands, case);
-        let model = self.model.at(Stations::At(vec![length]));
-        let batch = solve_batch(&model, robot, rows, &BatchOptions::default())?;
-        let tips: Vec<Option<Vec3>> = (0..batch.len())
-            .map(|row| batch.row(row)?.ok().map(|row| Vec3::from(row.position(0))))
-            .collect();
-        let known = tips.iter().flatten().copied();
-        let (volume, slopes) = soft_volume_slopes(known, WORKSPACE_RADIUS * length);
-        let mut slopes = slopes.into_iter();
-        let mut positions = Vec::with_capacity(3 * tips.len());
-        for tip in &tips {
-            let slope = tip.and_then(|_| slopes.next()).unwrap_or(Vec3::ZERO);
-            positions.extend(slope.to_array());
-        }
-        let count = of.parameters.len();
-        let mut by_commands = vec![0.0; commands.len()];
-        let mut by_parameters = vec![0.0; count * tips.len()];
-        let sensitivities = Sensitivities { positions: &positions, ..Sensitivities::default() };
-        let gradients = Gradients { commands: &mut by_commands, parameters: &mut by_parameters };
-        let options = BatchOptions::default();
-        pull_back_batch(&model, robot, rows, of.parameters, &options, sensitivities, gradients)?;
-        let mut sums = vec![0.0; count];
-        for row in by_parameters.chunks(count.max(1)) {
-            sums.iter_mut().zip(row).for_each(|(sum, of)| *sum += of);
-        }
-        let by = |parameter: Parameter| {
-            of.parameters.iter().position(|known| *known == parameter).map_or(0.0, |k| sums[k])
-        };
-        // The commands of a workspace are its own, whatever the tensions of the targets are.
-        let rate = |unknown: &Unknown| match *unknown {
-            Unknown::Tension { .. } | Unknown::DiskPosition { .. } => 0.0,
-            Unknown::Parameter(parameter) => by(parameter),
-            Unknown::Course { cable, axis, node, nodes } => {
-                let powers = chebyshev::of_node(node, nodes, length).into_iter().enumerate();
-                let of =
-                    |(power, factor)| factor * by(Parameter::Coefficient { cable, axis, power });
-                powers.map(of).sum()
-            }
-        };
-        Ok((volume, of.unknowns.iter().map(rate).collect()))
-    }
 }
 
 fn scaled(rates: &[f64], by: f64) -> Vec<f64> {
     rates.iter().map(|rate| by * rate).collect()
 }
 
-/// How fast the surface of the backbone moves away from its axis at some arc lengths. Radii are linear in the diameters, so that a difference is exact.
-fn radius_rates(
-    unknown: &Unknown,
-    of: Varied<'_>,
-    stations: &[f64],
-) -> Result<Vec<f64>, RobotError> {
-    let Unknown::Parameter(parameter) = unknown else { return Ok(vec![0.0; stations.len()]) };
-    let case = &of.cases[0];
-    let value = parameter.value(of.robot, case)?;
-    let step = 1e-3 * value.abs();
-    if step == 0.0 {
-        return Ok(vec![0.0; stations.len()]);
-    }
-    let radii = |value: f64| -> Result<Vec<f64>, RobotError> {
-        let (robot, _) = parameter.changed_to(of.robot, case, value)?;
-        let radius = |s: &f64| robot.backbone().outer_radius_at(robot.disks(), *s);
-        Ok(stations.iter().map(radius).collect())
-    };
-    let sides = radii(value - step)?.into_iter().zip(radii(value + step)?);
-    Ok(sides.map(|(low, high)| (high - low) / (2.0 * step)).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chebyshev;
     use crate::unknown::{applied, parameters};
+    use core::f64::consts::PI;
     use whipcord::{
-        Actuation, Along, Backbone, Cable, Disks, Form, Material, Model, ModelKind, Obstacle, Pose,
-        Routing, Section, Statics as _,
+        Actuation, Along, Backbone, Cable, Case, Disks, Form, Material, Model, ModelKind, Obstacle,
+        Parameter, Pose, Robot, Routing, Section, Statics as _, Stations, Vec3,
     };
 
     const LENGTH: f64 = 0.18;
@@ -379,6 +205,88 @@ mod tests {
                     off < 1e-3 * scale,
                     "{:?}, row {row}: {difference:e} {rate:e}",
                     all[column]
+                );
+            }
+        }
+    }
+
+    fn cosserat() -> Model {
+        Model::new(ModelKind::Cosserat, Stations::Disks, Actuation::Tension)
+    }
+
+    /// The rates of the stiffness of a disk along x.
+    fn stiffness_rates(
+        robot: &Robot,
+        case: &Case,
+        unknowns: &[Unknown],
+        disk: usize,
+    ) -> (f64, Vec<f64>) {
+        let (cases, parameters) = ([case.clone()], parameters(unknowns));
+        let criteria = Criteria::new(&[], &cosserat(), robot, &cases, Vec::new()).unwrap();
+        let varied = Varied { robot, cases: &cases, unknowns, parameters: &parameters };
+        criteria.stiffness_rates(0, disk, Some(Vec3::X), varied).unwrap()
+    }
+
+    /// A straight rod is a cantilever, 1/k = L³/3EI + L/GA.
+    #[test]
+    fn a_straight_rod_has_the_rates_of_a_cantilever() {
+        let (young_modulus, poisson_ratio, diameter) = (1.1e9, 0.3, 0.003);
+        let mut backbone = Backbone::new(LENGTH);
+        backbone.section = Some(Section::circle(diameter));
+        backbone.material = Material {
+            young_modulus: Some(young_modulus),
+            poisson_ratio: Some(poisson_ratio),
+            ..Material::default()
+        };
+        let cable = Cable::new("slack", Routing::Straight { angle: 0.0, radius: 0.008 });
+        let disks = Disks::equally_spaced(LENGTH, 10, 0.008);
+        let robot = Robot::new(backbone, disks, vec![cable]).unwrap();
+        let unknowns = [Parameter::Diameter, Parameter::YoungModulus].map(Unknown::Parameter);
+        let (value, rates) = stiffness_rates(&robot, &Case::with_tensions(&[0.0]), &unknowns, 9);
+        let shear_modulus = young_modulus / (2.0 * (1.0 + poisson_ratio));
+        let bending = LENGTH.powi(3) * 64.0 / (3.0 * young_modulus * PI * diameter.powi(4));
+        let shear = LENGTH * 4.0 / (shear_modulus * PI * diameter.powi(2));
+        let stiffness = 1.0 / (bending + shear);
+        let exact = [
+            stiffness * stiffness * (4.0 * bending + 2.0 * shear) / diameter,
+            stiffness / young_modulus,
+        ];
+        assert!((value / stiffness - 1.0).abs() < 1e-7, "{value} {stiffness}");
+        for (rate, exact) in rates.iter().zip(exact) {
+            println!("{:e}", rate / exact - 1.0);
+            assert!((rate / exact - 1.0).abs() < 1e-7, "{rate:e} {exact:e}");
+        }
+    }
+
+    /// Where it is bent and loaded, the rates are those of the stiffness itself, which no difference enters.
+    #[test]
+    fn a_bent_rod_has_the_rates_of_its_stiffness() {
+        let (robot, mut case) = (robot(), Case::with_tensions(&[2.0, 1.0]));
+        case.loads.tip_force = Vec3::new(0.03, 0.02, -0.02);
+        let unknowns = [
+            Unknown::Tension { goal: 0, cable: 0 },
+            Unknown::Parameter(Parameter::DiameterAt { entry: 1 }),
+            Unknown::Parameter(Parameter::YoungModulus),
+        ];
+        let values = [2.0, 0.003, 1.1e9];
+        for disk in [4, 9] {
+            let (_, rates) = stiffness_rates(&robot, &case, &unknowns, disk);
+            let criteria =
+                Criteria::new(&[], &cosserat(), &robot, &[case.clone()], Vec::new()).unwrap();
+            for (column, rate) in rates.iter().enumerate() {
+                let stiffness = |part: f64| -> Result<Vec<f64>, DesignError> {
+                    let mut values = values;
+                    values[column] *= 1.0 + part;
+                    let (robot, cases) = applied(&robot, &[case.clone()], &unknowns, &values)?;
+                    Ok(vec![criteria.stiffness(&robot, &cases[0], disk, Some(Vec3::X))?])
+                };
+                let wanted =
+                    whipcord_numerics::derivative(stiffness, 0.02).unwrap()[0] / values[column];
+                println!("{:e}", rate / wanted - 1.0);
+                assert!(
+                    (rate / wanted - 1.0).abs() < 1e-6,
+                    "{:?}: {rate:e} {wanted:e}",
+                    unknowns[column]
                 );
             }
         }

@@ -1,5 +1,7 @@
 //! Lists of holes, in turn with tensions where these are varied too.
 
+use core::cell::Cell;
+
 use whipcord::Case;
 
 use super::unknowns::known_of;
@@ -21,6 +23,8 @@ const KEPT: usize = 4;
 const KEPT_OF_WHOLE: usize = 2;
 /// Spans that may be looked at for each tension that is compared.
 const QUICK: usize = 200_000;
+/// Solves of all searches together where every list must be solved as a whole, as a multiple of those of one search.
+const SHARED: usize = 2;
 /// How often a list that is proven to be the best, and better than that of the beam, gets tensions of its own.
 const PROOFS: usize = 3;
 /// How much nearer a round must come to go on, as a part of what lists are compared by.
@@ -33,14 +37,22 @@ impl Work<'_> {
         tensions: &[usize],
     ) -> Result<(), DesignError> {
         let rules = self.rules(cables)?;
-        let search = |work: &Self, by: (&HoleSearchOptions, Starts)| {
-            let goals = work.shape_goals()?;
-            let within = (&rules, Some(&work.criteria));
-            hole_design::search(&work.model, &work.robot, cables, &goals, within, by)
-        };
         let all = &self.options.search;
         // Where every list must be solved as a whole, tensions are compared by the first list of each alone.
         let is_sequential = is_sequential(&self.model, &self.robot, &self.shape_goals()?);
+        // All searches share these, so that no number of cables and rounds takes for ever.
+        let left = Cell::new(all.solves.saturating_mul(SHARED));
+        let search = |work: &Self, (by, starts): (&HoleSearchOptions, Starts)| {
+            let goals = work.shape_goals()?;
+            let within = (&rules, Some(&work.criteria));
+            let by = HoleSearchOptions { solves: by.solves.min(left.get()), ..*by };
+            let by = (&by, starts);
+            let found = hole_design::search(&work.model, &work.robot, cables, &goals, within, by);
+            if let (Ok(found), false) = (&found, is_sequential) {
+                left.set(left.get().saturating_sub(found.effort));
+            }
+            found
+        };
         let first = HoleSearchOptions { solves: 1, ..*all };
         // Where lists can be proven, tensions are compared by good lists, and only the list that is left is proven to be the best.
         let quick = HoleSearchOptions { nodes: all.nodes.min(QUICK), ..*all };
@@ -81,11 +93,13 @@ impl Work<'_> {
             }
         }
         found.sort_by(|a, b| a.1.merit.total_cmp(&b.1.merit));
+        let compared = found.len();
         found.truncate(match (tensions.is_empty(), is_sequential) {
             (true, _) => 1,
             (false, true) => KEPT,
             (false, false) => KEPT_OF_WHOLE,
         });
+        let in_turn = Known::InTurn { compared, improved: found.len() };
         let mut best: Option<(Vec<Case>, HoleDesign, Option<Known>)> = None;
         for (cases, design) in found {
             self.cases = cases;
@@ -120,11 +134,10 @@ impl Work<'_> {
         for cable in cables {
             self.find(Vary::Holes { cable: *cable }, Known::Holes(best.proof));
         }
+        // Least squares of the tensions alone know nothing of other holes.
+        let known = known.filter(|known| !matches!(known, Known::LeastSquares { .. }));
         for cable in tensions {
-            self.find(
-                Vary::Tension { cable: *cable },
-                known.unwrap_or(Known::LeastSquares { starts: 1, agree: 1 }),
-            );
+            self.find(Vary::Tension { cable: *cable }, known.unwrap_or(in_turn));
         }
         Ok(())
     }

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use whipcord::batch::{BatchOptions, solve_robots};
 use whipcord::{
-    Actuation, Along, Backbone, Case, Loads, Model, ModelKind, Robot, Shortening, Statics as _,
-    Stations, Vec3,
+    Actuation, Along, Backbone, Case, Loads, Model, ModelKind, Robot, Routing, Shortening,
+    Statics as _, Stations, Vec3,
 };
 use whipcord_design::{
     DesignError, FixedHole, HoleRules, HoleSearchOptions, Proof, ShapeGoal, design_holes,
@@ -191,6 +191,88 @@ fn two_cables_make_two_shapes() {
     assert_eq!(design.proof, Proof::Optimal);
     assert_eq!(design.holes, lists);
     assert!(design.error < 1e-6);
+}
+
+/// Four cables with twelve holes have 10²⁵ lists: each is chosen beside the others, within the rules, and a change of any one cable by itself is not better.
+#[test]
+fn many_cables_are_chosen_one_by_one() {
+    let robot = holed(0.12, 6, 12, 4);
+    let lists = [
+        vec![1, 2, 3, 3, 2, 1],
+        vec![5, 5, 6, 7, 7, 6],
+        vec![9, 10, 10, 9, 9, 9],
+        vec![11, 12, 12, 11, 11, 11],
+    ];
+    let planted = with_holes(&robot, &lists);
+    let case = Case::with_tensions(&[3.0, 2.0, 1.0, 0.5]);
+    let goals = [ShapeGoal::new(case.clone(), points(&planted, ModelKind::CosseratDisks, &case))];
+    let rules = HoleRules {
+        are_distinct: true,
+        do_not_cross: true,
+        largest_jump: Some(2),
+        fixed: vec![FixedHole { cable: 1, disk: 0, hole: 5 }],
+    };
+    let disks = model(ModelKind::CosseratDisks);
+    let all = [0, 1, 2, 3];
+    let options = HoleSearchOptions::default();
+    let found = design_holes(&disks, &robot, &all, &goals, &rules, &options).unwrap();
+    println!("{:e}, {} spans, {:?}", found.error, found.effort, found.holes);
+    assert_eq!(found.proof, Proof::InTurn);
+    assert!(found.error < 0.01 * 0.12, "{:e}", found.error);
+    assert_eq!(found.holes[1][0], 5);
+    for list in &found.holes {
+        let jump = |pair: &[usize]| (pair[0] + 12 - pair[1]) % 12;
+        assert!(list.windows(2).all(|pair| matches!(jump(pair), 0..=2 | 10..=11)), "{list:?}");
+    }
+    for disk in 0..6 {
+        let mut holes: Vec<usize> = found.holes.iter().map(|list| list[disk]).collect();
+        holes.sort_unstable();
+        holes.dedup();
+        assert_eq!(holes.len(), 4);
+    }
+    assert!(!crosses(&found.robot));
+    // Of one cable, its own list is the best beside the others.
+    for cable in all {
+        let alone = HoleRules { largest_jump: Some(2), are_distinct: true, ..HoleRules::default() };
+        let again = design_holes(&disks, &found.robot, &[cable], &goals, &alone, &options).unwrap();
+        assert!(
+            again.error >= found.error * (1.0 - 1e-9) || crosses(&again.robot),
+            "cable {cable}"
+        );
+    }
+    // Six cables, free and under load, with a small budget.
+    let robot = holed(0.12, 5, 6, 6);
+    let case = Case::with_tensions(&[1.0, 2.0, 3.0, 1.0, 0.5, 1.5]);
+    let loads = Loads { tip_force: Vec3::new(0.02, 0.0, 0.0), ..Loads::default() };
+    let loaded = Case { loads, ..case.clone() };
+    let options = HoleSearchOptions { solves: 3_000, ..options };
+    for case in [case, loaded] {
+        let point = Vec3::new(0.05, 0.02, 0.1);
+        let goals = [ShapeGoal::new(case, vec![(4, point)])];
+        let all = [0, 1, 2, 3, 4, 5];
+        let rules = HoleRules::default();
+        let found = design_holes(&disks, &robot, &all, &goals, &rules, &options).unwrap();
+        println!("{:e}, {} spans or solves, {:?}", found.error, found.effort, found.proof);
+        assert!(found.error < 0.05 * 0.12 && found.effort < 2 * options.nodes);
+    }
+}
+
+/// Whether some cables change their order round the disks.
+fn crosses(robot: &Robot) -> bool {
+    let lists: Vec<Vec<usize>> = robot
+        .cables()
+        .iter()
+        .filter_map(|cable| match &cable.routing {
+            Routing::Holes { holes, .. } => Some(holes.clone()),
+            _ => None,
+        })
+        .collect();
+    let order = |disk: usize| {
+        let mut order: Vec<usize> = (0..lists.len()).collect();
+        order.sort_by_key(|&cable| (lists[cable][disk] + 12 - lists[0][disk]) % 12);
+        order
+    };
+    (1..lists[0].len()).any(|disk| order(disk) != order(0))
 }
 
 #[test]

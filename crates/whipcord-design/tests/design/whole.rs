@@ -364,6 +364,13 @@ fn a_taper_under_a_load_across_is_better_as_a_whole() {
     // The iteration alone ends at 0.0693.
     assert!(found.error < 0.069 * LENGTH && whole.error < 0.069 * LENGTH);
     assert!(!matches!(known(&found, Vary::Diameters), Known::Iterated | Known::Met));
+    // Least squares from there alone end at 0.0635; by default a better minimum is found from another start.
+    let goals =
+        [goal(goals[0].case.clone(), curve(CurveKind::Arc { angle: 40_f64.to_radians() }, 0.0))];
+    let default = DesignOptions::default();
+    let found = design(&cosserat, &robot, &goals, &[Vary::Diameters], &default).unwrap();
+    println!("{:e} {:?}", found.error / LENGTH, found.findings);
+    assert!(found.error < 0.0595 * LENGTH, "{:e}", found.error / LENGTH);
 }
 
 /// A place of the tip with so many holes that halves of lists are too many: still as straight as the pull allows, with a bound.
