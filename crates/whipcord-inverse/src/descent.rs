@@ -22,6 +22,11 @@ impl Linear {
         0.5 * self.residual.iter().map(|r| r * r).sum::<f64>()
     }
 
+    /// `‖r‖`.
+    pub fn distance(&self) -> f64 {
+        (2.0 * self.cost()).sqrt()
+    }
+
     /// The greatest violation of a constraint, 0 where all are kept.
     pub fn violation(&self) -> f64 {
         self.slack.iter().map(|slack| -slack).fold(0.0, f64::max)
@@ -33,22 +38,39 @@ pub(crate) trait Problem {
     /// What an evaluation leaves for the next one to start from.
     type State: Clone;
 
-    /// Residuals and constraints at a point, from another point and its state.
-    fn at(
+    /// The evaluation at a point, from another point and its state.
+    fn evaluate(
         &mut self,
         unknowns: &[f64],
         from: Option<(&[f64], &Self::State)>,
-    ) -> Result<(Linear, Self::State), SolveError>;
+    ) -> Result<Self::State, SolveError>;
 
-    /// Whether it is solved well enough: to this part of what is tolerated.
-    fn is_done(&self, linear: &Linear, part: f64) -> bool;
+    /// Residuals and constraints of an evaluation.
+    fn linearize(&self, state: &Self::State) -> Linear;
+
+    /// The norm of the residuals that is tolerated.
+    fn tolerance(&self) -> f64;
+}
+
+/// Where an iteration starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start<'a, S> {
+    /// At unknowns.
+    At(&'a [f64]),
+    /// At unknowns, evaluated from other ones and their state.
+    From(&'a [f64], (&'a [f64], &'a S)),
+    /// At unknowns within the bounds whose state is known.
+    Known(&'a [f64], &'a S),
 }
 
 /// Where the iteration ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Descent<S> {
     pub unknowns: Vec<f64>,
+    /// That of the unknowns, or of the point before them where they are foretold.
     pub state: S,
+    /// The point before, where the last step was not evaluated because derivatives and curvature foretell that it ends within the tolerance.
+    pub foretold_from: Option<Vec<f64>>,
     /// Whether no feasible direction lowers the cost.
     pub is_stationary: bool,
 }
@@ -73,13 +95,17 @@ pub(crate) struct Ending {
     pub part_of_tolerance: f64,
     /// A promised reduction of the cost by less than this part of it is none.
     pub least_reduction: f64,
+    /// A step that is foretold to end at this part of what is tolerated is not evaluated; at 0 all are.
+    pub foretold: f64,
 }
 
 impl Ending {
     /// Of an answer: far within the tolerance, because it is solved again from rest.
-    pub const ANSWER: Self = Self { part_of_tolerance: 0.02, least_reduction: 1e-9 };
+    pub const ANSWER: Self =
+        Self { part_of_tolerance: 0.02, least_reduction: 1e-9, foretold: 1.0 };
     /// Of an answer to a tolerance far above the error of the model.
-    pub const COARSE: Self = Self { part_of_tolerance: 0.5, least_reduction: 1e-4 };
+    pub const COARSE: Self =
+        Self { part_of_tolerance: 0.5, least_reduction: 1e-4, foretold: 0.0 };
 }
 
 /// Largest step at first and at all, in scales of the unknowns.
@@ -90,7 +116,7 @@ const LEAST_STEP: f64 = 1e-11;
 /// An unknown so near to a bound, in scales, is at it.
 const AT_BOUND: f64 = 1e-12;
 
-/// Minimises `½‖r(x)‖²` within bounds and constraints, with a first evaluation from another point and its state where there are.
+/// Minimises `½‖r(x)‖²` within bounds and constraints.
 ///
 /// The step is the minimum of `½‖r + J d‖² + ½λ t‖d‖² + ρ σ` with the mean `t` of the diagonal of `JᵀJ`, over
 /// `l ≤ x + d ≤ u`, `|d| ≤ Δ` and `rows · d ≤ slack + σ`, `σ ≥ 0`, in scaled unknowns: the relaxation σ keeps it feasible, and ρ is
@@ -101,23 +127,38 @@ const AT_BOUND: f64 = 1e-12;
 /// Why there is no answer at the start.
 pub(crate) fn descend<P: Problem>(
     problem: &mut P,
-    start: &[f64],
-    from: Option<(&[f64], &P::State)>,
+    start: Start<'_, P::State>,
     control: &Control<'_>,
     workspace: &mut Workspace,
 ) -> Result<Descent<P::State>, SolveError> {
-    let n = start.len();
-    let clamp = |x: f64, [least, greatest]: [f64; 2]| x.max(least).min(greatest);
-    let mut x: Vec<f64> =
-        start.iter().zip(control.bounds).map(|(x, bounds)| clamp(*x, *bounds)).collect();
-    let (mut linear, mut state) = problem.at(&x, from)?;
+    let (mut x, mut state) = match start {
+        Start::Known(x, state) => (x.to_vec(), state.clone()),
+        Start::At(start) => {
+            let x = within(start, control.bounds);
+            let state = problem.evaluate(&x, None)?;
+            (x, state)
+        }
+        Start::From(start, from) => {
+            let x = within(start, control.bounds);
+            let state = problem.evaluate(&x, Some(from))?;
+            (x, state)
+        }
+    };
+    let n = x.len();
+    let is_done = |linear: &Linear, tolerance: f64| {
+        linear.violation() == 0.0 && linear.distance() <= tolerance
+    };
+    let tolerance = problem.tolerance();
+    let mut linear = problem.linearize(&state);
+    // What the residuals of the last step had beyond those of the linear problem, over the square of its size.
+    let mut curvature: Option<f64> = None;
     let mut damping = 1e-8;
     let mut radius = FIRST_RADIUS;
     let mut is_stationary = false;
     let mut evaluations = 1;
     let mut trial = x.clone();
     while evaluations < control.evaluations
-        && !problem.is_done(&linear, control.ending.part_of_tolerance)
+        && !is_done(&linear, control.ending.part_of_tolerance * tolerance)
     {
         let cost = linear.cost();
         let penalty = 1e2 * cost.max(1e-30);
@@ -145,9 +186,18 @@ pub(crate) fn descend<P: Problem>(
                 moved => moved,
             };
         }
+        if let Some(curvature) = curvature
+            && workspace.violation == 0.0
+            && workspace.distance + curvature * size * size <= control.ending.foretold * tolerance
+        {
+            let foretold_from = Some(x);
+            return Ok(Descent { unknowns: trial, state, foretold_from, is_stationary: false });
+        }
         evaluations += 1;
-        match problem.at(&trial, Some((&x, &state))) {
-            Ok((next, next_state)) => {
+        match problem.evaluate(&trial, Some((&x, &state))) {
+            Ok(next_state) => {
+                let next = problem.linearize(&next_state);
+                curvature = Some((next.distance() + workspace.distance) / (size * size));
                 let next_merit = next.cost() + penalty * next.violation();
                 let ratio = (merit - next_merit) / promised;
                 if next_merit < merit {
@@ -181,7 +231,12 @@ pub(crate) fn descend<P: Problem>(
             }
         }
     }
-    Ok(Descent { unknowns: x, state, is_stationary })
+    Ok(Descent { unknowns: x, state, foretold_from: None, is_stationary })
+}
+
+/// The point of the bounds that is nearest.
+pub(crate) fn within(x: &[f64], bounds: &[[f64; 2]]) -> Vec<f64> {
+    x.iter().zip(bounds).map(|(x, [least, greatest])| x.max(*least).min(*greatest)).collect()
 }
 
 /// Scratch memory of [`descend`].
@@ -197,6 +252,9 @@ pub(crate) struct Workspace {
     jacobian: Vec<f64>,
     /// In scales of the unknowns; the relaxation behind them where there are constraints.
     step: Vec<f64>,
+    /// `‖r + J d‖` behind the last step, and the violation that is left there in the linear problem.
+    distance: f64,
+    violation: f64,
 }
 
 impl Workspace {
@@ -281,6 +339,7 @@ impl Workspace {
             row[..n].iter().zip(&self.step).map(|(a, d)| a * d).sum::<f64>() - slack
         });
         let violation = violation.fold(0.0, f64::max);
+        (self.distance, self.violation) = (predicted.sqrt(), violation);
         Ok(linear.cost() - 0.5 * predicted + penalty * (linear.violation() - violation))
     }
 }

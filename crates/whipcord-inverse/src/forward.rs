@@ -94,6 +94,15 @@ impl Evaluation {
         near
     }
 
+    /// Its rates with the solution that the model of the answers has.
+    pub fn of_answer(&self, solution: Solution, forward: &Forward) -> Self {
+        let mut evaluation = self.clone();
+        evaluation.tensions = solution.cables.iter().map(|cable| cable.tension).collect();
+        evaluation.shortenings = forward.shortenings(&solution);
+        evaluation.solution = solution;
+        evaluation
+    }
+
     /// With the rates of another evaluation of the same unknowns.
     pub fn with_rates_of(self, other: Self) -> Self {
         let Self { solution, tensions, shortenings, .. } = self;
@@ -102,7 +111,7 @@ impl Evaluation {
 }
 
 /// Steps of a Cosserat rod on which trials are solved: with them the tip is known to about 1e-5 of the length.
-const FEW_STEPS: usize = 12;
+const FEW_STEPS: usize = 9;
 /// What the iteration of a trial may leave: far below the tolerance of any target.
 const RESIDUAL: f64 = 1e-7;
 
@@ -281,6 +290,11 @@ impl Forward {
     /// Whether the rates of [`Self::evaluate`] are only as exact as a descent needs them.
     pub fn has_approximate_rates(&self) -> bool {
         matches!(self.model, Prepared::Cosserat(..)) && !self.case.loads.is_none()
+    }
+
+    /// Whether an answer depends on its commands and loads alone.
+    pub fn has_no_memory(&self) -> bool {
+        self.memory == Remembers::Nothing && self.origin.is_none()
     }
 
     /// Whether trials are solved on fewer steps than answers.

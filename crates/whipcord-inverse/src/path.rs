@@ -4,7 +4,8 @@ use whipcord::{Solution, SolveError};
 
 use crate::error::{InverseError, TargetProblem};
 use crate::options::{Preference, ReachOptions, ReachStatus};
-use crate::reach::{InverseSolver, Ranges, Reached};
+use crate::reach::Reached;
+use crate::solver::{InverseSolver, Ranges};
 use crate::target::Target;
 
 /// A target that is to be reached at a time.

@@ -3,7 +3,7 @@
 use whipcord::SolveError;
 use whipcord_numerics::{Programme, QuadraticProgramme, SingularValues};
 
-use crate::descent::{Control, Linear, Workspace};
+use crate::descent::{Control, Linear, Start, Workspace};
 use crate::error::InverseError;
 use crate::forward::Evaluation;
 use crate::options::{Preference, ReachOptions};
@@ -114,8 +114,8 @@ impl Search<'_> {
                     best.unknowns[k] + scales[k] * change
                 })
                 .collect();
-            let from = Some((best.unknowns.as_slice(), &best.evaluation));
-            let restored = self.descend(&moved, from, task.control, workspace, options);
+            let start = Start::From(&moved, (&best.unknowns, &best.evaluation));
+            let restored = self.attempt(start, task.control, workspace, options);
             let next = match restored {
                 Ok(next) => next,
                 Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),

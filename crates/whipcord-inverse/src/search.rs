@@ -3,7 +3,7 @@
 use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
-use crate::descent::{Control, Descent, Linear, Problem, Workspace, descend};
+use crate::descent::{Control, Descent, Linear, Problem, Start, Workspace, descend};
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
 use crate::options::ReachOptions;
@@ -17,6 +17,8 @@ pub(crate) struct Candidate {
     pub evaluation: Evaluation,
     pub miss: Miss,
     pub is_reached: bool,
+    /// Whether its rates are those of its unknowns, and not of a point near them.
+    pub has_own_rates: bool,
     /// No step lowers the distance.
     pub is_minimum: bool,
     /// Whether all limits are kept and it is stable.
@@ -46,27 +48,29 @@ pub(crate) struct Search<'a> {
 impl Problem for Search<'_> {
     type State = Evaluation;
 
-    fn at(
+    fn evaluate(
         &mut self,
         unknowns: &[f64],
         from: Option<(&[f64], &Evaluation)>,
-    ) -> Result<(Linear, Evaluation), SolveError> {
+    ) -> Result<Evaluation, SolveError> {
         let near = from.map(|(before, evaluation)| {
             evaluation.extrapolated(unknowns.iter().zip(before).map(|(x, before)| x - before))
         });
-        let evaluation = self.forward.evaluate(unknowns, &self.places, near.as_ref())?;
+        self.forward.evaluate(unknowns, &self.places, near.as_ref())
+    }
+
+    fn linearize(&self, evaluation: &Evaluation) -> Linear {
         let mut linear = Linear::default();
         self.target.linearize(&evaluation.solution, &evaluation.motions, self.lever, &mut linear);
         let first = self.target.places().len();
-        self.constraints.linearize(self.forward.robot(), &evaluation, first, &mut linear);
+        self.constraints.linearize(self.forward.robot(), evaluation, first, &mut linear);
         linear.residual.iter_mut().zip(&self.correction.residual).for_each(|(r, more)| *r += more);
         linear.slack.iter_mut().zip(&self.correction.slack).for_each(|(s, more)| *s += more);
-        Ok((linear, evaluation))
+        linear
     }
 
-    fn is_done(&self, linear: &Linear, part: f64) -> bool {
-        let distance = (2.0 * linear.cost()).sqrt();
-        linear.violation() == 0.0 && distance <= part * self.tolerance.position
+    fn tolerance(&self) -> f64 {
+        self.tolerance.position
     }
 }
 
@@ -95,84 +99,83 @@ const CORRECTIONS: usize = 4;
 const KNOWN: f64 = 0.1;
 
 impl Search<'_> {
-    /// Goes down from a start and solves what is found from rest.
-    pub fn attempt(
-        &mut self,
-        start: &[f64],
-        from: Option<&Solution>,
-        control: &Control<'_>,
-        workspace: &mut Workspace,
-        options: &ReachOptions,
-    ) -> Result<Candidate, SolveError> {
-        let from = from.map(|solution| self.forward.without_rates(solution.clone()));
-        let from = from.as_ref().map(|evaluation| (start, evaluation));
-        self.descend(start, from, control, workspace, options)
+    /// The places whose motions an evaluation must have.
+    pub fn places(&self) -> &[Place] {
+        &self.places
     }
 
-    /// Goes down on few steps, at first from other unknowns and their evaluation where there are, and again with what the answer of the model itself differs by, until that is known.
-    pub fn descend(
+    /// The square of the residuals of a solution.
+    pub fn distance(&self, solution: &Solution) -> f64 {
+        let mut residual = Vec::new();
+        self.target.residual(solution, self.lever, &mut residual);
+        residual.iter().map(|r| r * r).sum()
+    }
+
+    /// Goes down from a start on few steps and solves what is found from rest; and again with what the answer of the model itself differs by, until that is known.
+    pub fn attempt(
         &mut self,
-        start: &[f64],
-        from: Option<(&[f64], &Evaluation)>,
+        start: Start<'_, Evaluation>,
         control: &Control<'_>,
         workspace: &mut Workspace,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
-        let mut found = descend(self, start, from, control, workspace)?;
+        let mut found = descend(self, start, control, workspace)?;
         let mut round = 0;
         loop {
             round += 1;
-            let (candidate, difference) = self.verified(&found, options)?;
-            let Some(change) = difference else { return Ok(candidate) };
-            let near = 10.0 * self.tolerance.position.max(change);
-            if candidate.is_reached
-                || round >= CORRECTIONS
-                || change <= KNOWN * self.tolerance.position
-                || candidate.distance > near
-            {
+            let candidate = self.verified(&found, options)?;
+            if let Some(before) = found.foretold_from.take() {
+                if candidate.is_reached || round >= CORRECTIONS {
+                    return Ok(candidate);
+                }
+                found.state = self.evaluate(&found.unknowns, Some((&before, &found.state)))?;
+            } else if !self.forward.is_on_few_steps() {
                 return Ok(candidate);
             }
-            let from = (found.unknowns.as_slice(), &found.state);
-            found = descend(self, &found.unknowns, Some(from), control, workspace)?;
+            if self.forward.is_on_few_steps() {
+                let change = self.correct(&candidate.evaluation, &found.state);
+                let near = 10.0 * self.tolerance.position.max(change);
+                let is_final = candidate.is_reached
+                    || round >= CORRECTIONS
+                    || change <= KNOWN * self.tolerance.position
+                    || candidate.distance > near;
+                if is_final && candidate.has_own_rates {
+                    return Ok(candidate);
+                }
+            }
+            found = descend(self, Start::Known(&found.unknowns, &found.state), control, workspace)?;
         }
     }
 
-    /// What an iteration has found, as a solve from rest has it, and by how much the difference of the two models has
-    /// changed in m, where they are two.
+    /// What an iteration has found, as a solve from rest has it.
     fn verified(
         &mut self,
         found: &Descent<Evaluation>,
         options: &ReachOptions,
-    ) -> Result<(Candidate, Option<f64>), SolveError> {
+    ) -> Result<Candidate, SolveError> {
         let solution = self.forward.verify(&found.unknowns, &found.state.solution)?;
         let miss = self.target.miss(&solution);
-        let mut evaluation = found.state.clone();
-        evaluation.tensions = solution.cables.iter().map(|cable| cable.tension).collect();
-        evaluation.shortenings = self.forward.shortenings(&solution);
-        evaluation.solution = solution;
+        let evaluation = found.state.of_answer(solution, self.forward);
         let solution = &evaluation.solution;
-        let change =
-            self.forward.is_on_few_steps().then(|| self.correct(&evaluation, &found.state));
         let (_, is_exceeded) = self.constraints.active(self.forward.robot(), &evaluation);
         let touches = options.clearance.is_some() && !solution.contacts.is_empty();
         let is_unstable = solution.diagnostics.is_unstable() && !options.allows_unstable;
         let is_allowed = !is_exceeded && !touches && !is_unstable;
-        let mut residual = Vec::new();
-        self.target.residual(solution, self.lever, &mut residual);
-        let candidate = Candidate {
+        let distance = self.distance(solution).sqrt();
+        Ok(Candidate {
             unknowns: found.unknowns.clone(),
             evaluation,
             is_reached: is_allowed && miss.is_within(self.tolerance),
+            has_own_rates: found.foretold_from.is_none(),
             is_minimum: found.is_stationary && is_allowed,
             miss,
             is_allowed,
-            distance: residual.iter().map(|r| r * r).sum::<f64>().sqrt(),
-        };
-        Ok((candidate, change))
+            distance,
+        })
     }
 
     /// Measures by how much the model on few steps differs, and says by how much that has changed in m.
-    fn correct(&mut self, answer: &Evaluation, on_few_steps: &Evaluation) -> f64 {
+    pub fn correct(&mut self, answer: &Evaluation, on_few_steps: &Evaluation) -> f64 {
         let of = |evaluation: &Evaluation| {
             let mut linear = Linear::default();
             self.target.residual(&evaluation.solution, self.lever, &mut linear.residual);

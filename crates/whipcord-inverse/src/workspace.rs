@@ -9,7 +9,7 @@ use whipcord::{SolveError, Twist, Vec3};
 use crate::error::InverseError;
 use crate::limit::{Constraints, Limit};
 use crate::options::ReachOptions;
-use crate::reach::InverseSolver;
+use crate::solver::InverseSolver;
 use crate::search::Candidate;
 use crate::target::{Target, Tolerance};
 

@@ -154,6 +154,7 @@ const FIRST: ReachOptions = ReachOptions {
     clearance: None,
     proof: None,
     allows_unstable: false,
+    null_space: true,
 };
 
 #[test]
