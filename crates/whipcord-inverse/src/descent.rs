@@ -103,6 +103,9 @@ impl Ending {
     /// Of an answer: far within the tolerance, because it is solved again from rest.
     pub const ANSWER: Self =
         Self { part_of_tolerance: 0.02, least_reduction: 1e-9, foretold: 1.0 };
+    /// Of one of many steps to an answer.
+    pub const RESTORED: Self =
+        Self { part_of_tolerance: 0.5, least_reduction: 1e-9, foretold: 0.0 };
     /// Of an answer to a tolerance far above the error of the model.
     pub const COARSE: Self =
         Self { part_of_tolerance: 0.5, least_reduction: 1e-4, foretold: 0.0 };

@@ -63,10 +63,15 @@ pub(crate) struct Task<'a> {
 
 /// A step of this size in scaled unknowns is none.
 const LEAST_STEP: f64 = 1e-7;
+/// A gain of less than this part of what is to be small is the last.
+const LEAST_GAIN: f64 = 1e-8;
 
 impl Search<'_> {
     /// A better one of the commands that reach the target: steps of a quadratic programme in the null space of the target, each followed
     /// by a restoration of the target. `None` where none is better.
+    ///
+    /// Where answers depend on their commands alone the steps are those of the trials, and only what they lead to is solved from rest. If that is no
+    /// answer, or if answers depend on more, each step is.
     ///
     /// # Errors
     /// [`InverseError::Solve`] where a solve was cancelled.
@@ -76,6 +81,42 @@ impl Search<'_> {
         task: &Task<'_>,
         workspace: &mut Workspace,
         options: &ReachOptions,
+    ) -> Result<Option<Candidate>, InverseError> {
+        let before = self.value(from, task);
+        if self.forward.has_no_memory() && self.forward.case.obstacles.is_empty() {
+            let trial = |search: &mut Self, start: Start<'_, Evaluation>, memory: &mut Workspace| {
+                search.restored(start, task.control, memory)
+            };
+            let Some(found) = self.descend_null_space(from, task, workspace, options, trial)? else {
+                return Ok(None);
+            };
+            let start = Start::Known(&found.unknowns, &found.evaluation);
+            match self.attempt(start, task.control, workspace, options) {
+                Ok(answer) if answer.is_reached && self.value(&answer, task) < before => {
+                    return Ok(Some(answer));
+                }
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
+                _ => {}
+            }
+        }
+        let solved = |search: &mut Self, start: Start<'_, Evaluation>, memory: &mut Workspace| {
+            search.attempt(start, task.control, memory, options)
+        };
+        self.descend_null_space(from, task, workspace, options, solved)
+    }
+
+    /// The steps of [`Self::improve`], each restored as told. `None` where none is better.
+    fn descend_null_space(
+        &mut self,
+        from: &Candidate,
+        task: &Task<'_>,
+        workspace: &mut Workspace,
+        options: &ReachOptions,
+        restore: impl Fn(
+            &mut Self,
+            Start<'_, Evaluation>,
+            &mut Workspace,
+        ) -> Result<Candidate, SolveError>,
     ) -> Result<Option<Candidate>, InverseError> {
         let scales = task.control.scales;
         let n = scales.len();
@@ -115,8 +156,7 @@ impl Search<'_> {
                 })
                 .collect();
             let start = Start::From(&moved, (&best.unknowns, &best.evaluation));
-            let restored = self.attempt(start, task.control, workspace, options);
-            let next = match restored {
+            let next = match restore(self, start, workspace) {
                 Ok(next) => next,
                 Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
                 Err(_) => {
@@ -130,7 +170,7 @@ impl Search<'_> {
                 best = next;
                 is_better = true;
                 radius = (2.0 * radius).min(2.0);
-                if gain < 1e-8 * before.abs() {
+                if gain < LEAST_GAIN * before.abs() {
                     break;
                 }
             } else {

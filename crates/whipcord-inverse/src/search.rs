@@ -3,7 +3,7 @@
 use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
-use crate::descent::{Control, Descent, Linear, Problem, Start, Workspace, descend};
+use crate::descent::{Control, Descent, Ending, Linear, Problem, Start, Workspace, descend};
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
 use crate::options::ReachOptions;
@@ -145,6 +145,29 @@ impl Search<'_> {
             }
             found = descend(self, Start::Known(&found.unknowns, &found.state), control, workspace)?;
         }
+    }
+
+    /// Goes down from a start on few steps; what is found there is not solved from rest.
+    pub fn restored(
+        &mut self,
+        start: Start<'_, Evaluation>,
+        control: &Control<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<Candidate, SolveError> {
+        let control = Control { ending: Ending::RESTORED, ..*control };
+        let found = descend(self, start, &control, workspace)?;
+        let linear = self.linearize(&found.state);
+        let (distance, is_allowed) = (linear.distance(), linear.violation() == 0.0);
+        Ok(Candidate {
+            unknowns: found.unknowns,
+            miss: self.target.miss(&found.state.solution),
+            evaluation: found.state,
+            is_reached: is_allowed && distance <= self.tolerance.position,
+            has_own_rates: true,
+            is_minimum: false,
+            is_allowed,
+            distance,
+        })
     }
 
     /// What an iteration has found, as a solve from rest has it.
