@@ -71,6 +71,8 @@ pub(crate) struct Descent<S> {
     pub state: S,
     /// The point before, where the last step was not evaluated because derivatives and curvature foretell that it ends within the tolerance.
     pub foretold_from: Option<Vec<f64>>,
+    /// The curvature behind the last step that was evaluated, as in [`Control::curvature`].
+    pub curvature: Option<f64>,
     /// Whether no feasible direction lowers the cost.
     pub is_stationary: bool,
 }
@@ -86,6 +88,8 @@ pub(crate) struct Control<'a> {
     pub evaluations: usize,
     /// When it ends.
     pub ending: Ending,
+    /// What the residuals of a step have beyond those of the linear problem, over the square of its size in scales, where that is known from before.
+    pub curvature: Option<f64>,
 }
 
 /// When an iteration ends.
@@ -101,18 +105,17 @@ pub(crate) struct Ending {
 
 impl Ending {
     /// Of an answer: far within the tolerance, because it is solved again from rest.
-    pub const ANSWER: Self =
-        Self { part_of_tolerance: 0.02, least_reduction: 1e-9, foretold: 1.0 };
+    pub const ANSWER: Self = Self { part_of_tolerance: 0.02, least_reduction: 1e-9, foretold: 1.0 };
     /// Of one of many steps to an answer.
     pub const RESTORED: Self =
         Self { part_of_tolerance: 0.5, least_reduction: 1e-9, foretold: 0.0 };
     /// Of an answer to a tolerance far above the error of the model.
-    pub const COARSE: Self =
-        Self { part_of_tolerance: 0.5, least_reduction: 1e-4, foretold: 0.0 };
+    pub const COARSE: Self = Self { part_of_tolerance: 0.5, least_reduction: 1e-4, foretold: 0.0 };
 }
 
-/// Largest step at first and at all, in scales of the unknowns.
-const FIRST_RADIUS: f64 = 0.25;
+/// Largest step at first and at all, in scales of the unknowns, and damping at first.
+pub(crate) const FIRST_RADIUS: f64 = 0.25;
+pub(crate) const FIRST_DAMPING: f64 = 1e-8;
 const LARGEST_RADIUS: f64 = 4.0;
 /// A step of this size, in scales, moves nothing.
 const LEAST_STEP: f64 = 1e-11;
@@ -153,9 +156,8 @@ pub(crate) fn descend<P: Problem>(
     };
     let tolerance = problem.tolerance();
     let mut linear = problem.linearize(&state);
-    // What the residuals of the last step had beyond those of the linear problem, over the square of its size.
-    let mut curvature: Option<f64> = None;
-    let mut damping = 1e-8;
+    let mut curvature = control.curvature;
+    let mut damping = FIRST_DAMPING;
     let mut radius = FIRST_RADIUS;
     let mut is_stationary = false;
     let mut evaluations = 1;
@@ -189,12 +191,12 @@ pub(crate) fn descend<P: Problem>(
                 moved => moved,
             };
         }
-        if let Some(curvature) = curvature
+        if let Some(known) = curvature
             && workspace.violation == 0.0
-            && workspace.distance + curvature * size * size <= control.ending.foretold * tolerance
+            && workspace.distance + known * size * size <= control.ending.foretold * tolerance
         {
-            let foretold_from = Some(x);
-            return Ok(Descent { unknowns: trial, state, foretold_from, is_stationary: false });
+            let (foretold_from, is_stationary) = (Some(x), false);
+            return Ok(Descent { unknowns: trial, state, foretold_from, curvature, is_stationary });
         }
         evaluations += 1;
         match problem.evaluate(&trial, Some((&x, &state))) {
@@ -234,7 +236,7 @@ pub(crate) fn descend<P: Problem>(
             }
         }
     }
-    Ok(Descent { unknowns: x, state, foretold_from: None, is_stationary })
+    Ok(Descent { unknowns: x, state, foretold_from: None, curvature, is_stationary })
 }
 
 /// The point of the bounds that is nearest.

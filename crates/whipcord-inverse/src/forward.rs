@@ -294,7 +294,7 @@ impl Forward {
 
     /// Whether an answer depends on its commands and loads alone.
     pub fn has_no_memory(&self) -> bool {
-        self.memory == Remembers::Nothing && self.origin.is_none()
+        self.memory == Remembers::Nothing
     }
 
     /// Whether trials are solved on fewer steps than answers.

@@ -10,7 +10,7 @@ use crate::forward::Evaluation;
 use crate::limit::{Constraints, Limit};
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::redundancy::{self, Redundancy};
-use crate::search::{Candidate, Search};
+use crate::search::{Candidate, Passed, Search};
 use crate::solver::{InverseSolver, Ranges};
 use crate::surveying::Surveyed;
 use crate::target::{Miss, Target, Tolerance};
@@ -74,6 +74,8 @@ const STARTS_WITH_HISTORY: usize = 6;
 /// Steps along the null space to the preferred commands, and at a point of a path, where the points before have led near to them.
 const STEPS: usize = 40;
 const STEPS_ON_PATH: usize = 2;
+/// A step between points of a path of less than this, in changes that bend the robot by half a turn, is small.
+const NEAR: f64 = 0.02;
 /// Evaluations of one start.
 const EVALUATIONS: usize = 80;
 /// Starts that end at the same nearest point before it is taken for one.
@@ -95,15 +97,15 @@ impl InverseSolver {
         self.reach_from(&start, None, &ranges, target, options).map(|(answer, _)| answer)
     }
 
-    /// [`Self::reach`] from these unknowns and the shape that they lead to, within these bounds.
+    /// [`Self::reach`] from these unknowns, or from the point before of a path that they are the commands of, within these bounds.
     pub(crate) fn reach_from(
         &mut self,
         start: &[f64],
-        from: Option<&Solution>,
+        from: Option<&Passed>,
         ranges: &Ranges,
         target: &Target,
         options: &ReachOptions,
-    ) -> Result<(Reached, Vec<f64>), InverseError> {
+    ) -> Result<(Reached, Passed), InverseError> {
         target.check(self.forward.robot().disks().count())?;
         let length = self.forward.robot().backbone().length;
         let tolerance = options.tolerance.unwrap_or_else(|| Tolerance::of_length(length));
@@ -117,7 +119,18 @@ impl InverseSolver {
         let first_solve = self.forward.solves;
         let mut search = Search::new(target, tolerance, &constraints, &mut self.forward);
         let scales = search.forward.scales.clone();
-        let from = from.map(|solution| search.forward.without_rates(solution.clone()));
+        let prefer = options.prefer;
+        let control = |spent: usize| Control {
+            bounds,
+            scales: &scales,
+            evaluations: EVALUATIONS.min(options.solves - spent),
+            ending: Ending::ANSWER,
+            curvature: None,
+        };
+        let foreseen = from.and_then(|passed| {
+            let task = redundancy::Task { prefer, start, control: &control(0), steps: 1 };
+            search.foreseen(passed, &task, &mut self.workspace)
+        });
         let wanted = match options.prefer {
             Preference::LeastChange => None,
             _ => self.spread.as_deref(),
@@ -143,18 +156,15 @@ impl InverseSolver {
                 break;
             }
             starts += 1;
-            let control = Control {
-                bounds,
-                scales: &scales,
-                evaluations: EVALUATIONS.min(options.solves - spent),
-                ending: Ending::ANSWER,
-            };
-            let at = match (starts, &from, known) {
-                (1, Some(from), _) => Start::From(&unknowns, (&unknowns, from)),
+            let at = match (starts, from, known) {
+                (1, Some(from), _) => {
+                    let moved = foreseen.as_deref().unwrap_or(&unknowns);
+                    Start::From(moved, (&unknowns, &from.at.evaluation))
+                }
                 (1, None, Some(known)) => Start::Known(&known.unknowns, &known.evaluation),
                 _ => Start::At(&unknowns),
             };
-            match search.attempt(at, &control, &mut self.workspace, options) {
+            match search.attempt(at, &control(spent), &mut self.workspace, options) {
                 Ok(found) => {
                     if found.is_reached {
                         best = Some(found);
@@ -193,6 +203,7 @@ impl InverseSolver {
                 }
             }
             next = queue.pop();
+            search.forget_curvature();
         }
         let Some(mut best) = best else {
             return Err(match refusal {
@@ -200,19 +211,20 @@ impl InverseSolver {
                 None => InverseError::NoSolves,
             });
         };
-        if best.is_reached && options.prefer != Preference::First {
-            let control = Control {
-                bounds,
-                scales: &scales,
-                evaluations: EVALUATIONS,
-                ending: Ending::ANSWER,
-            };
+        // Along a path of small steps that along the null space is already made.
+        let is_near = foreseen.as_ref().is_some_and(|moved| {
+            let steps = moved.iter().zip(start).zip(&scales);
+            starts == 1 && steps.into_iter().all(|((a, b), scale)| (a - b).abs() < NEAR * scale)
+        });
+        if best.is_reached && options.prefer != Preference::First && !is_near {
             let steps = if from.is_some() { STEPS_ON_PATH } else { STEPS };
-            let task = redundancy::Task { prefer: options.prefer, start, control: &control, steps };
+            let control = control(0);
+            let task = redundancy::Task { prefer, start, control: &control, steps };
             if let Some(better) = search.improve(&best, &task, &mut self.workspace, options)? {
                 best = better;
             }
         }
+        let passed = search.passed(best.clone());
         let unknowns = best.unknowns.clone();
         let null_space = match options.null_space {
             true => self.exact_null_space(&best, target, lever)?,
@@ -227,7 +239,7 @@ impl InverseSolver {
         {
             self.prove(&mut answer, target, tolerance, options, boxes)?;
         }
-        Ok((answer, unknowns))
+        Ok((answer, passed))
     }
 
     fn answer(
@@ -310,8 +322,8 @@ impl InverseSolver {
         let scales = self.forward.scales.clone();
         let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
         let bounds = &self.ranges.unknowns;
-        let control =
-            Control { bounds, scales: &scales, evaluations: EVALUATIONS, ending: Ending::COARSE };
+        let (evaluations, ending) = (EVALUATIONS, Ending::COARSE);
+        let control = Control { bounds, scales: &scales, evaluations, ending, curvature: None };
         search.attempt(Start::At(start), &control, &mut self.workspace, options)
     }
 
@@ -360,5 +372,4 @@ impl InverseSolver {
         }
         forward_case
     }
-
 }

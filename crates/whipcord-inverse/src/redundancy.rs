@@ -83,11 +83,13 @@ impl Search<'_> {
         options: &ReachOptions,
     ) -> Result<Option<Candidate>, InverseError> {
         let before = self.value(from, task);
-        if self.forward.has_no_memory() && self.forward.case.obstacles.is_empty() {
-            let trial = |search: &mut Self, start: Start<'_, Evaluation>, memory: &mut Workspace| {
-                search.restored(start, task.control, memory)
-            };
-            let Some(found) = self.descend_null_space(from, task, workspace, options, trial)? else {
+        if self.is_smooth() {
+            let trial =
+                |search: &mut Self, start: Start<'_, Evaluation>, memory: &mut Workspace| {
+                    search.restored(start, task.control, memory)
+                };
+            let Some(found) = self.descend_null_space(from, task, workspace, options, trial)?
+            else {
                 return Ok(None);
             };
             let start = Start::Known(&found.unknowns, &found.evaluation);
@@ -119,42 +121,19 @@ impl Search<'_> {
         ) -> Result<Candidate, SolveError>,
     ) -> Result<Option<Candidate>, InverseError> {
         let scales = task.control.scales;
-        let n = scales.len();
         let mut best = from.clone();
         let mut is_better = false;
         let mut radius = 1.0;
-        let mut solver = QuadraticProgramme::default();
-        let mut step = Vec::new();
         let spent = self.forward.solves;
         for _ in 0..task.steps {
             let allowed = options.solves / 2;
             if self.forward.solves - spent > allowed {
                 break;
             }
-            let Some(redundancy) =
-                Redundancy::of(&best.evaluation, self.target, self.lever, scales)
-            else {
-                break;
-            };
-            let model = self.objective(&best, task, &redundancy, radius);
-            if solver.minimise(&model.programme(), &mut step).is_err() {
-                break;
-            }
-            let along = &step[..model.directions];
-            let size = along.iter().fold(0.0, |a: f64, y| a.max(y.abs()));
-            if size < LEAST_STEP {
-                break;
-            }
-            let moved: Vec<f64> = (0..n)
-                .map(|k| {
-                    let change: f64 = along
-                        .iter()
-                        .enumerate()
-                        .map(|(d, y)| y * redundancy.directions[d * n + k])
-                        .sum();
-                    best.unknowns[k] + scales[k] * change
-                })
-                .collect();
+            let Some(along) = self.along_null_space(&best, task, radius) else { break };
+            let size =
+                along.iter().zip(scales).fold(0.0, |a: f64, (d, scale)| a.max((d / scale).abs()));
+            let moved: Vec<f64> = best.unknowns.iter().zip(&along).map(|(x, d)| x + d).collect();
             let start = Start::From(&moved, (&best.unknowns, &best.evaluation));
             let next = match restore(self, start, workspace) {
                 Ok(next) => next,
@@ -178,6 +157,33 @@ impl Search<'_> {
             }
         }
         Ok(is_better.then_some(best))
+    }
+
+    /// The step along the null space to what is preferred, no longer than a radius in scales; `None` where there is none to take.
+    pub fn along_null_space(
+        &self,
+        from: &Candidate,
+        task: &Task<'_>,
+        radius: f64,
+    ) -> Option<Vec<f64>> {
+        if task.prefer == Preference::First {
+            return None;
+        }
+        let scales = task.control.scales;
+        let n = scales.len();
+        let redundancy = Redundancy::of(&from.evaluation, self.target, self.lever, scales)?;
+        let model = self.objective(from, task, &redundancy, radius);
+        let mut step = Vec::new();
+        QuadraticProgramme::default().minimise(&model.programme(), &mut step).ok()?;
+        let along = &step[..model.directions];
+        if along.iter().fold(0.0, |a: f64, y| a.max(y.abs())) < LEAST_STEP {
+            return None;
+        }
+        let change = |k: usize| {
+            let parts = along.iter().enumerate();
+            parts.map(|(d, y)| y * redundancy.directions[d * n + k]).sum::<f64>() * scales[k]
+        };
+        Some((0..n).map(change).collect())
     }
 
     /// What the preference makes small.

@@ -3,10 +3,14 @@
 use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
-use crate::descent::{Control, Descent, Ending, Linear, Problem, Start, Workspace, descend};
+use crate::descent::{
+    Control, Descent, Ending, FIRST_DAMPING, FIRST_RADIUS, Linear, Problem, Start, Workspace,
+    descend,
+};
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
 use crate::options::ReachOptions;
+use crate::redundancy::Task;
 use crate::target::{Miss, Target, Tolerance};
 
 /// A point that an iteration ended at, with the answer of a solve from rest.
@@ -43,6 +47,17 @@ pub(crate) struct Search<'a> {
     pub constraints: &'a Constraints,
     pub forward: &'a mut Forward,
     correction: Correction,
+    /// As in [`Control::curvature`], of the last iteration.
+    curvature: Option<f64>,
+}
+
+/// Where a path has come to.
+#[derive(Clone, Debug)]
+pub(crate) struct Passed {
+    pub at: Candidate,
+    target: Target,
+    correction: Correction,
+    curvature: Option<f64>,
 }
 
 impl Problem for Search<'_> {
@@ -89,6 +104,7 @@ impl<'a> Search<'a> {
             constraints,
             forward,
             correction: Correction::default(),
+            curvature: None,
         }
     }
 }
@@ -99,6 +115,57 @@ const CORRECTIONS: usize = 4;
 const KNOWN: f64 = 0.1;
 
 impl Search<'_> {
+    /// What the next point of a path goes on from.
+    pub fn passed(self, at: Candidate) -> Passed {
+        let Self { target, correction, curvature, .. } = self;
+        Passed { at, target: target.clone(), correction, curvature }
+    }
+
+    /// Goes on from the point before of a path, where the target is of the same kind: takes what is known of the two models and of curvature from there, and returns
+    /// where its derivatives lead, with one step along the null space to what is preferred.
+    pub fn foreseen(
+        &mut self,
+        passed: &Passed,
+        task: &Task<'_>,
+        workspace: &mut Workspace,
+    ) -> Option<Vec<f64>> {
+        let Passed { at, target, correction, curvature } = passed;
+        let is_known = self.is_smooth() && target.is_like(self.target);
+        if !is_known || at.evaluation.motions.is_empty() {
+            return None;
+        }
+        // Of the answer, not of a trial: nothing is to be corrected.
+        let linear = self.linearize(&at.evaluation);
+        let control = task.control;
+        let penalty = 1e2 * linear.cost().max(1e-30);
+        let (damping, radius) = (FIRST_DAMPING, FIRST_RADIUS);
+        workspace.step(&linear, &at.unknowns, control, damping, radius, penalty).ok()?;
+        let mut moved = at.unknowns.clone();
+        for ((x, d), scale) in moved.iter_mut().zip(workspace.last_step()).zip(control.scales) {
+            *x += d * scale;
+        }
+        let changes = moved.iter().zip(&at.unknowns).map(|(moved, x)| moved - x);
+        let near = at.evaluation.extrapolated(changes);
+        let mut there = at.clone();
+        there.evaluation.tensions = near.cables.iter().map(|cable| cable.tension).collect();
+        there.unknowns.clone_from(&moved);
+        if let Some(along) = self.along_null_space(&there, task, radius) {
+            moved.iter_mut().zip(along).for_each(|(x, d)| *x += d);
+        }
+        (self.correction, self.curvature) = (correction.clone(), *curvature);
+        Some(moved)
+    }
+
+    /// Of a start elsewhere nothing is known.
+    pub const fn forget_curvature(&mut self) {
+        self.curvature = None;
+    }
+
+    /// Whether answers depend on their commands alone, and smoothly.
+    pub fn is_smooth(&self) -> bool {
+        self.forward.has_no_memory() && self.forward.case.obstacles.is_empty()
+    }
+
     /// The places whose motions an evaluation must have.
     pub fn places(&self) -> &[Place] {
         &self.places
@@ -119,10 +186,12 @@ impl Search<'_> {
         workspace: &mut Workspace,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
+        let control = &Control { curvature: self.curvature, ..*control };
         let mut found = descend(self, start, control, workspace)?;
         let mut round = 0;
         loop {
             round += 1;
+            self.curvature = found.curvature;
             let candidate = self.verified(&found, options)?;
             if let Some(before) = found.foretold_from.take() {
                 if candidate.is_reached || round >= CORRECTIONS {
@@ -154,7 +223,7 @@ impl Search<'_> {
         control: &Control<'_>,
         workspace: &mut Workspace,
     ) -> Result<Candidate, SolveError> {
-        let control = Control { ending: Ending::RESTORED, ..*control };
+        let control = Control { ending: Ending::RESTORED, curvature: None, ..*control };
         let found = descend(self, start, &control, workspace)?;
         let linear = self.linearize(&found.state);
         let (distance, is_allowed) = (linear.distance(), linear.violation() == 0.0);
