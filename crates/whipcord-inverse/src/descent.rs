@@ -45,6 +45,13 @@ pub(crate) trait Problem {
         from: Option<(&[f64], &Self::State)>,
     ) -> Result<Self::State, SolveError>;
 
+    /// The evaluation at a point near another one, with the derivatives of that one.
+    fn evaluate_without_rates(
+        &mut self,
+        unknowns: &[f64],
+        from: (&[f64], &Self::State),
+    ) -> Result<Self::State, SolveError>;
+
     /// Residuals and constraints of an evaluation.
     fn linearize(&self, state: &Self::State) -> Linear;
 
@@ -71,6 +78,8 @@ pub(crate) struct Descent<S> {
     pub state: S,
     /// The point before, where the last step was not evaluated because derivatives and curvature foretell that it ends within the tolerance.
     pub foretold_from: Option<Vec<f64>>,
+    /// Whether the derivatives of the state are those of its point.
+    pub has_own_rates: bool,
     /// The curvature behind the last step that was evaluated, as in [`Control::curvature`].
     pub curvature: Option<f64>,
     /// Whether no feasible direction lowers the cost.
@@ -157,6 +166,8 @@ pub(crate) fn descend<P: Problem>(
     let tolerance = problem.tolerance();
     let mut linear = problem.linearize(&state);
     let mut curvature = control.curvature;
+    // How far the point is from that of its derivatives.
+    let mut stale = 0.0;
     let mut damping = FIRST_DAMPING;
     let mut radius = FIRST_RADIUS;
     let mut is_stationary = false;
@@ -177,11 +188,6 @@ pub(crate) fn descend<P: Problem>(
         let step = &workspace.step;
         let size = step[..n].iter().fold(0.0, |a: f64, d| a.max(d.abs()));
         let merit = cost + penalty * linear.violation();
-        // At full radius and without damping the promise is that of the linear problem.
-        if size < LEAST_STEP || promised <= control.ending.least_reduction * merit {
-            is_stationary = linear.violation() == 0.0;
-            break;
-        }
         for (k, trial) in trial.iter_mut().enumerate() {
             let [least, greatest] = control.bounds[k];
             let near = AT_BOUND * control.scales[k];
@@ -191,15 +197,52 @@ pub(crate) fn descend<P: Problem>(
                 moved => moved,
             };
         }
+        let mut is_chord = false;
         if let Some(known) = curvature
             && workspace.violation == 0.0
-            && workspace.distance + known * size * size <= control.ending.foretold * tolerance
+            && control.ending.foretold > 0.0
         {
-            let (foretold_from, is_stationary) = (Some(x), false);
-            return Ok(Descent { unknowns: trial, state, foretold_from, curvature, is_stationary });
+            let part = control.ending.foretold * tolerance;
+            let left = workspace.distance + known * size * (size + 2.0 * stale);
+            if left <= part {
+                return Ok(Descent {
+                    unknowns: trial,
+                    state,
+                    foretold_from: Some(x),
+                    has_own_rates: false,
+                    curvature,
+                    is_stationary: false,
+                });
+            }
+            // Whether a step behind this one ends within the tolerance with the derivatives from before this one.
+            let next = size * left / linear.distance().max(f64::MIN_POSITIVE);
+            is_chord = stale == 0.0 && known * next * (next + 2.0 * size) <= 0.5 * part;
+        }
+        if stale > 0.0 {
+            evaluations += 1;
+            stale = 0.0;
+            match problem.evaluate(&x, Some((&x, &state))) {
+                Ok(own) => {
+                    linear = problem.linearize(&own);
+                    state = own;
+                    continue;
+                }
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                // It has an answer, from where it was found.
+                Err(_) => {}
+            }
+        }
+        // At full radius and without damping the promise is that of the linear problem.
+        if size < LEAST_STEP || promised <= control.ending.least_reduction * merit {
+            is_stationary = linear.violation() == 0.0;
+            break;
         }
         evaluations += 1;
-        match problem.evaluate(&trial, Some((&x, &state))) {
+        let evaluated = match is_chord {
+            true => problem.evaluate_without_rates(&trial, (&x, &state)),
+            false => problem.evaluate(&trial, Some((&x, &state))),
+        };
+        match evaluated {
             Ok(next_state) => {
                 let next = problem.linearize(&next_state);
                 curvature = Some((next.distance() + workspace.distance) / (size * size));
@@ -208,6 +251,7 @@ pub(crate) fn descend<P: Problem>(
                 if next_merit < merit {
                     x.copy_from_slice(&trial);
                     (linear, state) = (next, next_state);
+                    stale = if is_chord { size } else { 0.0 };
                     if ratio > 0.6 {
                         damping = (damping * 0.1).max(1e-14);
                         radius = (2.0 * radius).min(LARGEST_RADIUS);
@@ -236,7 +280,8 @@ pub(crate) fn descend<P: Problem>(
             }
         }
     }
-    Ok(Descent { unknowns: x, state, foretold_from: None, curvature, is_stationary })
+    let has_own_rates = stale == 0.0;
+    Ok(Descent { unknowns: x, state, foretold_from: None, has_own_rates, curvature, is_stationary })
 }
 
 /// The point of the bounds that is nearest.

@@ -338,6 +338,15 @@ impl Forward {
         })
     }
 
+    /// The answer for these unknowns by the model of the trials, from a neighbouring solution.
+    pub fn trial(&mut self, unknowns: &[f64], near: &Solution) -> Result<Solution, SolveError> {
+        self.starting(Some(near), |forward, from| {
+            forward.command(unknowns);
+            forward.solves += 1;
+            forward.model.solve(&forward.case, from)
+        })
+    }
+
     /// [`Self::evaluate`] with all the derivatives, where the model has exact ones.
     pub fn evaluate_with_rates(
         &mut self,

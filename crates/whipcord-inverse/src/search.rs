@@ -74,6 +74,16 @@ impl Problem for Search<'_> {
         self.forward.evaluate(unknowns, &self.places, near.as_ref())
     }
 
+    fn evaluate_without_rates(
+        &mut self,
+        unknowns: &[f64],
+        (before, evaluation): (&[f64], &Evaluation),
+    ) -> Result<Evaluation, SolveError> {
+        let changes = unknowns.iter().zip(before).map(|(x, before)| x - before);
+        let solution = self.forward.trial(unknowns, &evaluation.extrapolated(changes))?;
+        Ok(evaluation.of_answer(solution, self.forward))
+    }
+
     fn linearize(&self, evaluation: &Evaluation) -> Linear {
         let mut linear = Linear::default();
         self.target.linearize(&evaluation.solution, &evaluation.motions, self.lever, &mut linear);
@@ -193,11 +203,14 @@ impl Search<'_> {
             round += 1;
             self.curvature = found.curvature;
             let candidate = self.verified(&found, options)?;
-            if let Some(before) = found.foretold_from.take() {
+            let foretold_from = found.foretold_from.take();
+            let was_foretold = foretold_from.is_some();
+            if let Some(before) = foretold_from {
                 if candidate.is_reached || round >= CORRECTIONS {
                     return Ok(candidate);
                 }
                 found.state = self.evaluate(&found.unknowns, Some((&before, &found.state)))?;
+                found.has_own_rates = true;
             } else if !self.forward.is_on_few_steps() {
                 return Ok(candidate);
             }
@@ -208,9 +221,13 @@ impl Search<'_> {
                     || round >= CORRECTIONS
                     || change <= KNOWN * self.tolerance.position
                     || candidate.distance > near;
-                if is_final && candidate.has_own_rates {
+                if is_final && !was_foretold {
                     return Ok(candidate);
                 }
+            }
+            if !found.has_own_rates {
+                let from = Some((found.unknowns.as_slice(), &found.state));
+                found.state = self.evaluate(&found.unknowns, from)?;
             }
             found = descend(self, Start::Known(&found.unknowns, &found.state), control, workspace)?;
         }
@@ -258,7 +275,7 @@ impl Search<'_> {
             unknowns: found.unknowns.clone(),
             evaluation,
             is_reached: is_allowed && miss.is_within(self.tolerance),
-            has_own_rates: found.foretold_from.is_none(),
+            has_own_rates: found.has_own_rates,
             is_minimum: found.is_stationary && is_allowed,
             miss,
             is_allowed,
