@@ -110,7 +110,7 @@ impl Evaluation {
     }
 }
 
-/// Steps of a Cosserat rod on which trials are solved: with them the tip is known to about 1e-5 of the length.
+/// Steps of a Cosserat rod on which trials are solved, or one between two disks: with them the tip is known to some 1e-5 of the length.
 const FEW_STEPS: usize = 9;
 /// What the iteration of a trial may leave: far below the tolerance of any target.
 const RESIDUAL: f64 = 1e-7;
