@@ -8,6 +8,8 @@ options), the same limits and the same start, the least tensions or motors at ze
 - the same with Jacobians from finite differences of ``case.solve``,
 - Levenberg–Marquardt with such Jacobians, each step cut off at the limits.
 
+``python python/benchmarks/reach.py 20 motors`` asks for 20 tips of the robots in whose names there is "motors".
+
 A tip counts as reached if a solve of the commands has it within 1e-5 of the length.
 """
 
@@ -132,10 +134,12 @@ def levenberg_marquardt(
     return x
 
 
-def main(count: int = 100) -> None:
+def main(count: int = 100, only: str = "") -> None:
     """Prints how many of so many tips each solver reaches, and its median time."""
-    random = np.random.default_rng(7)
     for name, (of, least, greatest) in ROBOTS.items():
+        if only not in name:
+            continue
+        random = np.random.default_rng(7)
         case = Case(of)
         driven = "motors" if of.motors else "tension"
         size = len(of.motors) or len(of.cables)
@@ -145,9 +149,9 @@ def main(count: int = 100) -> None:
 
         targets = [tip(solve(random.uniform(least, greatest, size))) for _ in range(count)]
         start = np.full(size, 0.0 if of.motors else least)
-        limits = {} if of.motors else {"tension": [least, greatest]}
+        limits = None if of.motors else {"tension": [least, greatest]}
 
-        def ours(target: np.ndarray, case: Case = case, limits: dict[str, list[float]] = limits) -> np.ndarray:
+        def ours(target: np.ndarray, case: Case = case, limits: dict[str, list[float]] | None = limits) -> np.ndarray:
             by = "motors" if case.robot.motors else "tensions"
             return np.asarray(case.reach(tip=target, limits=limits, by=by, least="change").command)
 
@@ -193,4 +197,4 @@ def main(count: int = 100) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main(*map(int, sys.argv[1:2]), *sys.argv[2:3])

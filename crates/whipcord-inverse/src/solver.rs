@@ -97,7 +97,7 @@ impl InverseSolver {
         Ok(solver)
     }
 
-    /// The unknown commands, in the order of [`Reached::commands`].
+    /// The unknown commands, in the order of [`crate::Reached::commands`].
     #[must_use]
     pub fn actuators(&self) -> &[Actuator] {
         &self.forward.actuators.asked
