@@ -449,6 +449,9 @@ class Case(Description):
     ) -> ReachBatch:
         """Commands for many targets, each by itself.
 
+        From 256 targets on each search starts from the nearest of the commands of the case and of 128 shapes all over the commands, which are computed once for
+        each thread; unless the least change is asked for.
+
         Parameters
         ----------
         targets

@@ -49,6 +49,9 @@ impl AtlasRows {
     }
 }
 
+/// Of the pseudo-random numbers: the shapes are the same in every run.
+const SEED: u64 = 0x9E37_79B9_7F4A_7C15;
+
 /// The rows, with a tree of the places of their tips.
 #[derive(Debug)]
 pub(crate) struct Atlas {
@@ -71,6 +74,13 @@ pub(crate) struct Survey<'a> {
 }
 
 impl Survey<'_> {
+    /// Unknowns all over their bounds, a row for each shape, the same each time.
+    pub fn spread(&self) -> Vec<Vec<f64>> {
+        let mut random = SplitMix64::new(SEED);
+        let mut next = || random.next_part();
+        (0..self.rows).map(|_| spread(self.bounds, &mut next).collect()).collect()
+    }
+
     /// A number for all that the shapes depend on. It is the same in every run of one version of the program.
     pub fn identity(&self) -> u64 {
         let Self { model, robot, case, actuators, bounds, tensions, rows } = self;
@@ -111,20 +121,17 @@ impl Atlas {
             motors: Vec::new(),
             ..survey.case.clone()
         };
-        let mut random = SplitMix64::new(0x9E37_79B9_7F4A_7C15);
+        let mut random = SplitMix64::new(SEED);
         let mut next = || random.next_part();
         let values: Vec<f64> = if by_tension {
-            {
-                let mut rows = Vec::with_capacity(survey.rows * cables);
-                for _ in 0..survey.rows {
-                    rows.extend(spread(survey.tensions, &mut next));
-                }
-                rows
-            }
-        } else {
             let mut rows = Vec::with_capacity(survey.rows * cables);
             for _ in 0..survey.rows {
-                let unknowns: Vec<f64> = spread(survey.bounds, &mut next).collect();
+                rows.extend(spread(survey.tensions, &mut next));
+            }
+            rows
+        } else {
+            let mut rows = Vec::with_capacity(survey.rows * cables);
+            for unknowns in survey.spread() {
                 let mut row = vec![0.0; cables];
                 for (actuator, x) in survey.actuators.iter().zip(&unknowns) {
                     for (cable, rate) in actuator.cables(survey.robot) {

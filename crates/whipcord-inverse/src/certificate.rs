@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::rc::Rc;
 
 use whipcord::derivatives::Place;
 use whipcord::{SolveError, Vec3};
@@ -57,8 +58,20 @@ struct Node {
     bound: f64,
     center: Vec<f64>,
     half: Vec<f64>,
-    /// The tension along which the robot bends most within it.
-    split: usize,
+    /// Whether the bound is that of a solve in its middle, or that of the box that it is a part of.
+    is_solved: bool,
+    /// The point and its rates in the middle of a box that contains this one.
+    tangent: Option<Rc<Tangent>>,
+}
+
+/// A point as a linear function of the tensions, and what it differs by in a box.
+struct Tangent {
+    center: Vec<f64>,
+    /// From the target to the point in the middle.
+    miss: Vec3,
+    motions: Vec<Vec3>,
+    /// In m.
+    remainder: f64,
 }
 
 impl PartialEq for Node {
@@ -106,7 +119,8 @@ const UNCERTAINTY: f64 = 2e-6;
 /// ‖p(τ) − x‖ ≥ n·r − Σ|n·Jᵢ|hᵢ − ½ max ‖∂_δ² p‖                  (12)
 /// ```
 ///
-/// with the bound of [`CurvatureBound`]; `n` points along the least miss of the linear problem. No box is nearer than the whole robot is long. The box with
+/// with the bound of [`CurvatureBound`]; `n` points along the least miss of the linear problem. No box is nearer than the whole robot is long. The halves of a box have the bound (12) of its
+/// tangent over their part at first, and only where that is the least of all bounds one of their own; the box with
 /// the least bound is halved until all bounds are beyond the distance, or the boxes are spent. What is returned is a bound in any case.
 ///
 /// # Errors
@@ -132,48 +146,53 @@ pub(crate) fn least_distance(
     let weights: Vec<f64> = (0..n).map(|cable| curvature.bending(cable)).collect();
     let mut memory = Memory::default();
     let mut heap = BinaryHeap::new();
-    // The tension along which a box is halved, and how much the robot bends within it; without a bound that is infinite.
-    let mut bending = |of: TensionBox<'_>| -> (usize, f64) {
-        let bend = |i: usize| of.half[i] * weights[i];
-        let split = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
-        let second = curvature.second_derivative(of, &mut memory);
-        (split, second.map_or(f64::INFINITY, |second| 0.5 * second))
-    };
-    let (split, _) = bending(TensionBox { center: &center, half: &half });
-    heap.push(Node { bound, center, half, split });
+    heap.push(Node { bound, center, half, is_solved: false, tangent: None });
     let mut spent = 0;
     loop {
-        let Some(node) = heap.pop() else { return Ok(Ok((goal.distance, spent))) };
+        let Some(mut node) = heap.pop() else { return Ok(Ok((goal.distance, spent))) };
         if node.bound >= goal.distance || spent >= boxes {
             return Ok(Ok((node.bound.min(goal.distance), spent)));
         }
-        let split = node.split;
-        for side in [-0.5, 0.5] {
-            let mut center = node.center.clone();
-            let mut half = node.half.clone();
-            center[split] += side * half[split];
-            half[split] *= 0.5;
+        if !node.is_solved {
             spent += 1;
-            let mut bound = node.bound;
-            let of = TensionBox { center: &center, half: &half };
+            node.is_solved = true;
+            let of = TensionBox { center: &node.center, half: &node.half };
             // Where a box is too large for a bound its parts may have one.
-            let (next, bend) = bending(of);
-            if bend < reach {
-                match forward.evaluate_answer(&center, &[goal.place]) {
+            let second = curvature.second_derivative(of, &mut memory);
+            let remainder = second.map_or(f64::INFINITY, |second| 0.5 * second) + uncertainty;
+            if remainder < reach {
+                match forward.evaluate_answer(&node.center, &[goal.place]) {
                     Ok(evaluation) => {
-                        let at = place_of(&evaluation.solution, goal.place);
-                        let motions: Vec<Vec3> =
-                            evaluation.motions.iter().map(|of| of[0].linear).collect();
-                        bound = bound.max(
-                            solver.bound(at - goal.point, &motions, &half) - bend - uncertainty,
-                        );
+                        let tangent = Tangent {
+                            center: node.center.clone(),
+                            miss: place_of(&evaluation.solution, goal.place) - goal.point,
+                            motions: evaluation.motions.iter().map(|of| of[0].linear).collect(),
+                            remainder,
+                        };
+                        let own = solver.bound(&tangent, &node.center, &node.half);
+                        node.bound = node.bound.max(own);
+                        node.tangent = Some(Rc::new(tangent));
                     }
                     Err(error @ SolveError::Cancelled { .. }) => return Err(error),
                     // Without an answer in the middle of the box there is no bound of it; its parts may have one.
                     Err(_) => {}
                 }
             }
-            heap.push(Node { bound, center, half, split: next });
+            heap.push(node);
+            continue;
+        }
+        // The tension along which the robot bends most.
+        let bend = |i: usize| node.half[i] * weights[i];
+        let split = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
+        for side in [-0.5, 0.5] {
+            let mut center = node.center.clone();
+            let mut half = node.half.clone();
+            center[split] += side * half[split];
+            half[split] *= 0.5;
+            let of_whole = node.tangent.as_ref().map(|of| solver.bound(of, &center, &half));
+            let bound = of_whole.map_or(node.bound, |bound| bound.max(node.bound));
+            let tangent = node.tangent.clone();
+            heap.push(Node { bound, center, half, is_solved: false, tangent });
         }
     }
 }
@@ -198,9 +217,13 @@ struct Bound {
 }
 
 impl Bound {
-    /// `n·r − Σ|n·Jᵢ|hᵢ` with the direction `n` of the least `‖r + J d‖` over the box.
-    fn bound(&mut self, miss: Vec3, motions: &[Vec3], half: &[f64]) -> f64 {
+    /// `n·r − Σ|n·Jᵢ|hᵢ` without the remainder, with the direction `n` of the least `‖r + J d‖` over a box within that of the tangent.
+    fn bound(&mut self, tangent: &Tangent, center: &[f64], half: &[f64]) -> f64 {
+        let Tangent { motions, remainder, .. } = tangent;
         let n = half.len();
+        let moved = motions.iter().zip(center.iter().zip(&tangent.center));
+        let miss =
+            moved.fold(tangent.miss, |miss, (motion, (to, from))| miss + *motion * (to - from));
         self.matrix.clear();
         self.gradient.clear();
         for a in motions {
@@ -236,6 +259,6 @@ impl Bound {
             let spread: f64 = motions.iter().zip(half).map(|(j, h)| n.dot(*j).abs() * h).sum();
             n.dot(miss) - spread
         };
-        along(nearest).max(along(miss))
+        along(nearest).max(along(miss)) - remainder
     }
 }

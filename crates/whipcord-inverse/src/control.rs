@@ -231,8 +231,13 @@ impl Controller {
         }
         self.constraints.linearize(self.forward.robot(), &evaluation, places.len(), &mut linear);
         let ranges = self.ranges();
-        let control =
-            Control { bounds: &ranges, scales: &scales, evaluations: 1, ending: Ending::ANSWER };
+        let control = Control {
+            bounds: &ranges,
+            scales: &scales,
+            evaluations: 1,
+            ending: Ending::ANSWER,
+            curvature: None,
+        };
         let penalty = 1e2 * linear.cost().max(1e-12);
         let unknowns = self.unknowns.clone();
         let step = self.workspace.step(

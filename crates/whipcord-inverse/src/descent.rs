@@ -22,6 +22,11 @@ impl Linear {
         0.5 * self.residual.iter().map(|r| r * r).sum::<f64>()
     }
 
+    /// `‖r‖`.
+    pub fn distance(&self) -> f64 {
+        (2.0 * self.cost()).sqrt()
+    }
+
     /// The greatest violation of a constraint, 0 where all are kept.
     pub fn violation(&self) -> f64 {
         self.slack.iter().map(|slack| -slack).fold(0.0, f64::max)
@@ -33,22 +38,50 @@ pub(crate) trait Problem {
     /// What an evaluation leaves for the next one to start from.
     type State: Clone;
 
-    /// Residuals and constraints at a point, from another point and its state.
-    fn at(
+    /// The evaluation at a point, from another point and its state.
+    fn evaluate(
         &mut self,
         unknowns: &[f64],
         from: Option<(&[f64], &Self::State)>,
-    ) -> Result<(Linear, Self::State), SolveError>;
+    ) -> Result<Self::State, SolveError>;
 
-    /// Whether it is solved well enough: to this part of what is tolerated.
-    fn is_done(&self, linear: &Linear, part: f64) -> bool;
+    /// The evaluation at a point near another one, with the derivatives of that one.
+    fn evaluate_without_rates(
+        &mut self,
+        unknowns: &[f64],
+        from: (&[f64], &Self::State),
+    ) -> Result<Self::State, SolveError>;
+
+    /// Residuals and constraints of an evaluation.
+    fn linearize(&self, state: &Self::State) -> Linear;
+
+    /// The norm of the residuals that is tolerated.
+    fn tolerance(&self) -> f64;
+}
+
+/// Where an iteration starts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start<'a, S> {
+    /// At unknowns.
+    At(&'a [f64]),
+    /// At unknowns, evaluated from other ones and their state.
+    From(&'a [f64], (&'a [f64], &'a S)),
+    /// At unknowns within the bounds whose state is known.
+    Known(&'a [f64], &'a S),
 }
 
 /// Where the iteration ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Descent<S> {
     pub unknowns: Vec<f64>,
+    /// That of the unknowns, or of the point before them where they are foretold.
     pub state: S,
+    /// The point before, where the last step was not evaluated because derivatives and curvature foretell that it ends within the tolerance.
+    pub foretold_from: Option<Vec<f64>>,
+    /// Whether the derivatives of the state are those of its point.
+    pub has_own_rates: bool,
+    /// The curvature behind the last step that was evaluated, as in [`Control::curvature`].
+    pub curvature: Option<f64>,
     /// Whether no feasible direction lowers the cost.
     pub is_stationary: bool,
 }
@@ -64,6 +97,8 @@ pub(crate) struct Control<'a> {
     pub evaluations: usize,
     /// When it ends.
     pub ending: Ending,
+    /// What the residuals of a step have beyond those of the linear problem, over the square of its size in scales, where that is known from before.
+    pub curvature: Option<f64>,
 }
 
 /// When an iteration ends.
@@ -73,24 +108,30 @@ pub(crate) struct Ending {
     pub part_of_tolerance: f64,
     /// A promised reduction of the cost by less than this part of it is none.
     pub least_reduction: f64,
+    /// A step that is foretold to end at this part of what is tolerated is not evaluated; at 0 all are.
+    pub foretold: f64,
 }
 
 impl Ending {
     /// Of an answer: far within the tolerance, because it is solved again from rest.
-    pub const ANSWER: Self = Self { part_of_tolerance: 0.02, least_reduction: 1e-9 };
+    pub const ANSWER: Self = Self { part_of_tolerance: 0.02, least_reduction: 1e-9, foretold: 1.0 };
+    /// Of one of many steps to an answer.
+    pub const RESTORED: Self =
+        Self { part_of_tolerance: 0.5, least_reduction: 1e-9, foretold: 0.0 };
     /// Of an answer to a tolerance far above the error of the model.
-    pub const COARSE: Self = Self { part_of_tolerance: 0.5, least_reduction: 1e-4 };
+    pub const COARSE: Self = Self { part_of_tolerance: 0.5, least_reduction: 1e-4, foretold: 0.0 };
 }
 
-/// Largest step at first and at all, in scales of the unknowns.
-const FIRST_RADIUS: f64 = 0.25;
+/// Largest step at first and at all, in scales of the unknowns, and damping at first.
+pub(crate) const FIRST_RADIUS: f64 = 0.25;
+pub(crate) const FIRST_DAMPING: f64 = 1e-8;
 const LARGEST_RADIUS: f64 = 4.0;
 /// A step of this size, in scales, moves nothing.
 const LEAST_STEP: f64 = 1e-11;
 /// An unknown so near to a bound, in scales, is at it.
 const AT_BOUND: f64 = 1e-12;
 
-/// Minimises `½‖r(x)‖²` within bounds and constraints, with a first evaluation from another point and its state where there are.
+/// Minimises `½‖r(x)‖²` within bounds and constraints.
 ///
 /// The step is the minimum of `½‖r + J d‖² + ½λ t‖d‖² + ρ σ` with the mean `t` of the diagonal of `JᵀJ`, over
 /// `l ≤ x + d ≤ u`, `|d| ≤ Δ` and `rows · d ≤ slack + σ`, `σ ≥ 0`, in scaled unknowns: the relaxation σ keeps it feasible, and ρ is
@@ -101,23 +142,39 @@ const AT_BOUND: f64 = 1e-12;
 /// Why there is no answer at the start.
 pub(crate) fn descend<P: Problem>(
     problem: &mut P,
-    start: &[f64],
-    from: Option<(&[f64], &P::State)>,
+    start: Start<'_, P::State>,
     control: &Control<'_>,
     workspace: &mut Workspace,
 ) -> Result<Descent<P::State>, SolveError> {
-    let n = start.len();
-    let clamp = |x: f64, [least, greatest]: [f64; 2]| x.max(least).min(greatest);
-    let mut x: Vec<f64> =
-        start.iter().zip(control.bounds).map(|(x, bounds)| clamp(*x, *bounds)).collect();
-    let (mut linear, mut state) = problem.at(&x, from)?;
-    let mut damping = 1e-8;
+    let (mut x, mut state) = match start {
+        Start::Known(x, state) => (x.to_vec(), state.clone()),
+        Start::At(start) => {
+            let x = within(start, control.bounds);
+            let state = problem.evaluate(&x, None)?;
+            (x, state)
+        }
+        Start::From(start, from) => {
+            let x = within(start, control.bounds);
+            let state = problem.evaluate(&x, Some(from))?;
+            (x, state)
+        }
+    };
+    let n = x.len();
+    let is_done = |linear: &Linear, tolerance: f64| {
+        linear.violation() == 0.0 && linear.distance() <= tolerance
+    };
+    let tolerance = problem.tolerance();
+    let mut linear = problem.linearize(&state);
+    let mut curvature = control.curvature;
+    // How far the point is from that of its derivatives.
+    let mut stale = 0.0;
+    let mut damping = FIRST_DAMPING;
     let mut radius = FIRST_RADIUS;
     let mut is_stationary = false;
     let mut evaluations = 1;
     let mut trial = x.clone();
     while evaluations < control.evaluations
-        && !problem.is_done(&linear, control.ending.part_of_tolerance)
+        && !is_done(&linear, control.ending.part_of_tolerance * tolerance)
     {
         let cost = linear.cost();
         let penalty = 1e2 * cost.max(1e-30);
@@ -131,11 +188,6 @@ pub(crate) fn descend<P: Problem>(
         let step = &workspace.step;
         let size = step[..n].iter().fold(0.0, |a: f64, d| a.max(d.abs()));
         let merit = cost + penalty * linear.violation();
-        // At full radius and without damping the promise is that of the linear problem.
-        if size < LEAST_STEP || promised <= control.ending.least_reduction * merit {
-            is_stationary = linear.violation() == 0.0;
-            break;
-        }
         for (k, trial) in trial.iter_mut().enumerate() {
             let [least, greatest] = control.bounds[k];
             let near = AT_BOUND * control.scales[k];
@@ -145,14 +197,61 @@ pub(crate) fn descend<P: Problem>(
                 moved => moved,
             };
         }
+        let mut is_chord = false;
+        if let Some(known) = curvature
+            && workspace.violation == 0.0
+            && control.ending.foretold > 0.0
+        {
+            let part = control.ending.foretold * tolerance;
+            let left = workspace.distance + known * size * (size + 2.0 * stale);
+            if left <= part {
+                return Ok(Descent {
+                    unknowns: trial,
+                    state,
+                    foretold_from: Some(x),
+                    has_own_rates: false,
+                    curvature,
+                    is_stationary: false,
+                });
+            }
+            // Whether a step behind this one ends within the tolerance with the derivatives from before this one.
+            let next = size * left / linear.distance().max(f64::MIN_POSITIVE);
+            is_chord = stale == 0.0 && known * next * (next + 2.0 * size) <= 0.5 * part;
+        }
+        if stale > 0.0 {
+            evaluations += 1;
+            stale = 0.0;
+            match problem.evaluate(&x, Some((&x, &state))) {
+                Ok(own) => {
+                    linear = problem.linearize(&own);
+                    state = own;
+                    continue;
+                }
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                // It has an answer, from where it was found.
+                Err(_) => {}
+            }
+        }
+        // At full radius and without damping the promise is that of the linear problem.
+        if size < LEAST_STEP || promised <= control.ending.least_reduction * merit {
+            is_stationary = linear.violation() == 0.0;
+            break;
+        }
         evaluations += 1;
-        match problem.at(&trial, Some((&x, &state))) {
-            Ok((next, next_state)) => {
+        let evaluated = match is_chord {
+            true => problem.evaluate_without_rates(&trial, (&x, &state)),
+            false => problem.evaluate(&trial, Some((&x, &state))),
+        };
+        match evaluated {
+            Ok(next_state) => {
+                let next = problem.linearize(&next_state);
+                curvature = Some((next.distance() + workspace.distance) / (size * size));
                 let next_merit = next.cost() + penalty * next.violation();
                 let ratio = (merit - next_merit) / promised;
                 if next_merit < merit {
                     x.copy_from_slice(&trial);
                     (linear, state) = (next, next_state);
+                    stale = if is_chord { size } else { 0.0 };
                     if ratio > 0.6 {
                         damping = (damping * 0.1).max(1e-14);
                         radius = (2.0 * radius).min(LARGEST_RADIUS);
@@ -181,7 +280,13 @@ pub(crate) fn descend<P: Problem>(
             }
         }
     }
-    Ok(Descent { unknowns: x, state, is_stationary })
+    let has_own_rates = stale == 0.0;
+    Ok(Descent { unknowns: x, state, foretold_from: None, has_own_rates, curvature, is_stationary })
+}
+
+/// The point of the bounds that is nearest.
+pub(crate) fn within(x: &[f64], bounds: &[[f64; 2]]) -> Vec<f64> {
+    x.iter().zip(bounds).map(|(x, [least, greatest])| x.max(*least).min(*greatest)).collect()
 }
 
 /// Scratch memory of [`descend`].
@@ -197,6 +302,9 @@ pub(crate) struct Workspace {
     jacobian: Vec<f64>,
     /// In scales of the unknowns; the relaxation behind them where there are constraints.
     step: Vec<f64>,
+    /// `‖r + J d‖` behind the last step, and the violation that is left there in the linear problem.
+    distance: f64,
+    violation: f64,
 }
 
 impl Workspace {
@@ -281,6 +389,7 @@ impl Workspace {
             row[..n].iter().zip(&self.step).map(|(a, d)| a * d).sum::<f64>() - slack
         });
         let violation = violation.fold(0.0, f64::max);
+        (self.distance, self.violation) = (predicted.sqrt(), violation);
         Ok(linear.cost() - 0.5 * predicted + penalty * (linear.violation() - violation))
     }
 }

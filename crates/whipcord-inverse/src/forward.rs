@@ -94,6 +94,15 @@ impl Evaluation {
         near
     }
 
+    /// Its rates with the solution that the model of the answers has.
+    pub fn of_answer(&self, solution: Solution, forward: &Forward) -> Self {
+        let mut evaluation = self.clone();
+        evaluation.tensions = solution.cables.iter().map(|cable| cable.tension).collect();
+        evaluation.shortenings = forward.shortenings(&solution);
+        evaluation.solution = solution;
+        evaluation
+    }
+
     /// With the rates of another evaluation of the same unknowns.
     pub fn with_rates_of(self, other: Self) -> Self {
         let Self { solution, tensions, shortenings, .. } = self;
@@ -101,8 +110,8 @@ impl Evaluation {
     }
 }
 
-/// Steps of a Cosserat rod on which trials are solved: with them the tip is known to about 1e-5 of the length.
-const FEW_STEPS: usize = 12;
+/// Steps of a Cosserat rod on which trials are solved, or one between two disks: with them the tip is known to some 1e-5 of the length.
+const FEW_STEPS: usize = 9;
 /// What the iteration of a trial may leave: far below the tolerance of any target.
 const RESIDUAL: f64 = 1e-7;
 
@@ -283,6 +292,11 @@ impl Forward {
         matches!(self.model, Prepared::Cosserat(..)) && !self.case.loads.is_none()
     }
 
+    /// Whether an answer depends on its commands and loads alone.
+    pub fn has_no_memory(&self) -> bool {
+        self.memory == Remembers::Nothing
+    }
+
     /// Whether trials are solved on fewer steps than answers.
     pub const fn is_on_few_steps(&self) -> bool {
         self.is_on_few_steps
@@ -321,6 +335,15 @@ impl Forward {
                 Ok(forward.with_rates(solution, &changes, places))
             }
             false => forward.by_differences(unknowns, places, from),
+        })
+    }
+
+    /// The answer for these unknowns by the model of the trials, from a neighbouring solution.
+    pub fn trial(&mut self, unknowns: &[f64], near: &Solution) -> Result<Solution, SolveError> {
+        self.starting(Some(near), |forward, from| {
+            forward.command(unknowns);
+            forward.solves += 1;
+            forward.model.solve(&forward.case, from)
         })
     }
 

@@ -19,6 +19,8 @@ pub struct ReachOptions {
     pub proof: Option<usize>,
     /// Whether an unstable equilibrium is an answer.
     pub allows_unstable: bool,
+    /// Whether answers have [`crate::Reached::null_space`].
+    pub null_space: bool,
 }
 
 /// Which of several commands are preferred.
@@ -45,6 +47,7 @@ impl Default for ReachOptions {
             clearance: Some(0.0),
             proof: None,
             allows_unstable: false,
+            null_space: true,
         }
     }
 }

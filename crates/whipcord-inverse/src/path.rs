@@ -4,7 +4,9 @@ use whipcord::{Solution, SolveError};
 
 use crate::error::{InverseError, TargetProblem};
 use crate::options::{Preference, ReachOptions, ReachStatus};
-use crate::reach::{InverseSolver, Ranges, Reached};
+use crate::reach::Reached;
+use crate::search::{Candidate, Passed};
+use crate::solver::{InverseSolver, Ranges};
 use crate::target::Target;
 
 /// A target that is to be reached at a time.
@@ -108,29 +110,33 @@ impl InverseSolver {
             other => other,
         };
         let mut followed = Followed { answers: Vec::with_capacity(path.len()), jumps: Vec::new() };
-        let mut last: Option<(Vec<f64>, Solution)> = None;
+        let mut last: Option<Passed> = None;
         let start = self.commanded();
         let all = self.ranges().clone();
         for (number, point) in path.iter().enumerate() {
-            let (answer, unknowns) = match &last {
+            let (answer, passed) = match &last {
                 None => self.reach_from(&start, None, &all, &point.target, options)?,
-                Some((unknowns, solution)) => {
+                Some(passed) => {
                     let seconds = point.time - path[number - 1].time;
-                    let ranges = self.ranges_after(unknowns, solution, seconds);
+                    let Candidate { unknowns, evaluation, .. } = &passed.at;
+                    let ranges = self.ranges_after(unknowns, &evaluation.solution, seconds);
                     let options = ReachOptions { prefer: later, ..*options };
-                    self.reach_from(unknowns, Some(solution), &ranges, &point.target, &options)?
+                    self.reach_from(unknowns, Some(passed), &ranges, &point.target, &options)?
                 }
             };
-            if let Some((before, shape)) = &last {
-                let distance = self.unforetold(before, shape, &unknowns, &answer.solution)?;
+            let unknowns = &passed.at.unknowns;
+            if let Some(Passed { at: before, .. }) = &last {
+                let shape = &before.evaluation.solution;
+                let before = &before.unknowns;
+                let distance = self.unforetold(before, shape, unknowns, &answer.solution)?;
                 if let Some(distance) = distance {
                     let is_near = answer.starts == 1;
                     let kind = if is_near { JumpKind::Shape } else { JumpKind::Commands };
                     followed.jumps.push(Jump { point: number, kind, distance });
                 }
             }
-            self.forward_mut().move_on(&unknowns, &answer.solution);
-            last = Some((unknowns, answer.solution.clone()));
+            self.forward_mut().move_on(unknowns, &answer.solution);
+            last = Some(passed);
             followed.answers.push(answer);
         }
         Ok(followed)

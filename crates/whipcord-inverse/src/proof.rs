@@ -7,7 +7,8 @@ use crate::actuator::Actuator;
 use crate::certificate::{Goal, NoProof, least_distance};
 use crate::error::InverseError;
 use crate::options::{ReachOptions, ReachStatus};
-use crate::reach::{InverseSolver, Reached};
+use crate::reach::Reached;
+use crate::solver::InverseSolver;
 use crate::target::{Target, Tolerance};
 
 impl InverseSolver {

@@ -1,22 +1,18 @@
 //! Commands that bring a robot to a target.
 
-use whipcord::{
-    Cancel, Case, Model, ModelKind, Robot, Shortening, Solution, SolveError, Stations, Vec3,
-};
+use whipcord::{Case, Robot, Shortening, Solution, SolveError};
 
-use crate::actuator::{
-    Actuator, Actuators, CommandedBy, commanded_shortening, knows_tensions, write_commands,
-};
-use crate::atlas::{Atlas, AtlasRows, Survey};
+use crate::actuator::{Actuator, commanded_shortening, write_commands};
 use crate::certificate::NoProof;
-use crate::descent::{Control, Ending, Workspace};
+use crate::descent::{Control, Ending, Start};
 use crate::error::{InverseError, TargetProblem};
-use crate::forward::{Evaluation, Forward, on_few_steps};
-use crate::limit::{Clearance, Constraints, Limit};
-use crate::limits::{CableLimits, Limits};
+use crate::forward::Evaluation;
+use crate::limit::{Constraints, Limit};
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::redundancy::{self, Redundancy};
-use crate::search::{Candidate, Search};
+use crate::search::{Candidate, Passed, Search};
+use crate::solver::{InverseSolver, Ranges};
+use crate::surveying::Surveyed;
 use crate::target::{Miss, Target, Tolerance};
 
 /// The answer to an inverse problem.
@@ -73,172 +69,19 @@ impl Reached {
     }
 }
 
-/// Solves inverse problems of one robot. It keeps the model, and the shapes that it starts from.
-pub struct InverseSolver {
-    model: Model,
-    /// Where shapes are compared with obstacles.
-    stations: Stations,
-    case: Case,
-    limits: Limits,
-    forward: Forward,
-    ranges: Ranges,
-    /// Whether each bound of an unknown was not given: least, greatest.
-    assumed: Vec<[bool; 2]>,
-    knows_tensions: bool,
-    atlas: Option<Atlas>,
-    workspace: Workspace,
-}
-
-/// A range that is searched.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SearchRange {
-    /// What varies.
-    pub actuator: Actuator,
-    /// Least and greatest, in N, m or rad.
-    pub range: [f64; 2],
-    /// Whether each of the two was assumed because no limit is given.
-    pub assumed: [bool; 2],
-}
-
-/// Least and greatest of the unknowns, and of the values of the actuators.
-#[derive(Clone, Debug)]
-pub(crate) struct Ranges {
-    pub unknowns: Vec<[f64; 2]>,
-    pub values: Vec<[f64; 2]>,
-}
-
-/// Rows of an atlas where the batch has vectors for them, and elsewhere.
-const ROWS_OF_LANES: usize = 20_000;
-const ROWS: usize = 2_000;
-/// Rows of an atlas, and starts from it, of a robot that remembers the steps before: each solve goes through them.
-const ROWS_WITH_HISTORY: usize = 200;
+/// Starts from an atlas of a robot that remembers the steps before.
 const STARTS_WITH_HISTORY: usize = 6;
-/// Rows of a survey of the workspace where the batch has no vectors for them: of a rod, which takes some tens of µs for each, and of other models.
-const ROWS_OF_LOADED_RODS: usize = 40_000;
-const ROWS_OF_A_SURVEY: usize = 10_000;
-/// Stations between which obstacles are not looked for, of each part between two disks.
-const STATIONS: usize = 61;
 /// Steps along the null space to the preferred commands, and at a point of a path, where the points before have led near to them.
 const STEPS: usize = 40;
 const STEPS_ON_PATH: usize = 2;
+/// A step between points of a path of less than this, in changes that bend the robot by half a turn, is small.
+const NEAR: f64 = 0.02;
 /// Evaluations of one start.
 const EVALUATIONS: usize = 80;
 /// Starts that end at the same nearest point before it is taken for one.
 const AGREEING: usize = 5;
 
 impl InverseSolver {
-    /// For a model of a robot, whose loads, base, obstacles and steps before are those of the case.
-    ///
-    /// # Errors
-    /// [`InverseError`] where there is nothing to command, where limits do not fit the robot, and where the model refuses the robot.
-    pub fn new(
-        model: &Model,
-        robot: &Robot,
-        case: &Case,
-        limits: &Limits,
-        by: CommandedBy,
-    ) -> Result<Self, InverseError> {
-        limits.check(robot.cables().len())?;
-        let list = Actuator::of(robot, case, model.kind(), by)?;
-        let knows_tensions = knows_tensions(model.kind());
-        let actuators = Actuators::new(robot, case, list, knows_tensions);
-        let stations = match case.obstacles.is_empty() {
-            true => Stations::Disks,
-            false => Stations::Equal(STATIONS),
-        };
-        let model = model.at(stations.clone());
-        let forward = Forward::new(&model, robot, case, actuators)?;
-        let actuators = &forward.actuators;
-        let ranges = Ranges {
-            unknowns: actuators.bounds(&actuators.list, robot, limits),
-            values: actuators.bounds(&actuators.asked, robot, limits),
-        };
-        let mut solver = Self {
-            ranges,
-            assumed: Vec::new(),
-            model,
-            stations,
-            case: case.clone(),
-            limits: limits.clone(),
-            forward,
-            knows_tensions,
-            atlas: None,
-            workspace: Workspace::default(),
-        };
-        solver.assume_bounds();
-        Ok(solver)
-    }
-
-    /// The unknown commands, in the order of [`Reached::commands`].
-    #[must_use]
-    pub fn actuators(&self) -> &[Actuator] {
-        &self.forward.actuators.asked
-    }
-
-    /// What is searched: the ranges of the tensions where every actuator moves one cable, else of the commands.
-    #[must_use]
-    pub fn search_ranges(&self) -> Vec<SearchRange> {
-        let robot = self.forward.robot();
-        let actuators = &self.forward.actuators;
-        let of = |((actuator, bounds), assumed): ((&Actuator, &[f64; 2]), &[bool; 2])| {
-            let [a, b] = bounds.map(|bound| actuators.command(robot, *actuator, bound));
-            let (range, assumed) =
-                if a <= b { ([a, b], *assumed) } else { ([b, a], [assumed[1], assumed[0]]) };
-            SearchRange { actuator: *actuator, range, assumed }
-        };
-        actuators.list.iter().zip(&self.ranges.unknowns).zip(&self.assumed).map(of).collect()
-    }
-
-    /// Where no limit is given, commands up to those that alone bend the robot by a whole turn.
-    fn assume_bounds(&mut self) {
-        for (bounds, scale) in self.ranges.unknowns.iter_mut().zip(&self.forward.scales) {
-            let assumed = [!bounds[0].is_finite(), !bounds[1].is_finite()];
-            if assumed[0] {
-                bounds[0] = (-2.0 * scale).min(bounds[1]);
-            }
-            if assumed[1] {
-                bounds[1] = (2.0 * scale).max(bounds[0]);
-            }
-            self.assumed.push(assumed);
-        }
-        if self.forward.actuators.are_direct() {
-            self.ranges.values.clone_from(&self.ranges.unknowns);
-        }
-    }
-
-    /// Lets this flag end the solves.
-    pub fn set_cancel(&mut self, cancel: &Cancel) {
-        self.model = self.model.cancelled_by(cancel);
-        self.forward.set_cancel(cancel);
-    }
-
-    /// Takes the commands of this case in place of those of its own: searches start from them. All else stays.
-    pub fn start_at(&mut self, case: &Case) {
-        self.case.commands.clone_from(&case.commands);
-        self.case.motors.clone_from(&case.motors);
-    }
-
-    /// The unknowns that the case commands.
-    pub(crate) fn commanded(&mut self) -> Vec<f64> {
-        self.forward.commanded(&self.case)
-    }
-
-    pub(crate) const fn forward(&self) -> &Forward {
-        &self.forward
-    }
-
-    pub(crate) const fn forward_mut(&mut self) -> &mut Forward {
-        &mut self.forward
-    }
-
-    pub(crate) const fn limits(&self) -> &Limits {
-        &self.limits
-    }
-
-    pub(crate) const fn ranges(&self) -> &Ranges {
-        &self.ranges
-    }
-
     /// Commands for a target, first from those of the case.
     ///
     /// # Errors
@@ -254,15 +97,15 @@ impl InverseSolver {
         self.reach_from(&start, None, &ranges, target, options).map(|(answer, _)| answer)
     }
 
-    /// [`Self::reach`] from these unknowns and the shape that they lead to, within these bounds.
+    /// [`Self::reach`] from these unknowns, or from the point before of a path that they are the commands of, within these bounds.
     pub(crate) fn reach_from(
         &mut self,
         start: &[f64],
-        from: Option<&Solution>,
+        from: Option<&Passed>,
         ranges: &Ranges,
         target: &Target,
         options: &ReachOptions,
-    ) -> Result<(Reached, Vec<f64>), InverseError> {
+    ) -> Result<(Reached, Passed), InverseError> {
         target.check(self.forward.robot().disks().count())?;
         let length = self.forward.robot().backbone().length;
         let tolerance = options.tolerance.unwrap_or_else(|| Tolerance::of_length(length));
@@ -276,6 +119,26 @@ impl InverseSolver {
         let first_solve = self.forward.solves;
         let mut search = Search::new(target, tolerance, &constraints, &mut self.forward);
         let scales = search.forward.scales.clone();
+        let prefer = options.prefer;
+        let control = |spent: usize| Control {
+            bounds,
+            scales: &scales,
+            evaluations: EVALUATIONS.min(options.solves - spent),
+            ending: Ending::ANSWER,
+            curvature: None,
+        };
+        let foreseen = from.and_then(|passed| {
+            let task = redundancy::Task { prefer, start, control: &control(0), steps: 1 };
+            search.foreseen(passed, &task, &mut self.workspace)
+        });
+        let wanted = match options.prefer {
+            Preference::LeastChange => None,
+            _ => self.spread.as_deref(),
+        };
+        let known = match from {
+            None => self.landmarks.start(start, bounds, wanted, &mut search)?,
+            Some(_) => None,
+        };
         let mut best: Option<Candidate> = None;
         let mut refusal = None;
         let mut starts = 0;
@@ -293,14 +156,15 @@ impl InverseSolver {
                 break;
             }
             starts += 1;
-            let control = Control {
-                bounds,
-                scales: &scales,
-                evaluations: EVALUATIONS.min(options.solves - spent),
-                ending: Ending::ANSWER,
+            let at = match (starts, from, known) {
+                (1, Some(from), _) => {
+                    let moved = foreseen.as_deref().unwrap_or(&unknowns);
+                    Start::From(moved, (&unknowns, &from.at.evaluation))
+                }
+                (1, None, Some(known)) => Start::Known(&known.unknowns, &known.evaluation),
+                _ => Start::At(&unknowns),
             };
-            let from = if starts == 1 { from } else { None };
-            match search.attempt(&unknowns, from, &control, &mut self.workspace, options) {
+            match search.attempt(at, &control(spent), &mut self.workspace, options) {
                 Ok(found) => {
                     if found.is_reached {
                         best = Some(found);
@@ -328,26 +192,18 @@ impl InverseSolver {
             }
             if !has_looked && options.starts > 0 {
                 has_looked = true;
-                let atlas = match &mut self.atlas {
-                    Some(atlas) => atlas,
-                    none => {
-                        let rows = atlas_rows(&self.model, search.forward.robot(), &self.case);
-                        let (limits, ranges) = (&self.limits, &self.ranges);
-                        none.insert(on_survey(
-                            &self.model,
-                            &self.case,
-                            limits,
-                            ranges,
-                            search.forward,
-                            rows,
-                            Atlas::survey,
-                        )?)
-                    }
-                };
+                let (model, case, forward) = (&self.model, &self.case, &*search.forward);
+                let (limits, ranges) = (&self.limits, &self.ranges);
+                let surveyed = Surveyed { model, case, limits, ranges, forward };
+                let atlas = surveyed.atlas(&mut self.atlas)?;
                 let rows = atlas.nearest(target, lever, most_starts);
                 queue = rows.into_iter().rev().map(<[f64]>::to_vec).collect();
+                if wanted.is_some() {
+                    queue.push(start.to_vec());
+                }
             }
             next = queue.pop();
+            search.forget_curvature();
         }
         let Some(mut best) = best else {
             return Err(match refusal {
@@ -355,21 +211,25 @@ impl InverseSolver {
                 None => InverseError::NoSolves,
             });
         };
-        if best.is_reached && options.prefer != Preference::First {
-            let control = Control {
-                bounds,
-                scales: &scales,
-                evaluations: EVALUATIONS,
-                ending: Ending::ANSWER,
-            };
+        // Along a path of small steps that along the null space is already made.
+        let is_near = foreseen.as_ref().is_some_and(|moved| {
+            let steps = moved.iter().zip(start).zip(&scales);
+            starts == 1 && steps.into_iter().all(|((a, b), scale)| (a - b).abs() < NEAR * scale)
+        });
+        if best.is_reached && options.prefer != Preference::First && !is_near {
             let steps = if from.is_some() { STEPS_ON_PATH } else { STEPS };
-            let task = redundancy::Task { prefer: options.prefer, start, control: &control, steps };
+            let control = control(0);
+            let task = redundancy::Task { prefer, start, control: &control, steps };
             if let Some(better) = search.improve(&best, &task, &mut self.workspace, options)? {
                 best = better;
             }
         }
+        let passed = search.passed(best.clone());
         let unknowns = best.unknowns.clone();
-        let null_space = self.exact_null_space(&best, target, lever)?;
+        let null_space = match options.null_space {
+            true => self.exact_null_space(&best, target, lever)?,
+            false => Vec::new(),
+        };
         let active_limits =
             constraints.met(&self.forward, &best.evaluation, &unknowns, &ranges.unknowns);
         let spent = [starts, self.forward.solves - first_solve];
@@ -379,7 +239,7 @@ impl InverseSolver {
         {
             self.prove(&mut answer, target, tolerance, options, boxes)?;
         }
-        Ok((answer, unknowns))
+        Ok((answer, passed))
     }
 
     fn answer(
@@ -426,12 +286,21 @@ impl InverseSolver {
         let Some(redundancy) = Redundancy::of(&best.evaluation, target, lever, scales) else {
             return Ok(Vec::new());
         };
-        if !self.forward.has_approximate_rates() {
+        let is_approximate = self.forward.has_approximate_rates();
+        if best.has_own_rates && !is_approximate {
             return Ok(self.null_space(&redundancy, &best.evaluation));
         }
         let near = Some(&best.evaluation.solution);
-        match self.forward.evaluate_with_rates(&best.unknowns, &target.places(), near) {
-            Ok((exact, _)) => {
+        let exact = match is_approximate {
+            true => {
+                let found =
+                    self.forward.evaluate_with_rates(&best.unknowns, &target.places(), near);
+                found.map(|(evaluation, _)| evaluation)
+            }
+            false => self.forward.evaluate(&best.unknowns, &target.places(), near),
+        };
+        match exact {
+            Ok(exact) => {
                 let exact = best.evaluation.clone().with_rates_of(exact);
                 let redundancy = Redundancy::of(&exact, target, lever, &self.forward.scales);
                 Ok(redundancy.map(|of| self.null_space(&of, &exact)).unwrap_or_default())
@@ -439,57 +308,6 @@ impl InverseSolver {
             Err(error @ SolveError::Cancelled { .. }) => Err(error),
             Err(_) => Ok(self.null_space(&redundancy, &best.evaluation)),
         }
-    }
-
-    /// The shapes that the iteration starts from, which are computed where they are not yet known: to be kept in a file, for a solver of another run.
-    ///
-    /// # Errors
-    /// [`InverseError::Atlas`] where they cannot be computed, and [`InverseError::NoStart`].
-    pub fn atlas(&mut self) -> Result<&AtlasRows, InverseError> {
-        let atlas = match self.atlas.take() {
-            Some(atlas) => atlas,
-            None => {
-                let rows = atlas_rows(&self.model, self.forward.robot(), &self.case);
-                let Self { model, case, limits, ranges, forward, .. } = &*self;
-                on_survey(model, case, limits, ranges, forward, rows, Atlas::survey)?
-            }
-        };
-        Ok(self.atlas.insert(atlas).rows())
-    }
-
-    /// What its atlas depends on, as a number: the robot with its loads and base, the model, what is commanded, and the limits. It is the same in every run of one version of
-    /// the library.
-    #[must_use]
-    pub fn atlas_identity(&self) -> u64 {
-        let rows = atlas_rows(&self.model, self.forward.robot(), &self.case);
-        let Self { model, case, limits, ranges, forward, .. } = self;
-        on_survey(model, case, limits, ranges, forward, rows, |survey| survey.identity())
-    }
-
-    /// Takes the shapes of another run to start from.
-    ///
-    /// # Errors
-    /// [`InverseError::ForeignAtlas`] where they are of another robot, model, load or limit.
-    pub fn set_atlas(&mut self, rows: AtlasRows) -> Result<(), InverseError> {
-        let is_own = rows.identity == self.atlas_identity();
-        let disks = Stations::Disks.arc_lengths(self.forward.robot()).len();
-        let atlas = is_own.then(|| Atlas::of_rows(rows, disks, &self.ranges.unknowns)).flatten();
-        self.atlas = Some(atlas.ok_or(InverseError::ForeignAtlas)?);
-        Ok(())
-    }
-
-    /// Tips and unknowns of as many shapes all over the commands.
-    pub(crate) fn shapes(&self, count: usize) -> Result<Vec<(Vec3, Vec<f64>)>, InverseError> {
-        let rows = match self.model.kind() {
-            ModelKind::Cosserat if self.case.loads.is_none() => count,
-            _ if self.forward.robot().has_history() => count.min(ROWS),
-            ModelKind::Cosserat => count.min(ROWS_OF_LOADED_RODS),
-            _ => count.min(ROWS_OF_A_SURVEY),
-        };
-        let (limits, ranges) = (&self.limits, &self.ranges);
-        let Self { model, case, forward, .. } = self;
-        let atlas = on_survey(model, case, limits, ranges, forward, rows, Atlas::survey)?;
-        Ok(atlas.each().map(|(tip, unknowns)| (tip, unknowns.to_vec())).collect())
     }
 
     /// One start for a target with a tolerance far above the error of the model, within the ranges of the solver and constraints that
@@ -504,17 +322,9 @@ impl InverseSolver {
         let scales = self.forward.scales.clone();
         let mut search = Search::new(target, tolerance, constraints, &mut self.forward);
         let bounds = &self.ranges.unknowns;
-        let control =
-            Control { bounds, scales: &scales, evaluations: EVALUATIONS, ending: Ending::COARSE };
-        search.attempt(start, None, &control, &mut self.workspace, options)
-    }
-
-    pub(crate) const fn model(&self) -> &Model {
-        &self.model
-    }
-
-    pub(crate) const fn case(&self) -> &Case {
-        &self.case
+        let (evaluations, ending) = (EVALUATIONS, Ending::COARSE);
+        let control = Control { bounds, scales: &scales, evaluations, ending, curvature: None };
+        search.attempt(Start::At(start), &control, &mut self.workspace, options)
     }
 
     /// Directions of the commands, in their units.
@@ -561,81 +371,5 @@ impl InverseSolver {
             }
         }
         forward_case
-    }
-
-    /// What is to be kept beside the ranges of the unknowns.
-    pub(crate) fn constraints(&self, ranges: &Ranges, options: &ReachOptions) -> Constraints {
-        let robot = self.forward.robot();
-        let clearance =
-            options.clearance.filter(|_| !self.case.obstacles.is_empty()).map(|margin| {
-                let (backbone, disks) = (robot.backbone(), robot.disks());
-                let arc_lengths = self.stations.arc_lengths(robot);
-                let pitch = backbone.length / (STATIONS - 1) as f64;
-                let radius = |s: &f64| {
-                    let near = |(k, at): (usize, &f64)| {
-                        if (at - s).abs() <= pitch { disks.rim_radius(k) } else { 0.0 }
-                    };
-                    let rims = disks.arc_lengths.iter().enumerate().map(near);
-                    rims.fold(backbone.outer_radius_at(disks, *s), f64::max)
-                };
-                Clearance {
-                    obstacles: self.case.obstacles.clone(),
-                    margin,
-                    radii: arc_lengths.iter().map(radius).collect(),
-                    range: 0.01 * backbone.length,
-                }
-            });
-        Constraints::new(
-            robot,
-            &self.forward.actuators,
-            &ranges.values,
-            &self.limits,
-            self.knows_tensions,
-            clearance,
-        )
-    }
-}
-
-/// What is asked of the survey of the shapes.
-fn on_survey<T>(
-    model: &Model,
-    case: &Case,
-    limits: &Limits,
-    ranges: &Ranges,
-    forward: &Forward,
-    rows: usize,
-    ask: impl FnOnce(&Survey<'_>) -> T,
-) -> T {
-    let few = on_few_steps(model);
-    ask(&Survey {
-        model: few.as_ref().unwrap_or(model),
-        robot: forward.robot(),
-        case,
-        actuators: &forward.actuators.list,
-        bounds: &ranges.unknowns,
-        tensions: &sampled_tensions(limits, &ranges.unknowns, forward),
-        rows,
-    })
-}
-
-/// Tensions of an atlas: within the limits, and no more than what bends the robot by a whole turn.
-fn sampled_tensions(limits: &Limits, bounds: &[[f64; 2]], forward: &Forward) -> Vec<[f64; 2]> {
-    let of = |(cable, of): (usize, &CableLimits)| {
-        let [least, greatest] = of.tension;
-        let number = forward.actuators.list.iter().position(|a| *a == Actuator::Tension(cable));
-        match number {
-            Some(number) => bounds[number],
-            None if greatest.is_finite() => [least, greatest],
-            None => [least, least + forward.tension_of_half_turn(cable)],
-        }
-    };
-    limits.cables.iter().enumerate().map(of).collect()
-}
-
-fn atlas_rows(model: &Model, robot: &Robot, case: &Case) -> usize {
-    match model.kind() {
-        _ if robot.has_history() => ROWS_WITH_HISTORY,
-        ModelKind::Cosserat if case.loads.is_none() => ROWS_OF_LANES,
-        _ => ROWS,
     }
 }

@@ -3,7 +3,7 @@
 use whipcord::SolveError;
 use whipcord_numerics::{Programme, QuadraticProgramme, SingularValues};
 
-use crate::descent::{Control, Linear, Workspace};
+use crate::descent::{Control, Linear, Start, Workspace};
 use crate::error::InverseError;
 use crate::forward::Evaluation;
 use crate::options::{Preference, ReachOptions};
@@ -63,10 +63,15 @@ pub(crate) struct Task<'a> {
 
 /// A step of this size in scaled unknowns is none.
 const LEAST_STEP: f64 = 1e-7;
+/// A gain of less than this part of what is to be small is the last.
+const LEAST_GAIN: f64 = 1e-8;
 
 impl Search<'_> {
     /// A better one of the commands that reach the target: steps of a quadratic programme in the null space of the target, each followed
     /// by a restoration of the target. `None` where none is better.
+    ///
+    /// Where answers depend on their commands alone the steps are those of the trials, and only what they lead to is solved from rest. If that is no
+    /// answer, or if answers depend on more, each step is.
     ///
     /// # Errors
     /// [`InverseError::Solve`] where a solve was cancelled.
@@ -77,46 +82,60 @@ impl Search<'_> {
         workspace: &mut Workspace,
         options: &ReachOptions,
     ) -> Result<Option<Candidate>, InverseError> {
+        let before = self.value(from, task);
+        if self.is_smooth() {
+            let trial =
+                |search: &mut Self, start: Start<'_, Evaluation>, memory: &mut Workspace| {
+                    search.restored(start, task.control, memory)
+                };
+            let Some(found) = self.descend_null_space(from, task, workspace, options, trial)?
+            else {
+                return Ok(None);
+            };
+            let start = Start::Known(&found.unknowns, &found.evaluation);
+            match self.attempt(start, task.control, workspace, options) {
+                Ok(answer) if answer.is_reached && self.value(&answer, task) < before => {
+                    return Ok(Some(answer));
+                }
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
+                _ => {}
+            }
+        }
+        let solved = |search: &mut Self, start: Start<'_, Evaluation>, memory: &mut Workspace| {
+            search.attempt(start, task.control, memory, options)
+        };
+        self.descend_null_space(from, task, workspace, options, solved)
+    }
+
+    /// The steps of [`Self::improve`], each restored as told. `None` where none is better.
+    fn descend_null_space(
+        &mut self,
+        from: &Candidate,
+        task: &Task<'_>,
+        workspace: &mut Workspace,
+        options: &ReachOptions,
+        restore: impl Fn(
+            &mut Self,
+            Start<'_, Evaluation>,
+            &mut Workspace,
+        ) -> Result<Candidate, SolveError>,
+    ) -> Result<Option<Candidate>, InverseError> {
         let scales = task.control.scales;
-        let n = scales.len();
         let mut best = from.clone();
         let mut is_better = false;
         let mut radius = 1.0;
-        let mut solver = QuadraticProgramme::default();
-        let mut step = Vec::new();
         let spent = self.forward.solves;
         for _ in 0..task.steps {
             let allowed = options.solves / 2;
             if self.forward.solves - spent > allowed {
                 break;
             }
-            let Some(redundancy) =
-                Redundancy::of(&best.evaluation, self.target, self.lever, scales)
-            else {
-                break;
-            };
-            let model = self.objective(&best, task, &redundancy, radius);
-            if solver.minimise(&model.programme(), &mut step).is_err() {
-                break;
-            }
-            let along = &step[..model.directions];
-            let size = along.iter().fold(0.0, |a: f64, y| a.max(y.abs()));
-            if size < LEAST_STEP {
-                break;
-            }
-            let moved: Vec<f64> = (0..n)
-                .map(|k| {
-                    let change: f64 = along
-                        .iter()
-                        .enumerate()
-                        .map(|(d, y)| y * redundancy.directions[d * n + k])
-                        .sum();
-                    best.unknowns[k] + scales[k] * change
-                })
-                .collect();
-            let from = Some((best.unknowns.as_slice(), &best.evaluation));
-            let restored = self.descend(&moved, from, task.control, workspace, options);
-            let next = match restored {
+            let Some(along) = self.along_null_space(&best, task, radius) else { break };
+            let size =
+                along.iter().zip(scales).fold(0.0, |a: f64, (d, scale)| a.max((d / scale).abs()));
+            let moved: Vec<f64> = best.unknowns.iter().zip(&along).map(|(x, d)| x + d).collect();
+            let start = Start::From(&moved, (&best.unknowns, &best.evaluation));
+            let next = match restore(self, start, workspace) {
                 Ok(next) => next,
                 Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
                 Err(_) => {
@@ -130,7 +149,7 @@ impl Search<'_> {
                 best = next;
                 is_better = true;
                 radius = (2.0 * radius).min(2.0);
-                if gain < 1e-8 * before.abs() {
+                if gain < LEAST_GAIN * before.abs() {
                     break;
                 }
             } else {
@@ -138,6 +157,33 @@ impl Search<'_> {
             }
         }
         Ok(is_better.then_some(best))
+    }
+
+    /// The step along the null space to what is preferred, no longer than a radius in scales; `None` where there is none to take.
+    pub fn along_null_space(
+        &self,
+        from: &Candidate,
+        task: &Task<'_>,
+        radius: f64,
+    ) -> Option<Vec<f64>> {
+        if task.prefer == Preference::First {
+            return None;
+        }
+        let scales = task.control.scales;
+        let n = scales.len();
+        let redundancy = Redundancy::of(&from.evaluation, self.target, self.lever, scales)?;
+        let model = self.objective(from, task, &redundancy, radius);
+        let mut step = Vec::new();
+        QuadraticProgramme::default().minimise(&model.programme(), &mut step).ok()?;
+        let along = &step[..model.directions];
+        if along.iter().fold(0.0, |a: f64, y| a.max(y.abs())) < LEAST_STEP {
+            return None;
+        }
+        let change = |k: usize| {
+            let parts = along.iter().enumerate();
+            parts.map(|(d, y)| y * redundancy.directions[d * n + k]).sum::<f64>() * scales[k]
+        };
+        Some((0..n).map(change).collect())
     }
 
     /// What the preference makes small.

@@ -3,10 +3,14 @@
 use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
-use crate::descent::{Control, Descent, Linear, Problem, Workspace, descend};
+use crate::descent::{
+    Control, Descent, Ending, FIRST_DAMPING, FIRST_RADIUS, Linear, Problem, Start, Workspace,
+    descend,
+};
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
 use crate::options::ReachOptions;
+use crate::redundancy::Task;
 use crate::target::{Miss, Target, Tolerance};
 
 /// A point that an iteration ended at, with the answer of a solve from rest.
@@ -17,6 +21,8 @@ pub(crate) struct Candidate {
     pub evaluation: Evaluation,
     pub miss: Miss,
     pub is_reached: bool,
+    /// Whether its rates are those of its unknowns, and not of a point near them.
+    pub has_own_rates: bool,
     /// No step lowers the distance.
     pub is_minimum: bool,
     /// Whether all limits are kept and it is stable.
@@ -41,32 +47,55 @@ pub(crate) struct Search<'a> {
     pub constraints: &'a Constraints,
     pub forward: &'a mut Forward,
     correction: Correction,
+    /// As in [`Control::curvature`], of the last iteration.
+    curvature: Option<f64>,
+}
+
+/// Where a path has come to.
+#[derive(Clone, Debug)]
+pub(crate) struct Passed {
+    pub at: Candidate,
+    target: Target,
+    correction: Correction,
+    curvature: Option<f64>,
 }
 
 impl Problem for Search<'_> {
     type State = Evaluation;
 
-    fn at(
+    fn evaluate(
         &mut self,
         unknowns: &[f64],
         from: Option<(&[f64], &Evaluation)>,
-    ) -> Result<(Linear, Evaluation), SolveError> {
+    ) -> Result<Evaluation, SolveError> {
         let near = from.map(|(before, evaluation)| {
             evaluation.extrapolated(unknowns.iter().zip(before).map(|(x, before)| x - before))
         });
-        let evaluation = self.forward.evaluate(unknowns, &self.places, near.as_ref())?;
+        self.forward.evaluate(unknowns, &self.places, near.as_ref())
+    }
+
+    fn evaluate_without_rates(
+        &mut self,
+        unknowns: &[f64],
+        (before, evaluation): (&[f64], &Evaluation),
+    ) -> Result<Evaluation, SolveError> {
+        let changes = unknowns.iter().zip(before).map(|(x, before)| x - before);
+        let solution = self.forward.trial(unknowns, &evaluation.extrapolated(changes))?;
+        Ok(evaluation.of_answer(solution, self.forward))
+    }
+
+    fn linearize(&self, evaluation: &Evaluation) -> Linear {
         let mut linear = Linear::default();
         self.target.linearize(&evaluation.solution, &evaluation.motions, self.lever, &mut linear);
         let first = self.target.places().len();
-        self.constraints.linearize(self.forward.robot(), &evaluation, first, &mut linear);
+        self.constraints.linearize(self.forward.robot(), evaluation, first, &mut linear);
         linear.residual.iter_mut().zip(&self.correction.residual).for_each(|(r, more)| *r += more);
         linear.slack.iter_mut().zip(&self.correction.slack).for_each(|(s, more)| *s += more);
-        Ok((linear, evaluation))
+        linear
     }
 
-    fn is_done(&self, linear: &Linear, part: f64) -> bool {
-        let distance = (2.0 * linear.cost()).sqrt();
-        linear.violation() == 0.0 && distance <= part * self.tolerance.position
+    fn tolerance(&self) -> f64 {
+        self.tolerance.position
     }
 }
 
@@ -85,6 +114,7 @@ impl<'a> Search<'a> {
             constraints,
             forward,
             correction: Correction::default(),
+            curvature: None,
         }
     }
 }
@@ -95,84 +125,166 @@ const CORRECTIONS: usize = 4;
 const KNOWN: f64 = 0.1;
 
 impl Search<'_> {
-    /// Goes down from a start and solves what is found from rest.
-    pub fn attempt(
-        &mut self,
-        start: &[f64],
-        from: Option<&Solution>,
-        control: &Control<'_>,
-        workspace: &mut Workspace,
-        options: &ReachOptions,
-    ) -> Result<Candidate, SolveError> {
-        let from = from.map(|solution| self.forward.without_rates(solution.clone()));
-        let from = from.as_ref().map(|evaluation| (start, evaluation));
-        self.descend(start, from, control, workspace, options)
+    /// What the next point of a path goes on from.
+    pub fn passed(self, at: Candidate) -> Passed {
+        let Self { target, correction, curvature, .. } = self;
+        Passed { at, target: target.clone(), correction, curvature }
     }
 
-    /// Goes down on few steps, at first from other unknowns and their evaluation where there are, and again with what the answer of the model itself differs by, until that is known.
-    pub fn descend(
+    /// Goes on from the point before of a path, where the target is of the same kind: takes what is known of the two models and of curvature from there, and returns
+    /// where its derivatives lead, with one step along the null space to what is preferred.
+    pub fn foreseen(
         &mut self,
-        start: &[f64],
-        from: Option<(&[f64], &Evaluation)>,
+        passed: &Passed,
+        task: &Task<'_>,
+        workspace: &mut Workspace,
+    ) -> Option<Vec<f64>> {
+        let Passed { at, target, correction, curvature } = passed;
+        let is_known = self.is_smooth() && target.is_like(self.target);
+        if !is_known || at.evaluation.motions.is_empty() {
+            return None;
+        }
+        // Of the answer, not of a trial: nothing is to be corrected.
+        let linear = self.linearize(&at.evaluation);
+        let control = task.control;
+        let penalty = 1e2 * linear.cost().max(1e-30);
+        let (damping, radius) = (FIRST_DAMPING, FIRST_RADIUS);
+        workspace.step(&linear, &at.unknowns, control, damping, radius, penalty).ok()?;
+        let mut moved = at.unknowns.clone();
+        for ((x, d), scale) in moved.iter_mut().zip(workspace.last_step()).zip(control.scales) {
+            *x += d * scale;
+        }
+        let changes = moved.iter().zip(&at.unknowns).map(|(moved, x)| moved - x);
+        let near = at.evaluation.extrapolated(changes);
+        let mut there = at.clone();
+        there.evaluation.tensions = near.cables.iter().map(|cable| cable.tension).collect();
+        there.unknowns.clone_from(&moved);
+        if let Some(along) = self.along_null_space(&there, task, radius) {
+            moved.iter_mut().zip(along).for_each(|(x, d)| *x += d);
+        }
+        (self.correction, self.curvature) = (correction.clone(), *curvature);
+        Some(moved)
+    }
+
+    /// Of a start elsewhere nothing is known.
+    pub const fn forget_curvature(&mut self) {
+        self.curvature = None;
+    }
+
+    /// Whether answers depend on their commands alone, and smoothly.
+    pub fn is_smooth(&self) -> bool {
+        self.forward.has_no_memory() && self.forward.case.obstacles.is_empty()
+    }
+
+    /// The places whose motions an evaluation must have.
+    pub fn places(&self) -> &[Place] {
+        &self.places
+    }
+
+    /// The square of the residuals of a solution.
+    pub fn distance(&self, solution: &Solution) -> f64 {
+        let mut residual = Vec::new();
+        self.target.residual(solution, self.lever, &mut residual);
+        residual.iter().map(|r| r * r).sum()
+    }
+
+    /// Goes down from a start on few steps and solves what is found from rest; and again with what the answer of the model itself differs by, until that is known.
+    pub fn attempt(
+        &mut self,
+        start: Start<'_, Evaluation>,
         control: &Control<'_>,
         workspace: &mut Workspace,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
-        let mut found = descend(self, start, from, control, workspace)?;
+        let control = &Control { curvature: self.curvature, ..*control };
+        let mut found = descend(self, start, control, workspace)?;
         let mut round = 0;
         loop {
             round += 1;
-            let (candidate, difference) = self.verified(&found, options)?;
-            let Some(change) = difference else { return Ok(candidate) };
-            let near = 10.0 * self.tolerance.position.max(change);
-            if candidate.is_reached
-                || round >= CORRECTIONS
-                || change <= KNOWN * self.tolerance.position
-                || candidate.distance > near
-            {
+            self.curvature = found.curvature;
+            let candidate = self.verified(&found, options)?;
+            let foretold_from = found.foretold_from.take();
+            let was_foretold = foretold_from.is_some();
+            if let Some(before) = foretold_from {
+                if candidate.is_reached || round >= CORRECTIONS {
+                    return Ok(candidate);
+                }
+                found.state = self.evaluate(&found.unknowns, Some((&before, &found.state)))?;
+                found.has_own_rates = true;
+            } else if !self.forward.is_on_few_steps() {
                 return Ok(candidate);
             }
-            let from = (found.unknowns.as_slice(), &found.state);
-            found = descend(self, &found.unknowns, Some(from), control, workspace)?;
+            if self.forward.is_on_few_steps() {
+                let change = self.correct(&candidate.evaluation, &found.state);
+                let near = 10.0 * self.tolerance.position.max(change);
+                let is_final = candidate.is_reached
+                    || round >= CORRECTIONS
+                    || change <= KNOWN * self.tolerance.position
+                    || candidate.distance > near;
+                if is_final && !was_foretold {
+                    return Ok(candidate);
+                }
+            }
+            if !found.has_own_rates {
+                let from = Some((found.unknowns.as_slice(), &found.state));
+                found.state = self.evaluate(&found.unknowns, from)?;
+            }
+            found = descend(self, Start::Known(&found.unknowns, &found.state), control, workspace)?;
         }
     }
 
-    /// What an iteration has found, as a solve from rest has it, and by how much the difference of the two models has
-    /// changed in m, where they are two.
+    /// Goes down from a start on few steps; what is found there is not solved from rest.
+    pub fn restored(
+        &mut self,
+        start: Start<'_, Evaluation>,
+        control: &Control<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<Candidate, SolveError> {
+        let control = Control { ending: Ending::RESTORED, curvature: None, ..*control };
+        let found = descend(self, start, &control, workspace)?;
+        let linear = self.linearize(&found.state);
+        let (distance, is_allowed) = (linear.distance(), linear.violation() == 0.0);
+        Ok(Candidate {
+            unknowns: found.unknowns,
+            miss: self.target.miss(&found.state.solution),
+            evaluation: found.state,
+            is_reached: is_allowed && distance <= self.tolerance.position,
+            has_own_rates: true,
+            is_minimum: false,
+            is_allowed,
+            distance,
+        })
+    }
+
+    /// What an iteration has found, as a solve from rest has it.
     fn verified(
         &mut self,
         found: &Descent<Evaluation>,
         options: &ReachOptions,
-    ) -> Result<(Candidate, Option<f64>), SolveError> {
+    ) -> Result<Candidate, SolveError> {
         let solution = self.forward.verify(&found.unknowns, &found.state.solution)?;
         let miss = self.target.miss(&solution);
-        let mut evaluation = found.state.clone();
-        evaluation.tensions = solution.cables.iter().map(|cable| cable.tension).collect();
-        evaluation.shortenings = self.forward.shortenings(&solution);
-        evaluation.solution = solution;
+        let evaluation = found.state.of_answer(solution, self.forward);
         let solution = &evaluation.solution;
-        let change =
-            self.forward.is_on_few_steps().then(|| self.correct(&evaluation, &found.state));
         let (_, is_exceeded) = self.constraints.active(self.forward.robot(), &evaluation);
         let touches = options.clearance.is_some() && !solution.contacts.is_empty();
         let is_unstable = solution.diagnostics.is_unstable() && !options.allows_unstable;
         let is_allowed = !is_exceeded && !touches && !is_unstable;
-        let mut residual = Vec::new();
-        self.target.residual(solution, self.lever, &mut residual);
-        let candidate = Candidate {
+        let distance = self.distance(solution).sqrt();
+        Ok(Candidate {
             unknowns: found.unknowns.clone(),
             evaluation,
             is_reached: is_allowed && miss.is_within(self.tolerance),
+            has_own_rates: found.has_own_rates,
             is_minimum: found.is_stationary && is_allowed,
             miss,
             is_allowed,
-            distance: residual.iter().map(|r| r * r).sum::<f64>().sqrt(),
-        };
-        Ok((candidate, change))
+            distance,
+        })
     }
 
     /// Measures by how much the model on few steps differs, and says by how much that has changed in m.
-    fn correct(&mut self, answer: &Evaluation, on_few_steps: &Evaluation) -> f64 {
+    pub fn correct(&mut self, answer: &Evaluation, on_few_steps: &Evaluation) -> f64 {
         let of = |evaluation: &Evaluation| {
             let mut linear = Linear::default();
             self.target.residual(&evaluation.solution, self.lever, &mut linear.residual);

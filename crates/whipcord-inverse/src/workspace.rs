@@ -9,8 +9,8 @@ use whipcord::{SolveError, Twist, Vec3};
 use crate::error::InverseError;
 use crate::limit::{Constraints, Limit};
 use crate::options::ReachOptions;
-use crate::reach::InverseSolver;
 use crate::search::Candidate;
+use crate::solver::InverseSolver;
 use crate::target::{Target, Tolerance};
 
 /// How a workspace is surveyed.

@@ -116,7 +116,8 @@ pub fn reach_batch<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let targets = targets(py, &rows)?;
     let (method, limit) = model.begin();
-    let task = Task::new(py, setup, method, &asked)?;
+    let mut task = Task::new(py, setup, method, &asked)?;
+    task.options.null_space = false;
     let solver = task.solver().map_err(|failure| raised(py, failure))?;
     let actuators = solver.actuators().to_vec();
     let of = setup.station_disks();
@@ -153,7 +154,8 @@ fn worked_off(
             if ended.load(Ordering::Relaxed) {
                 return;
             }
-            let row = row(task, target.as_ref(), &mut solver);
+            let shapes = if targets.len() < MANY { 0 } else { SHAPES };
+            let row = row(task, target.as_ref(), shapes, &mut solver);
             // A panic elsewhere leaves the list whole.
             rows.lock().unwrap_or_else(PoisonError::into_inner)[number] = row;
             if !progress(done.fetch_add(1, Ordering::Relaxed) + 1, targets.len()) {
@@ -170,14 +172,26 @@ fn worked_off(
     rows.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn row(task: &Task, target: Option<&Target>, solver: &mut Option<InverseSolver>) -> Row {
+/// For so many targets it is worth its while to start from so many shapes.
+const MANY: usize = 256;
+const SHAPES: usize = 128;
+
+fn row(
+    task: &Task,
+    target: Option<&Target>,
+    shapes: usize,
+    solver: &mut Option<InverseSolver>,
+) -> Row {
     let Some(target) = target else {
         return Row::Failed("the target has no finite numbers, or no orientation".to_owned());
     };
     let solver = match solver {
         Some(solver) => solver,
         none => match task.solver() {
-            Ok(new) => none.insert(new),
+            Ok(mut new) => {
+                new.start_from_shapes(shapes);
+                none.insert(new)
+            }
             Err(Failure::Inverse(error)) => return Row::Failed(error.to_string()),
             Err(Failure::Rate(message) | Failure::Atlas(message)) => return Row::Failed(message),
         },
@@ -290,7 +304,8 @@ pub fn follow<'py>(
         return Err(errors::input(py, "path", message.to_owned()));
     }
     let (method, limit) = model.begin();
-    let task = Task::new(py, setup, method, &asked)?;
+    let mut task = Task::new(py, setup, method, &asked)?;
+    task.options.null_space = false;
     let times: Vec<f64> = path.iter().map(|point| point.time).collect();
     let found = within(py, &limit, move || -> Result<_, Failure> {
         let mut solver = task.solver()?;

@@ -46,6 +46,7 @@ const CLOSE: ReachOptions = ReachOptions {
     clearance: None,
     proof: None,
     allows_unstable: false,
+    null_space: true,
 };
 
 #[test]

@@ -20,6 +20,7 @@ const PROVE: ReachOptions = ReachOptions {
     clearance: Some(0.0),
     proof: Some(400_000),
     allows_unstable: false,
+    null_space: true,
 };
 
 fn model() -> Model {

@@ -1,0 +1,129 @@
+//! Shapes whose evaluations are known before a target is: an iteration that starts from one of them takes its first step without a solve.
+
+use whipcord::SolveError;
+use whipcord::derivatives::Place;
+
+use crate::descent::within;
+use crate::forward::{Evaluation, Forward};
+use crate::search::Search;
+use crate::solver::InverseSolver;
+
+/// A shape to start from.
+#[derive(Clone, Debug)]
+pub(crate) struct Landmark {
+    pub unknowns: Vec<f64>,
+    /// By the model of the trials.
+    pub evaluation: Evaluation,
+    /// By the model of the answers, where that is another one.
+    answer: Option<Evaluation>,
+    /// Solves that it takes.
+    solves: usize,
+}
+
+/// The shapes that are known, for the places of the kind of target that was asked for last.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Landmarks {
+    places: Vec<Place>,
+    /// Where the case is.
+    commanded: Option<Landmark>,
+    /// All over the commands.
+    spread: Vec<Landmark>,
+    has_spread: bool,
+}
+
+impl Landmark {
+    /// At unknowns; with an answer where one is asked for and is of another model than the trials. `None` where there is none.
+    ///
+    /// # Errors
+    /// [`SolveError::Cancelled`].
+    fn at(
+        forward: &mut Forward,
+        unknowns: Vec<f64>,
+        places: &[Place],
+        has_answer: bool,
+    ) -> Result<Option<Self>, SolveError> {
+        match Self::solved(forward, unknowns, places, has_answer) {
+            Ok(landmark) => Ok(Some(landmark)),
+            Err(error @ SolveError::Cancelled { .. }) => Err(error),
+            Err(_) => Ok(None),
+        }
+    }
+
+    fn solved(
+        forward: &mut Forward,
+        unknowns: Vec<f64>,
+        places: &[Place],
+        has_answer: bool,
+    ) -> Result<Self, SolveError> {
+        let first = forward.solves;
+        let evaluation = forward.evaluate(&unknowns, places, None)?;
+        let answer = match has_answer && forward.is_on_few_steps() {
+            true => {
+                let solution = forward.verify(&unknowns, &evaluation.solution)?;
+                Some(evaluation.of_answer(solution, forward))
+            }
+            false => None,
+        };
+        let solves = forward.solves - first;
+        forward.solves = first;
+        Ok(Self { unknowns, evaluation, answer, solves })
+    }
+}
+
+impl Landmarks {
+    /// Where the search for a target starts: at the commands, or where shapes all over the commands are wanted at the nearest of all. What a landmark has taken counts as
+    /// solves of each target that starts from it, whichever was the first. `None` where the start has no answer, or answers depend on more than the commands.
+    ///
+    /// # Errors
+    /// [`SolveError::Cancelled`].
+    pub fn start(
+        &mut self,
+        commanded: &[f64],
+        bounds: &[[f64; 2]],
+        wanted: Option<&[Vec<f64>]>,
+        search: &mut Search<'_>,
+    ) -> Result<Option<&Landmark>, SolveError> {
+        if !search.forward.has_no_memory() {
+            return Ok(None);
+        }
+        if self.places != search.places() {
+            *self = Self { places: search.places().to_vec(), ..Self::default() };
+        }
+        let unknowns = within(commanded, bounds);
+        if self.commanded.as_ref().is_none_or(|known| known.unknowns != unknowns) {
+            self.commanded =
+                Landmark::at(search.forward, unknowns, &self.places, wanted.is_some())?;
+        }
+        let Some(wanted) = wanted else {
+            let known = self.commanded.as_ref();
+            return Ok(known.inspect(|known| search.forward.solves += known.solves));
+        };
+        if !self.has_spread {
+            self.has_spread = true;
+            for unknowns in wanted {
+                let landmark = Landmark::at(search.forward, unknowns.clone(), &self.places, true);
+                self.spread.extend(landmark?);
+            }
+        }
+        let all = self.commanded.iter().chain(&self.spread);
+        let ranked = all.map(|landmark| (search.distance(&landmark.evaluation.solution), landmark));
+        let nearest = ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, landmark)| landmark);
+        if let Some(nearest) = nearest {
+            search.forward.solves += nearest.solves;
+            if let Some(answer) = &nearest.answer {
+                search.correct(answer, &nearest.evaluation);
+            }
+        }
+        Ok(nearest)
+    }
+}
+
+impl InverseSolver {
+    /// Lets [`Self::reach`] start from the nearest of the commands of the case and so many shapes all over the commands, except where the least change is preferred.
+    /// They are computed with the first target of a kind, which takes as long as about one target for each, and spare every target behind it a part of its solves: worth their while
+    /// for many targets. At 0 it starts from the commands of the case.
+    pub fn start_from_shapes(&mut self, count: usize) {
+        self.landmarks = Landmarks::default();
+        self.spread = (count > 0).then(|| self.spread_over_commands(count));
+    }
+}
