@@ -7,6 +7,7 @@ use whipcord_numerics::least_squares::{Options, Workspace};
 use super::check::check;
 use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
+use super::fewer_rows::fewer_rows;
 use super::forward::Forward;
 use super::logarithm::Logarithms;
 use super::noise;
@@ -143,9 +144,21 @@ fn fit(
         iterations: settings.iterations,
         ..Options::default()
     };
-    let start = x.clone();
-    let coarse = forward.coarse_model(&start);
+    let coarse = forward.coarse_model(&x);
     let mut problem = Problem::new(&mut forward, &logarithms, &scales, &settings.progress);
+    let near = fewer_rows(experiments)
+        .and_then(|fewer| estimates_of(robot, &fewer, unknowns, settings))
+        .filter(|near| {
+            let cost = |x: &[f64]| {
+                let searched = problem.searched(x);
+                problem.cost(&searched, settings.robustness.loss())
+            };
+            cost(near).is_some_and(|near| cost(&x).is_none_or(|start| near < start))
+        });
+    if let Some(near) = near {
+        x = near;
+    }
+    let start = x.clone();
     let mut found = None;
     if let Some(coarse) = coarse {
         let fine = problem.replace_model(coarse);
@@ -162,4 +175,17 @@ fn fit(
         None => noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace)?,
     };
     summary::tell(&forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
+}
+
+/// The estimates that the search finds in these experiments, where it converges.
+fn estimates_of(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Option<Vec<f64>> {
+    check(robot, experiments, unknowns, settings).ok()?;
+    let found = fit(robot, experiments, unknowns, settings).ok()?;
+    let estimates = found.estimates.iter().map(|estimate| estimate.value);
+    found.status.is_converged().then(|| estimates.collect())
 }
