@@ -65,7 +65,7 @@ pub use self::selection::{Compared, Rung, compare_models, ladder};
 pub use self::sensitivity::{Worth, best_measurements, sensitivity, worth_by_disk};
 pub use self::settings::{Evaluation, Progress, Robustness, Settings};
 pub use self::shared::Shared;
-pub use self::suspects::{Confirmed, Suspect, suspects};
+pub use self::suspects::{Confirmed, Suspect, single_cable, suspects};
 pub use self::unresolved::{Share, Unresolved};
 pub use self::validation::{Fold, HeldOut, Validated, cross_validate, hold_out, split};
 pub use whipcord_numerics::least_squares::Status;
