@@ -1,4 +1,4 @@
-//! A part of many rows, for the first steps of a search: these need not be exact, and cost as much as the last ones.
+//! A part of many rows: for the first steps of a search, which need not be exact and cost as much as the last ones, and for a first look.
 
 use std::collections::BTreeSet;
 

@@ -13,6 +13,7 @@ use super::logarithm::Logarithms;
 use super::noise;
 use super::outcome::Identified;
 use super::problem::Problem;
+use super::refused_rows::remembers;
 use super::rows::{Row, rows, without};
 use super::settings::Settings;
 use super::starts::best_of;
@@ -146,7 +147,10 @@ fn fit(
     };
     let coarse = forward.coarse_model(&x);
     let mut problem = Problem::new(&mut forward, &logarithms, &scales, &settings.progress);
-    let near = fewer_rows(experiments)
+    // Rows of a robot that remembers cost far more than others.
+    let near = remembers(robot)
+        .then(|| fewer_rows(experiments))
+        .flatten()
         .and_then(|fewer| estimates_of(robot, &fewer, unknowns, settings))
         .filter(|near| {
             let cost = |x: &[f64]| {
@@ -177,7 +181,7 @@ fn fit(
     summary::tell(&forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
 }
 
-/// The estimates that the search finds in these experiments, where it converges.
+/// The estimates that the search finds in these experiments, where it converges and they determine all of them: else it ends far away.
 fn estimates_of(
     robot: &Robot,
     experiments: &[Experiment],
@@ -187,5 +191,6 @@ fn estimates_of(
     check(robot, experiments, unknowns, settings).ok()?;
     let found = fit(robot, experiments, unknowns, settings).ok()?;
     let estimates = found.estimates.iter().map(|estimate| estimate.value);
-    found.status.is_converged().then(|| estimates.collect())
+    let is_found = found.status.is_converged() && found.unresolved.is_empty();
+    is_found.then(|| estimates.collect())
 }
