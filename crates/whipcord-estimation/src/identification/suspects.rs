@@ -125,6 +125,10 @@ pub fn single_cable(
     const ENOUGH: usize = 200;
     /// Of fewer rows nothing is said.
     const LEAST: usize = 8;
+    /// Of the distance, what may be left: without the other numbers that a fit would have, less of it can have other reasons.
+    const LEFT: f64 = 0.6;
+    let explains =
+        |of: Confirmed| of.rms_distance.is_some_and(|[before, after]| after <= LEFT * before);
     let count = rows(experiments).len();
     if count < LEAST || robot.cables().len() < 2 || !settings.model.has_derivatives(robot) {
         return Ok(None);
@@ -138,7 +142,7 @@ pub fn single_cable(
         },
     );
     match found {
-        Ok(all) => Ok(all.into_iter().next().filter(|first| first.confirmed.is_some())),
+        Ok(all) => Ok(all.into_iter().next().filter(|first| first.confirmed.is_some_and(explains))),
         Err(IdentifyError::Cancelled) => Err(IdentifyError::Cancelled),
         // What cannot be fitted tells nothing.
         Err(_) => Ok(None),
