@@ -14,6 +14,7 @@ from ._packages import needed
 from .case import Case
 from .errors import InputError
 from .models import ModelLike
+from .warning import WhipcordWarning
 
 __all__ = ["CaseScore", "Measures", "ModelScore", "RowScore", "Score", "score"]
 
@@ -121,6 +122,8 @@ class Score:
     """Each over all cases."""
     cases: tuple[CaseScore, ...]
     """All models on each case."""
+    warnings: tuple[WhipcordWarning, ...]
+    """Such as that of a single cable whose zero or angle explains much of the error of the best model."""
     _scored: _core.Scored = field(repr=False)
 
     def __iter__(self) -> Iterator[ModelScore]:
@@ -253,6 +256,7 @@ def score(
             CaseScore(**{**one, "models": tuple(_of_model(of) for of in one["models"])})
             for one in said["files"]
         ),
+        tuple(WhipcordWarning(one["code"], one["message"], one["help"]) for one in said["warnings"]),
         scored,
     )
 

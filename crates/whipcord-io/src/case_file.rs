@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use whipcord::robot::limits;
 use whipcord::{CableCommand, Case, Pose, Problem, Robot, SolveError};
-use whipcord_estimation::identification::RowLabel;
+use whipcord_estimation::identification::{Experiment, RowLabel};
 use whipcord_motion::MotionError;
 
 use crate::check::{self, Fields};
@@ -163,6 +163,21 @@ impl CaseFile {
     pub fn row_labels(&self) -> Vec<RowLabel> {
         let rows = self.commands.iter().flat_map(|table| &table.rows);
         rows.map(|row| RowLabel { group: row.group.clone(), time: row.time }).collect()
+    }
+
+    /// What was measured, as a fit takes it; `None` where nothing was.
+    #[must_use]
+    pub fn experiment(&self) -> Option<Experiment> {
+        let measured = self.measured.as_ref().filter(|of| !of.observations.is_empty())?;
+        Some(Experiment {
+            case: self.case.clone(),
+            cameras: measured.cameras.iter().map(|of| of.camera).collect(),
+            observations: measured.fitted(),
+            body: measured.body,
+            alignment: measured.alignment,
+            labels: self.row_labels(),
+            ..Experiment::default()
+        })
     }
 }
 

@@ -19,8 +19,15 @@ pub struct Singular {
 #[derive(Clone, Debug, Default)]
 pub struct DenseLu {
     n: usize,
+    /// By columns, so that the loops within a column, which do not wait for one another, are vectorised.
     factors: Vec<f64>,
     pivots: Vec<usize>,
+    scales: Vec<f64>,
+}
+
+/// Subtracts so many times the factors.
+fn subtract(from: &mut [f64], factors: &[f64], times: f64) {
+    from.iter_mut().zip(factors).for_each(|(x, factor)| *x -= factor * times);
 }
 
 impl DenseLu {
@@ -31,37 +38,42 @@ impl DenseLu {
     pub fn factor(&mut self, n: usize, a: &[f64]) -> Result<(), Singular> {
         debug_assert_eq!(a.len(), n * n);
         self.n = n;
-        self.factors.clear();
-        self.factors.extend_from_slice(a);
         self.pivots.clear();
-        let m = &mut self.factors;
+        self.scales.clear();
+        self.scales.resize(n, 0.0);
+        self.factors.resize(n * n, 0.0);
+        let (m, scales) = (&mut self.factors[..n * n], &mut self.scales);
+        for (i, row) in a.chunks_exact(n.max(1)).enumerate() {
+            for (j, (x, scale)) in row.iter().zip(&mut *scales).enumerate() {
+                m[j * n + i] = *x;
+                *scale = scale.max(x.abs());
+            }
+        }
         for k in 0..n {
-            let column_scale = (0..n).map(|i| a[i * n + k].abs()).fold(0.0, f64::max);
+            let (before, after) = m.split_at_mut((k + 1) * n);
+            let (done, column) = before.split_at_mut(k * n);
             let mut pivot = k;
             for i in k + 1..n {
-                if m[i * n + k].abs() > m[pivot * n + k].abs() {
+                if column[i].abs() > column[pivot].abs() {
                     pivot = i;
                 }
             }
-            let value = m[pivot * n + k];
-            if value.is_nan() || value.abs() <= 0.25 * f64::EPSILON * column_scale {
+            let value = column[pivot];
+            if value.is_nan() || value.abs() <= 0.25 * f64::EPSILON * scales[k] {
                 return Err(Singular { column: k });
             }
             self.pivots.push(pivot);
+            column.swap(k, pivot);
             if pivot != k {
-                for j in 0..n {
-                    m.swap(k * n + j, pivot * n + j);
-                }
+                done.chunks_exact_mut(n).for_each(|column| column.swap(k, pivot));
             }
-            let (above, below) = m.split_at_mut((k + 1) * n);
-            let row_of_pivot = &above[k * n + k + 1..];
-            for row in below.chunks_exact_mut(n) {
-                let f = row[k] / value;
-                row[k] = f;
-                if f != 0.0 {
-                    for (x, pivot) in row[k + 1..].iter_mut().zip(row_of_pivot) {
-                        *x -= f * pivot;
-                    }
+            let factors = &mut column[k + 1..];
+            factors.iter_mut().for_each(|factor| *factor /= value);
+            for column in after.chunks_exact_mut(n) {
+                column.swap(k, pivot);
+                let (above, below) = column.split_at_mut(k + 1);
+                if above[k] != 0.0 {
+                    subtract(below, factors, above[k]);
                 }
             }
         }
@@ -83,15 +95,14 @@ impl DenseLu {
         for k in 0..n {
             b.swap(k, self.pivots[k]);
         }
-        let rest = |x: f64, factors: &[f64], b: &[f64]| {
-            factors.iter().zip(b).fold(x, |x, (factor, b)| x - factor * b)
-        };
-        for i in 1..n {
-            b[i] = rest(b[i], &self.factors[i * n..i * n + i], b);
+        for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate() {
+            let (above, below) = b.split_at_mut(k + 1);
+            subtract(below, &factors[k + 1..], above[k]);
         }
-        for i in (0..n).rev() {
-            let row = &self.factors[i * n..(i + 1) * n];
-            b[i] = rest(b[i], &row[i + 1..], &b[i + 1..]) / row[i];
+        for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate().rev() {
+            let (above, below) = b.split_at_mut(k);
+            below[0] /= factors[k];
+            subtract(above, factors, below[0]);
         }
     }
 }
@@ -123,12 +134,14 @@ impl DenseLu {
             for k in 0..n {
                 block.swap(k, self.pivots[k]);
             }
-            for i in 1..n {
-                block[i] = less(block[i], &self.factors[i * n..i * n + i], &block[..i]);
+            for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate() {
+                let (above, below) = block.split_at_mut(k + 1);
+                subtract_lanes(below, &factors[k + 1..], &above[k]);
             }
-            for i in (0..n).rev() {
-                let row = &self.factors[i * n..(i + 1) * n];
-                block[i] = less(block[i], &row[i + 1..], &block[i + 1..]).map(|x| x / row[i]);
+            for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate().rev() {
+                let (above, below) = block.split_at_mut(k);
+                below[0].iter_mut().for_each(|x| *x /= factors[k]);
+                subtract_lanes(above, factors, &below[0]);
             }
             for (l, column) in columns.iter_mut().enumerate() {
                 for (x, lanes) in column.iter_mut().zip(&block) {
@@ -160,14 +173,11 @@ impl DenseLu {
     }
 }
 
-/// `lanes` less the sum of the rows by these factors, one after the other.
-fn less(mut lanes: [f64; LANES], factors: &[f64], rows: &[[f64; LANES]]) -> [f64; LANES] {
-    for (f, row) in factors.iter().zip(rows) {
-        for (x, y) in lanes.iter_mut().zip(row) {
-            *x -= f * y;
-        }
+/// [`subtract`], side by side.
+fn subtract_lanes(from: &mut [[f64; LANES]], factors: &[f64], times: &[f64; LANES]) {
+    for (row, factor) in from.iter_mut().zip(factors) {
+        row.iter_mut().zip(times).for_each(|(x, times)| *x -= factor * times);
     }
-    lanes
 }
 
 /// The eigenvalues of a symmetric `n`×`n` matrix, given by rows and overwritten, in no particular

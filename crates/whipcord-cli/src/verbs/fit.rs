@@ -4,7 +4,7 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use whipcord::{Model, ModelKind, Pose, Stations};
+use whipcord::{Model, ModelKind, Stations};
 use whipcord_estimation::identification::{
     Asked, Experiment, Identified, IdentifyError, ParameterPath, Prior, Progress, Robustness,
     Settings, Unknown, analyse, identify, registered, rows, split,
@@ -299,21 +299,11 @@ fn with_estimates(
 
 /// What was measured in a case.
 fn experiment(file: &CaseFile) -> Result<Experiment, Failure> {
-    let Some(measured) = file.measured.as_ref().filter(|m| !m.observations.is_empty()) else {
-        return Err(Failure::Input(format!(
+    file.experiment().ok_or_else(|| {
+        Failure::Input(format!(
             "error: {} has no measurements: name the file with them in [measured]",
             file.path.display()
-        )));
-    };
-    Ok(Experiment {
-        case: file.case.clone(),
-        cameras: measured.cameras.iter().map(|of| of.camera).collect(),
-        observations: measured.fitted(),
-        body: measured.body,
-        alignment: measured.alignment,
-        frame: Pose::IDENTITY,
-        labels: file.row_labels(),
-        ..Experiment::default()
+        ))
     })
 }
 

@@ -7,11 +7,13 @@ use whipcord_numerics::least_squares::{Options, Workspace};
 use super::check::check;
 use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
+use super::fewer_rows::fewer_rows;
 use super::forward::Forward;
 use super::logarithm::Logarithms;
 use super::noise;
 use super::outcome::Identified;
 use super::problem::Problem;
+use super::refused_rows::remembers;
 use super::rows::{Row, rows, without};
 use super::settings::Settings;
 use super::starts::best_of;
@@ -143,9 +145,24 @@ fn fit(
         iterations: settings.iterations,
         ..Options::default()
     };
-    let start = x.clone();
-    let coarse = forward.coarse_model(&start);
+    let coarse = forward.coarse_model(&x);
     let mut problem = Problem::new(&mut forward, &logarithms, &scales, &settings.progress);
+    // Rows of a robot that remembers cost far more than others.
+    let near = remembers(robot)
+        .then(|| fewer_rows(experiments))
+        .flatten()
+        .and_then(|fewer| estimates_of(robot, &fewer, unknowns, settings))
+        .filter(|near| {
+            let cost = |x: &[f64]| {
+                let searched = problem.searched(x);
+                problem.cost(&searched, settings.robustness.loss())
+            };
+            cost(near).is_some_and(|near| cost(&x).is_none_or(|start| near < start))
+        });
+    if let Some(near) = near {
+        x = near;
+    }
+    let start = x.clone();
     let mut found = None;
     if let Some(coarse) = coarse {
         let fine = problem.replace_model(coarse);
@@ -162,4 +179,18 @@ fn fit(
         None => noise::fit(&mut problem, &mut x, &options, settings.robustness, &mut workspace)?,
     };
     summary::tell(&forward, &x, (&scales, &logarithms), &fitted, settings, &workspace)
+}
+
+/// The estimates that the search finds in these experiments, where it converges and they determine all of them: else it ends far away.
+fn estimates_of(
+    robot: &Robot,
+    experiments: &[Experiment],
+    unknowns: &[Unknown],
+    settings: &Settings,
+) -> Option<Vec<f64>> {
+    check(robot, experiments, unknowns, settings).ok()?;
+    let found = fit(robot, experiments, unknowns, settings).ok()?;
+    let estimates = found.estimates.iter().map(|estimate| estimate.value);
+    let is_found = found.status.is_converged() && found.unresolved.is_empty();
+    is_found.then(|| estimates.collect())
 }

@@ -7,7 +7,7 @@
 //! seen, and says how sure they are and which of them the measurements cannot tell apart.
 //!
 //! `quantity` is what can be estimated, `forward` says what a model says would be seen; `evaluation` shares its `pieces` among threads, each
-//! with a `solver`; `columns` is how that changes by each `method`; `problem` is the least-squares problem, `noise` weighs it; `identify` is the search and `summary` makes its
+//! with a `solver`; `columns` is how that changes by each `method`; `problem` is the least-squares problem, `noise` weighs it; `identify` is the search, which begins with `fewer_rows`, and `summary` makes its
 //! `outcome`; `crate::uncertainty` and `unresolved` say what the
 //! estimates are worth; `validation` and `selection` compare what was fitted with what was not.
 
@@ -21,6 +21,7 @@ mod drift;
 mod error;
 mod evaluation;
 mod experiment;
+mod fewer_rows;
 mod forward;
 mod identify;
 mod linear;
@@ -64,7 +65,7 @@ pub use self::selection::{Compared, Rung, compare_models, ladder};
 pub use self::sensitivity::{Worth, best_measurements, sensitivity, worth_by_disk};
 pub use self::settings::{Evaluation, Progress, Robustness, Settings};
 pub use self::shared::Shared;
-pub use self::suspects::{Confirmed, Suspect, suspects};
+pub use self::suspects::{Confirmed, Suspect, single_cable, suspects};
 pub use self::unresolved::{Share, Unresolved};
 pub use self::validation::{Fold, HeldOut, Validated, cross_validate, hold_out, split};
 pub use whipcord_numerics::least_squares::Status;

@@ -89,16 +89,17 @@ pub fn profile(
         };
         let mut distance = (quantile * deviation).min(room);
         let (mut inside, mut outside) = (0.0, f64::INFINITY);
-        let mut start = x.clone();
+        // Fits that begin where the value before contradicts the measurements can end in another minimum than those from the inside.
+        let (mut nearest, mut start) = (x.clone(), x.clone());
         for _ in 0..STEPS {
             if distance <= 0.0 {
                 break;
             }
             let value = logarithms.value(unknown, y + side * distance);
+            start.clone_from(&nearest);
             let Ok(cost) = at(value, &mut start) else {
                 // Beyond the values that have an answer nothing is known.
                 outside = distance;
-                start.clone_from(&x);
                 distance = 0.5 * (inside + outside);
                 continue;
             };
@@ -111,6 +112,7 @@ pub fn profile(
             }
             if root < 1.0 {
                 inside = distance;
+                nearest.clone_from(&start);
             } else {
                 outside = distance;
             }

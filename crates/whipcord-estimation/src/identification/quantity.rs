@@ -4,7 +4,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use whipcord::parameter::{Parameter, StiffnessPart, numbered};
-use whipcord::robot::{Cable, Routing, limits};
+use whipcord::robot::{Cable, Drive, Robot, Routing, limits};
 
 /// A number of a robot or a case that can be estimated. Indices count from 0; `axis` is 0, 1 or 2 for x, y
 /// or z.
@@ -214,7 +214,7 @@ impl Quantity {
     /// Its unit in SI; empty for a plain number, and for a coefficient of a polynomial, whose unit depends on
     /// its power.
     #[must_use]
-    pub const fn unit(&self) -> &'static str {
+    pub fn unit(&self, robot: &Robot) -> &'static str {
         use Parameter as P;
         match self {
             Self::Parameter(parameter) => match parameter {
@@ -247,7 +247,12 @@ impl Quantity {
                 | P::PointForce { .. } => "N",
                 P::MotorStiffness { .. } => "N/m",
                 P::FreeLength { .. } | P::SpoolRadius { .. } => "m",
-                P::Backlash { .. } | P::MotorOffset { .. } | P::MotorCommand { .. } => "rad or m",
+                P::Backlash { motor } | P::MotorOffset { motor } | P::MotorCommand { motor } => {
+                    match robot.motors().get(*motor).map(|motor| motor.drive) {
+                        Some(Drive::Linear) => "m",
+                        _ => "rad",
+                    }
+                }
                 P::Gravity { .. } => "m/s²",
                 P::TipMoment { .. } | P::PointMoment { .. } => "N·m",
                 P::LineForce { .. } | P::LineForceAt { .. } => "N/m",

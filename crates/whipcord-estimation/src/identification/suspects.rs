@@ -4,12 +4,16 @@ use super::build::present;
 use super::check::driven_by_tension;
 use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
+use super::fewer_rows::part_of_rows;
 use super::identify::identify;
 use super::linear::{Linear, beside, dot, fitted, values};
 use super::method::DerivativeMethod;
 use super::outcome::Identified;
+use super::parameter_path::ParameterPath;
 use super::quantity::Quantity;
 use super::refused_rows::remembers;
+use super::registered::registered;
+use super::rows::rows;
 use super::settings::Settings;
 use whipcord::parameter::Parameter;
 use whipcord::robot::Robot;
@@ -104,6 +108,55 @@ pub fn suspects(
         all[0].confirmed = change;
     }
     Ok(all)
+}
+
+/// The single cable whose zero or angle stands out in measurements that were not fitted: where one stiffness of all drives, or that of the
+/// backbone, is fitted to some of the rows, and the motion of the measurement where that is asked for. `None` where none stands out, and
+/// where the model has no exact derivatives.
+///
+/// # Errors
+/// [`IdentifyError::Cancelled`].
+pub fn single_cable(
+    robot: &Robot,
+    experiments: &[Experiment],
+    settings: &Settings,
+) -> Result<Option<Suspect>, IdentifyError> {
+    /// So many rows are enough for what stands out.
+    const ENOUGH: usize = 200;
+    /// Of fewer rows nothing is said.
+    const LEAST: usize = 8;
+    /// Of the distance, what may be left: without the other numbers that a fit would have, less of it can have other reasons.
+    const LEFT: f64 = 0.6;
+    let explains =
+        |of: Confirmed| of.rms_distance.is_some_and(|[before, after]| after <= LEFT * before);
+    let count = rows(experiments).len();
+    if count < LEAST || robot.cables().len() < 2 || !settings.model.has_derivatives(robot) {
+        return Ok(None);
+    }
+    let settings = Settings { skips: true, starts: 1, ..settings.clone() };
+    let some = part_of_rows(experiments, count.div_ceil(ENOUGH));
+    let found = registered(robot, &some, &stiffness(robot), true, &settings).and_then(
+        |(some, unknowns)| {
+            let found = identify(robot, &some, &unknowns, &settings)?;
+            suspects(robot, &some, &unknowns, &settings, &found)
+        },
+    );
+    match found {
+        Ok(all) => Ok(all.into_iter().next().filter(|first| first.confirmed.is_some_and(explains))),
+        Err(IdentifyError::Cancelled) => Err(IdentifyError::Cancelled),
+        // What cannot be fitted tells nothing.
+        Err(_) => Ok(None),
+    }
+}
+
+/// The stiffness of all drives where it is given, else that of the backbone.
+fn stiffness(robot: &Robot) -> Vec<Unknown> {
+    let motors = robot.motors();
+    let drives = !motors.is_empty() && motors.iter().all(|motor| motor.stiffness.is_some());
+    let path = if drives { "motors[*].stiffness" } else { "backbone.young_modulus" };
+    let unknown = path.parse().ok().and_then(|path: ParameterPath| path.unknown(robot).ok());
+    let is_given = drives || robot.backbone().material.young_modulus.is_some();
+    unknown.filter(|_| is_given).into_iter().collect()
 }
 
 /// The first one, where it stands out.

@@ -260,7 +260,12 @@ impl CaseFile {
                             self.differ(&format!("{path}.{key}"), before, item, edits)?;
                         }
                         (None, Item::Number(_)) => {
-                            lines += &format!("\n{key} = {}", short(in_si(item)?));
+                            let own = format!("{path}.{key}");
+                            match self.document().find(&own) {
+                                // The file says that it is zero, as it would be without that.
+                                Some(_) => self.differ(&own, &Item::Number(0.0), item, edits)?,
+                                None => lines += &format!("\n{key} = {}", short(in_si(item)?)),
+                            }
                         }
                         (None, Item::Table(_) | Item::List(_))
                             if self.document().find(&format!("{path}.{key}")).is_none() =>
@@ -269,6 +274,9 @@ impl CaseFile {
                         }
                         (None, _) => return None,
                     }
+                }
+                if lines.is_empty() {
+                    return Some(());
                 }
                 // What the file does not say yet stands behind the header of the table.
                 let header = self.document().find(path).filter(|node| node.span.file == 0)?.span;

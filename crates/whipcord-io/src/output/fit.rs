@@ -24,7 +24,7 @@ pub fn fit_json(
         Ok(json!({
             "parameter": estimate.unknown.path(),
             "case": estimate.unknown.experiment.and_then(|e| names.get(e)),
-            "unit": estimate.unknown.quantity.unit(),
+            "unit": estimate.unknown.quantity.unit(&found.robot),
             "value": number(|| path("value"), estimate.value)?,
             "deviation": optional(|| path("deviation"), estimate.deviation)?,
             "interval": interval,

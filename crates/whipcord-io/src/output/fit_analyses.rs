@@ -28,7 +28,7 @@ pub(super) fn said(
         });
         Ok(json!({
             "parameter": suspect.quantity.to_string(),
-            "unit": suspect.quantity.unit(),
+            "unit": suspect.quantity.unit(&found.robot),
             "change": number(|| path("change"), suspect.change)?,
             "deviation": number(|| path("deviation"), suspect.deviation)?,
             "share": number(|| path("share"), suspect.share)?,

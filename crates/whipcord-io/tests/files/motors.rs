@@ -1,10 +1,12 @@
 //! Robots with motors, read and written.
 
+use std::path::Path;
+
 use serde_json::json;
 use whipcord::warning::of_answer;
 use whipcord::{
-    Actuation, Drive, Model, ModelKind, MotorDynamics, MotorLimits, Shortening, Statics as _,
-    Stations,
+    Actuation, Drive, Model, ModelKind, Motor, MotorDynamics, MotorLimits, Shortening,
+    Statics as _, Stations, Vec3,
 };
 use whipcord_io::{Beside, CaseFile, answer_json, describe, load, parse, toml};
 
@@ -153,4 +155,23 @@ fn a_cable_that_is_not_where_its_motor_pulls_it_cannot_be_written() {
     *length += 1e-3;
     let error = describe(None, &file.robot, &case).unwrap_err().to_string();
     assert!(error.contains("angle_offset"), "{error}");
+}
+
+/// A number that the file says to be zero, which is as if it said nothing, is changed where it stands.
+#[test]
+fn a_fitted_number_takes_the_place_of_a_zero() {
+    let zero = "angle_offset = \"0 deg\"   # as mounted";
+    let text = format!("{ROBOT}{MOTORS}").replace("angle_offset = \"10 deg\"", zero);
+    let file = parse(&text, "robot.toml").unwrap();
+    let mut motors = file.robot.motors().to_vec();
+    motors[0] = Motor { offset: 0.05, ..motors[0].clone() };
+    let fitted = file.robot.clone().with_motors(motors).unwrap();
+    let written = file.with_numbers_of(&fitted, &file.case, Vec3::ZERO, Path::new(".")).unwrap();
+    assert!(
+        written.keeps_text && written.text.contains("deg\"   # as mounted"),
+        "{}",
+        written.text
+    );
+    let again = parse(&written.text, "again.toml").unwrap();
+    assert!((again.robot.motors()[0].offset - 0.05).abs() < 1e-12, "{}", written.text);
 }

@@ -8,7 +8,7 @@ use whipcord_plot::{
     label, robot_figure,
 };
 
-use super::tables::arc_length;
+use super::tables::{arc_length, name};
 use super::{Fit, row_name};
 use crate::html::Figure;
 use crate::quantity::number;
@@ -199,7 +199,7 @@ fn worth(fit: &Fit) -> Result<Option<Figure>, PlotError> {
         let points: Vec<[f64; 2]> =
             by_disk.iter().map(|of| [of.arc_length * 1e3, 100.0 * of.variances[j]]).collect();
         let layers = vec![Layer::Line(points.clone()), Layer::Markers(points)];
-        Series::new(estimate.unknown.to_string(), k, layers)
+        Series::new(name(fit, &estimate.unknown), k, layers)
     });
     let best: Vec<String> = best_measurements(&fit.analyses.worths)
         .iter()
@@ -223,8 +223,8 @@ fn worth(fit: &Fit) -> Result<Option<Figure>, PlotError> {
     }))
 }
 
-/// Most lines of one chart.
-const MOST_SERIES: usize = 8;
+/// Most lines of one chart: as many as there are signs to tell them apart.
+const MOST_SERIES: usize = 6;
 
 /// The profile likelihoods, each over the interval of its standard deviation.
 fn profiles(fit: &Fit) -> Result<Option<Figure>, PlotError> {
@@ -243,7 +243,7 @@ fn profiles(fit: &Fit) -> Result<Option<Figure>, PlotError> {
             .map(|[value, rise]| [(value - estimate.value) / size, rise.sqrt()])
             .collect();
         let layers = vec![Layer::Line(points.clone()), Layer::Markers(points)];
-        Series::new(estimate.unknown.to_string(), k, layers)
+        Series::new(name(fit, &estimate.unknown), k, layers)
     });
     Ok(Some(Figure {
         name: "profiles".into(),

@@ -2,7 +2,7 @@
 
 mod figures;
 mod order;
-mod remarks;
+pub(crate) mod remarks;
 mod report;
 pub mod tables;
 
@@ -118,11 +118,12 @@ impl Fit {
     /// Those that are about the fit as a whole.
     #[must_use]
     pub fn remarks_of_all(&self) -> Vec<Remark> {
+        let suspect = self.analyses.suspects.first();
         let all = [
             self.instability(),
             self.left_out(),
             self.contradicted(),
-            remarks::stands_out(&self.analyses, self.found.robot.backbone().length),
+            suspect.and_then(|first| remarks::stands_out(first, &self.found.robot)),
             remarks::drifts(&self.analyses),
         ];
         all.into_iter().flatten().collect()

@@ -1,5 +1,6 @@
 //! Warnings about a fit that come from its analyses, and what is said of repeatability.
 
+use whipcord::Robot;
 use whipcord_estimation::identification::{Analyses, Quantity, Suspect};
 
 use super::Remark;
@@ -10,16 +11,16 @@ use crate::quantity::number;
 /// are off by as much.
 const LEAST: f64 = 5e-4;
 
-/// The warning where the zero or the angle of one cable stands out, in a backbone of this length in m.
-pub fn stands_out(analyses: &Analyses, length: f64) -> Option<Remark> {
-    let suspect = analyses.suspects.first()?;
+/// The warning where the zero or the angle of this cable of a robot stands out.
+pub(crate) fn stands_out(suspect: &Suspect, robot: &Robot) -> Option<Remark> {
+    let length = robot.backbone().length;
     let confirmed = suspect.confirmed.as_ref()?;
     if let Some([before, after]) = confirmed.rms_distance
         && before * before - after * after < (LEAST * length) * (LEAST * length)
     {
         return None;
     }
-    let (scale, unit) = shown(suspect.quantity.unit());
+    let (scale, unit) = shown(suspect.quantity.unit(robot));
     let within = match confirmed.deviation {
         Some(deviation) => format!(" ± {}", number(deviation * scale, 2)),
         None => String::new(),

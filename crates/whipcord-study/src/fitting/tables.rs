@@ -97,7 +97,7 @@ pub fn estimates(fit: &Fit) -> Table {
     ]);
     table.group();
     for estimate in &fit.found.estimates {
-        let (scale, unit) = shown(estimate.unknown.quantity.unit());
+        let (scale, unit) = shown(estimate.unknown.quantity.unit(&fit.found.robot));
         // Down to the second digit of the deviation, so that the ends of the interval are told apart.
         let decimals =
             estimate.deviation.map(|deviation| 1.0 - (deviation * scale).log10().floor());
@@ -139,7 +139,7 @@ pub(super) fn shown(unit: &'static str) -> (f64, &'static str) {
 }
 
 /// The path, with the file it belongs to where it is not of all.
-fn name(fit: &Fit, unknown: &Unknown) -> String {
+pub(super) fn name(fit: &Fit, unknown: &Unknown) -> String {
     match unknown.experiment {
         Some(e) => format!("{} ({})", unknown.path(), fit.names[e]),
         None => unknown.path(),
@@ -274,7 +274,7 @@ pub fn profiles(fit: &Fit) -> Table {
     ]);
     for profile in &fit.analyses.profiles {
         let unknown = &fit.found.estimates[profile.unknown].unknown;
-        let (scale, unit) = shown(unknown.quantity.unit());
+        let (scale, unit) = shown(unknown.quantity.unit(&fit.found.robot));
         let end = |end: Option<f64>| {
             end.map_or_else(|| String::from("open"), |end| number(end * scale, 6))
         };
@@ -375,7 +375,7 @@ pub fn estimates_csv(fit: &Fit) -> CsvTable {
         csv.push([
             Cell::from(estimate.unknown.path().as_str()),
             case.map_or(Cell::Empty, Cell::from),
-            Cell::from(estimate.unknown.quantity.unit()),
+            Cell::from(estimate.unknown.quantity.unit(&fit.found.robot)),
             Cell::from(estimate.value),
             Cell::from(estimate.deviation),
             Cell::from(estimate.interval.map(|ends| ends[0])),

@@ -4,6 +4,7 @@ use whipcord::{LengthMiss, ModelKind, Pose, SolveError, Vec3};
 use whipcord_io::CaseFile;
 
 use super::solve::{Subject, Unsolved};
+use crate::fitting::Remark;
 
 /// The models on all rows of all files.
 #[derive(Clone, Debug)]
@@ -16,6 +17,8 @@ pub struct Score<'a> {
     pub models: Vec<ModelKind>,
     /// By files, then by models.
     pub files: Vec<Vec<FileScore>>,
+    /// The warning where the zero or the angle of a single cable explains much of the errors of the best model.
+    pub single_cable: Option<Remark>,
 }
 
 /// A model on the rows of one file.

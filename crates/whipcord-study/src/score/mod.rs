@@ -6,6 +6,7 @@ mod measures;
 pub mod output;
 pub mod report;
 mod run;
+mod single_cable;
 mod solve;
 pub mod tables;
 
@@ -36,7 +37,7 @@ impl<'a> Score<'a> {
             let of_models = models.iter().zip(of_models);
             of_models.map(|(model, answers)| FileScore::new(subject, *model, answers)).collect()
         });
-        Self { files: files.collect(), subjects, names, models }
+        Self { files: files.collect(), subjects, names, models, single_cable: None }
     }
 
     /// A model, by its number, over all files.

@@ -5,6 +5,7 @@ use whipcord::{LengthMiss, Pose};
 use whipcord_io::{Cell, CsvTable, length_misses_json};
 
 use super::{FileScore, Measures, RowScore, Score, Summary};
+use crate::fitting::Remark;
 
 /// All of it; `rows` adds every row of every file.
 #[must_use]
@@ -36,7 +37,18 @@ pub fn json(score: &Score<'_>, rows: bool) -> Value {
             "models": models.collect::<Vec<_>>(),
         })
     });
-    json!({ "models": models.collect::<Vec<_>>(), "files": files.collect::<Vec<_>>() })
+    let warnings: Vec<Value> = score
+        .single_cable
+        .iter()
+        .map(|Remark { code, message, help }| {
+            json!({ "code": code, "message": message, "help": help })
+        })
+        .collect();
+    json!({
+        "models": models.collect::<Vec<_>>(),
+        "files": files.collect::<Vec<_>>(),
+        "warnings": warnings,
+    })
 }
 
 fn motion(motion: Option<&Pose>) -> Value {

@@ -7,10 +7,12 @@ use whipcord::jobs::share;
 use whipcord::{Cancel, ModelKind};
 use whipcord_io::CaseFile;
 
+use super::single_cable::single_cable;
 use super::solve::{Answers, Job, Subject};
 use super::{Score, report};
 use crate::failure::Failure;
 use crate::files::{Folder, plot_failure, unique_names};
+use crate::fitting::Remark;
 use crate::score::{figures, output};
 
 /// The answers to all measured rows, of which [`Solved::score`] makes a score.
@@ -19,6 +21,7 @@ pub struct Solved {
     models: Vec<ModelKind>,
     jobs: Vec<Job>,
     answers: Vec<Answers>,
+    single_cable: Option<Remark>,
 }
 
 /// Where files and models stand in the answers.
@@ -57,14 +60,24 @@ impl Solved {
         if cancel.is_cancelled() {
             return Err(Failure::Solve("error: not all rows were solved".to_owned()));
         }
-        Ok(Self { models, jobs, answers })
+        let mut solved = Self { models, jobs, answers, single_cable: None };
+        let best = solved.clone().score(cases).best();
+        if let Some(best) = best {
+            solved.single_cable = single_cable(cases, solved.models[best], threads, cancel);
+        }
+        if cancel.is_cancelled() {
+            return Err(Failure::Solve("error: not all rows were solved".to_owned()));
+        }
+        Ok(solved)
     }
 
     /// The score of these files, which are those that were solved.
     #[must_use]
     pub fn score<'a>(self, cases: &[&'a CaseFile]) -> Score<'a> {
         let names = unique_names(cases.iter().map(|case| case.path.as_path()));
-        Score::new(subjects(cases), names, self.models, &self.jobs, self.answers)
+        let single_cable = self.single_cable;
+        let score = Score::new(subjects(cases), names, self.models, &self.jobs, self.answers);
+        Score { single_cable, ..score }
     }
 }
 

@@ -4,6 +4,7 @@ use whipcord::{LengthMiss, ModelKind};
 use whipcord_estimation::registration::Alignment;
 
 use super::{Score, Summary};
+use crate::fitting::Remark;
 use crate::quantity::{degrees, fixed, fixed_millimetres, millimetres};
 use crate::table::{Align, Table};
 
@@ -229,6 +230,12 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
                 score.label(most.file, most.row)
             ));
         }
+    }
+    if let (Some(Remark { message, help, .. }), Some(best)) = (&score.single_cable, score.best()) {
+        let model = score.models[best];
+        notes.push(format!(
+            "{model}, with one stiffness fitted to some of the rows: {message}; {help}."
+        ));
     }
     for (model, kind) in score.models.iter().enumerate() {
         notes.extend(reasons(*kind, &score.summary(model)));

@@ -1,6 +1,8 @@
 //! Exact derivatives of an answer whose cables rub along their curves: every node of [`super::tension_nodes`] is a strand, and the equations of
 //! the holes ([`crate::statics::friction`]) say how their tensions change.
 
+use core::mem::take;
+
 use super::friction::{Answer, Friction, FrictionRod, FrictionWorkspace, base_wrench};
 use super::prepared::{Cosserat, Workspace};
 use super::scratch::Scratch;
@@ -90,8 +92,8 @@ impl Cosserat {
         };
         let friction = self.friction_on(&grid);
         let walked = workspace.friction.levels.get_mut(level);
-        let Some((trail, answers)) =
-            walked.and_then(|walked| Some((walked.history.trail.take()?, walked.answers.clone())))
+        let Some((trail, answers)) = walked
+            .and_then(|walked| Some((walked.history.trail.take()?, take(&mut walked.answers))))
         else {
             return Err(SolveError::NoDerivatives);
         };
@@ -105,7 +107,7 @@ impl Cosserat {
             self.differentiate_end(at, (end, carried), (case, parameters), place, workspace)
         });
         if let Some(walked) = workspace.friction.levels.get_mut(level) {
-            walked.history.trail = Some(trail);
+            (walked.history.trail, walked.answers) = (Some(trail), answers);
         }
         found
     }
@@ -129,7 +131,7 @@ impl Cosserat {
         let mut rod = FrictionRod::new(&problem, (friction, &answer.profile), scratch, response);
         rod.set_shape(&end.shape);
         let measured = rod.measure(&standing.tensions, &mut at);
-        let varying = core::mem::take(&mut scratch.chain.varying);
+        let varying = take(&mut scratch.chain.varying);
         measured.map_err(|_| SolveError::NoDerivatives)?;
         let Scratch { chain, poses, .. } = &mut *scratch;
         chain.poses(poses);

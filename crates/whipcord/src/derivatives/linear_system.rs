@@ -89,6 +89,11 @@ pub(crate) struct Equations {
 }
 
 impl ParameterChange {
+    /// Of a parameter that changes none of so many equations and outputs.
+    pub fn none(coordinates: usize, outputs: usize) -> Self {
+        Self { force: vec![0.0; coordinates], lengths: vec![0.0; outputs], ..Self::default() }
+    }
+
     /// By differences of the equations of robots whose parameter differs by so much; `scale` is a change of it that matters.
     pub fn by_differences(
         scale: f64,

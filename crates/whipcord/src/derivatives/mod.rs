@@ -9,7 +9,7 @@
 //! what one source changes, `change` is what comes out, `at_place` what is said of one place, put together in `local`. `rod` is what is kept of an
 //! answer and `of_answer` makes it; `cables`, `setting`, `node_change`, `effect` and `column` are data of these. Where cables run straight
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
-//! tensions of their own, which follow from `sliding_holes`. `coordinates` has the same of
+//! tensions of their own, which follow from `sliding_holes`, and `hole_source` says where a parameter enters their holes. `coordinates` has the same of
 //! models that have generalised coordinates for a rod, from their `linear_system`. `command_changes` are
 //! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives; `tip_rates` those of the tip, from its `tension_rates`, in memory that is
 //! kept.
@@ -33,6 +33,7 @@ mod effect;
 mod elimination;
 mod forward;
 mod friction_change;
+mod hole_source;
 mod linear;
 mod linear_system;
 mod local;
@@ -64,6 +65,7 @@ pub(crate) use self::column::unit_wrench;
 pub(crate) use self::command_changes::{CommandedCable, TensionChanges};
 pub use self::coordinates::CoordinateDerivatives;
 pub(crate) use self::coordinates::{CoordinateCable, SolvedCoordinates};
+pub(crate) use self::hole_source::hole_source;
 pub(crate) use self::linear_system::{Equations, KnownPlaces, LinearSystem, ParameterChange};
 pub(crate) use self::node_change::NodeChange;
 pub(crate) use self::of_answer::{OpenStrands, SlidingAnswer, Solved};

@@ -201,6 +201,7 @@ impl Derivatives {
                     standing: sliding.standing,
                     parameters: derivatives.partials.iter().map(source).collect(),
                     carried: sliding.carried,
+                    is_last: true,
                 };
                 let by_tension = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
                 derivatives.sliding = Some(Box::new(SlidingHoles::new(&answer, by_tension)?));

@@ -3,17 +3,17 @@
 
 use whipcord_numerics::{GAUSS_5, Mat3, Twist, Vec3};
 
+use super::cables::Cables;
 use super::effect::Forcing;
 use super::friction_change::FrictionChange;
+use super::hole_source::{asked, hole_source};
 use super::linear::Linear;
 use super::mass_change::MassChange;
 use super::replay::{AXES, TurnOutput};
 use super::setting::{AtRest, Setting};
 use super::spread_change::SpreadChange;
 use super::step_ends::StepEnds;
-use crate::case::Shortening;
-use crate::parameter::{MotorChange, RouteChange};
-use crate::parameter::{Parameter, StiffnessPart};
+use crate::parameter::{Parameter, RouteChange, StiffnessPart};
 use crate::robot::{Robot, RobotError, SectionProperties};
 use crate::section::{BENDING_AXES, BodyWrench, Crossing, Section, Stiffness, Strain};
 use crate::shape::Wrench;
@@ -184,51 +184,19 @@ impl Partial {
         asked + compliance * setting.tensions[place]
     }
 
-    /// How the length that a cable is to keep inside the robot changes where nothing pulls it, and the compliance of cable and drive, with its
-    /// length at rest.
     fn asked(&self, setting: &Setting<'_>, place: usize, rest: f64) -> (f64, f64) {
-        let (robot, cable) = (setting.robot, setting.cables.order[place]);
-        let asked = match setting.case.commands[cable].shortening {
-            Some(Shortening::Fraction(fraction)) => rest * (1.0 - fraction),
-            _ => rest,
-        };
-        let at_rest = setting.cables.rest_lengths[place];
-        let motor = MotorChange::new(&self.parameter, robot, setting.case, cable, at_rest);
-        let inside = robot.cables()[cable].axial_stiffness.map_or(0.0, |k| rest / k);
-        let compliance = inside + motor.compliance;
-        let by_pretension = robot.cable_compliance(cable, at_rest) * motor.pretension;
-        let wound_up = compliance * robot.pretension(cable) + by_pretension;
-        (asked - motor.shortening - wound_up, compliance)
+        let Cables { order, rest_lengths, .. } = setting.cables;
+        let cable = order[place];
+        asked(&self.parameter, (setting.robot, setting.case), cable, (rest_lengths[place], rest))
     }
 
     /// What the parameter changes in the equations of the holes.
     pub fn hole_source(&self, setting: &Setting<'_>, holes: &Holes) -> HoleSource {
-        let Setting { robot, cables, .. } = *setting;
-        let mut rest = Vec::new();
-        holes.cable_lengths(&self.rest_lengths, &mut rest);
-        let mut source = HoleSource { yielding: vec![0.0; holes.count()], ..HoleSource::default() };
-        for (place, &cable) in cables.order.iter().enumerate() {
-            let rubs = matches!(self.parameter, Parameter::Friction { cable: of }
-                if of.is_none_or(|only| only == cable) && robot.cables()[cable].friction.is_some());
-            source.friction.push(if rubs { 1.0 } else { 0.0 });
-            let (target, mut outside) = self.asked(setting, place, rest[place]);
-            source.targets.push(target);
-            let is_length = setting.commands[place].is_length();
-            source.commands.push(if is_length { target } else { 0.0 });
-            if let Some(stiffness) = robot.cables()[cable].axial_stiffness {
-                let softens = self.parameter == Parameter::AxialStiffness { cable };
-                let by_stiffness = if softens { -1.0 / stiffness } else { 0.0 };
-                let at_rest = cables.rest_lengths[place] / stiffness;
-                outside -= rest[place] / stiffness + by_stiffness * at_rest;
-                for &p in &holes.of_cable[place] {
-                    source.yielding[p] =
-                        by_stiffness * holes.yielding[p] + self.rest_lengths[p] / stiffness;
-                }
-            }
-            source.outside.push(outside);
-        }
-        source.rest.clone_from(&self.rest_lengths);
-        source
+        let Cables { order, rest_lengths, .. } = setting.cables;
+        let cables = order.iter().copied().zip(rest_lengths.iter().copied());
+        let is_length = |place: usize| setting.commands[place].is_length();
+        let of = (setting.robot, setting.case);
+        hole_source(&self.parameter, of, holes, (cables, &self.rest_lengths), is_length)
     }
 
     /// Whether the strain at rest or a course changes.

@@ -28,6 +28,8 @@ pub(crate) struct AnswerHoles<'a> {
     /// How the state before the last substep changes: with each parameter, then with the command of each cable in all steps, then
     /// with that in the step of the substep. `None` where that is the robot at rest.
     pub carried: Option<&'a [Carried]>,
+    /// Whether it is the answer; else only what the holes remember is asked for.
+    pub is_last: bool,
 }
 
 /// The holes of an answer with friction.
@@ -47,8 +49,12 @@ impl SlidingHoles {
         answer: &AnswerHoles<'_>,
         by_tension: impl Fn(usize, usize) -> f64,
     ) -> Result<Self, Critical> {
-        let AnswerHoles { holes, standing, parameters, carried } = answer;
-        let held = HeldHoles::new(holes, standing, by_tension)?;
+        let AnswerHoles { holes, standing, parameters, carried, is_last } = answer;
+        let holds = match is_last {
+            true => &[Hold::Commands, Hold::Tensions, Hold::Lengths][..],
+            false => &[Hold::Commands],
+        };
+        let held = HeldHoles::new(holes, standing, holds, by_tension)?;
         let count = parameters.len();
         let before = |i: usize| match carried {
             Some(carried) => carried.get(i).cloned().unwrap_or_default(),

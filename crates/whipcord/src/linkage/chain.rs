@@ -323,6 +323,17 @@ impl Chain {
             }
             negative += negative_pivots(count, &self.matrix, &mut self.column)?;
             self.lu.factor(count, &self.matrix).ok()?;
+            // So small a matrix is multiplied with faster than solved for.
+            let mut inverse: Rows<Coordinates> = [[0.0; MOST]; MOST];
+            for b in 0..count {
+                self.column.clear();
+                self.column.resize(count, 0.0);
+                self.column[b] = 1.0;
+                self.lu.solve(&mut self.column);
+                for (row, x) in inverse.iter_mut().zip(&self.column) {
+                    row[b] = *x;
+                }
+            }
             for j in 0..3 {
                 self.column.clear();
                 self.column.extend(by_turn[..count].iter().map(|row| row[j]));
@@ -360,6 +371,13 @@ impl Chain {
                     // What acts nearer to the base bends nothing here by itself.
                     Right::Push(push) if push.section < k => continue,
                     Right::Unit { section, .. } if section < k => continue,
+                    // Nor does a cable beyond its end.
+                    Right::Tension(cable)
+                        if self.beyond[side] == [Vec3::ZERO; 2]
+                            && section.passages.iter().all(|passage| passage.cable != cable) =>
+                    {
+                        continue;
+                    }
                     Right::Push(push) if push.section == k => Some(push),
                     _ => None,
                 };
@@ -388,9 +406,10 @@ impl Chain {
                 if let Some(PlaceWrench { work, .. }) = push {
                     self.column.iter_mut().zip(work).for_each(|(x, work)| *x += work);
                 }
-                self.lu.solve(&mut self.column);
                 let step = &mut self.steps[side * n + k];
-                step[..count].copy_from_slice(&self.column);
+                for (x, row) in step[..count].iter_mut().zip(&inverse) {
+                    *x = row.iter().zip(&self.column).map(|(by, right)| by * right).sum();
+                }
                 let (mut turned, mut moved) = (Vec3::ZERO, Vec3::ZERO);
                 for a in 0..count {
                     turned += motion.turn[a] * step[a];

@@ -9,7 +9,7 @@ use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::derivatives::{
     AnswerHoles, CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, ParameterChange,
-    SolvedCoordinates,
+    SolvedCoordinates, hole_source,
 };
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -43,7 +43,8 @@ impl Linkage {
         workspace.friction.history = History::with_trail();
         let mut carrying = Carrying::default();
         let solution = self.go_on(case, workspace)?;
-        let asked = (case, parameters, stations);
+        let steps: Vec<Case> = case.leading_steps().collect();
+        let asked = (&steps[..], parameters, stations);
         let derivatives = self.differentiate_trail(rubbing, asked, &mut carrying, workspace)?;
         Ok((solution, derivatives))
     }
@@ -63,10 +64,12 @@ impl Linkage {
         workspace.forget();
         workspace.friction.history = History::with_trail();
         let mut carrying = Carrying::default();
-        for n in 0..=case.before.len() {
-            let Some(step) = case.step(n) else { break };
-            let solution = self.go_on(&step, workspace).map_err(|error| (n, error))?;
-            let asked = (case, parameters, &self.stations[..]);
+        let steps: Vec<Case> = case.leading_steps().collect();
+        for (n, step) in steps.iter().enumerate() {
+            // The workspace remembers the steps before.
+            workspace.friction.taken = 0;
+            let solution = self.go_on(step, workspace).map_err(|error| (n, error))?;
+            let asked = (&steps[..], parameters, &self.stations[..]);
             let mut differentiate =
                 || self.differentiate_trail(rubbing, asked, &mut carrying, workspace);
             let derivatives = asks(n).then(&mut differentiate).transpose();
@@ -86,7 +89,7 @@ impl Linkage {
     fn differentiate_trail(
         &self,
         rubbing: &Rubbing,
-        (case, parameters, stations): (&Case, &[Parameter], &[f64]),
+        (steps, parameters, stations): (&[Case], &[Parameter], &[f64]),
         carrying: &mut Carrying,
         workspace: &mut Workspace,
     ) -> Result<CoordinateDerivatives, SolveError> {
@@ -94,28 +97,30 @@ impl Linkage {
             return Err(SolveError::NoDerivatives);
         };
         let kept = parameters.len() + rubbing.holes.of_cable.len();
-        let steps: Vec<Case> = case.leading_steps().collect();
         let found = carrying.go(&trail, kept, |end, carried, place| {
             let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
-            let at = if place.is_last { stations } else { &[] };
+            let at = place.is_last.then_some(stations);
             self.differentiate_sliding((rubbing, end, carried), (case, parameters), at, workspace)
         });
         workspace.friction.history.trail = Some(trail);
         found
     }
 
-    /// The derivatives at the end of a substep, and what goes on to the next; at these stations.
+    /// The derivatives at the end of a substep, and what goes on to the next; at these stations, or where there are none only for that.
     fn differentiate_sliding(
         &self,
         (rubbing, end, carried): (&Rubbing, &SubstepEnd<Vec<Coordinates>>, Option<&[Carried]>),
         (case, parameters): (&Case, &[Parameter]),
-        stations: &[f64],
+        stations: Option<&[f64]>,
         workspace: &mut Workspace,
     ) -> Result<(CoordinateDerivatives, Vec<Carried>), SolveError> {
         let Rubbing { holes, sections, .. } = rubbing;
         let SubstepEnd { shape, standing, .. } = end;
         let coordinates = self.division.coordinates() * sections.len();
-        let at = [stations, &self.robot.disks().arc_lengths, &[]];
+        let at = match stations {
+            Some(stations) => [stations, &self.robot.disks().arc_lengths, &[]],
+            None => [&[][..]; 3],
+        };
         let places = KnownPlaces::new(self.kind, coordinates, at)?;
         let Workspace { scratch, loads, meter, friction, .. } = workspace;
         let tensions = &standing.tensions;
@@ -127,11 +132,20 @@ impl Linkage {
         friction.turned.rows(&task, &mut system.lengths);
         let mut changes = Vec::with_capacity(parameters.len());
         let mut sources = Vec::with_capacity(parameters.len());
+        let is_length = |cable: usize| standing.commands[cable].is_length();
+        let none = vec![0.0; holes.count()];
         for parameter in parameters {
+            if parameter.is_of_drives() {
+                parameter.check(&self.robot, case)?;
+                let cables = self.rest_lengths.iter().copied().enumerate();
+                let of = (&self.robot, case);
+                sources.push(hole_source(parameter, of, holes, (cables, &none), is_length));
+                changes.push(ParameterChange::none(coordinates, 2 * holes.count()));
+                continue;
+            }
             let mut change = self.by_parameter(parameter, case, |sections, robot, case| {
                 self.sliding_equations((sections, robot, case), shape, tensions)
             })?;
-            let is_length = |cable: usize| standing.commands[cable].is_length();
             sources.push(source(&mut change, holes.count(), holes.of_cable.len(), is_length));
             changes.push(change);
         }
@@ -147,7 +161,8 @@ impl Linkage {
             parameters: changes,
             length: self.robot.backbone().length,
         };
-        let holes = AnswerHoles { holes, standing, parameters: sources, carried };
+        let is_last = stations.is_some();
+        let holes = AnswerHoles { holes, standing, parameters: sources, carried, is_last };
         let found = CoordinateDerivatives::of_sliding(solved, &holes);
         holes.holes.cable_lengths(&friction.scratch.at.lengths, &mut scratch.chain.lengths);
         found

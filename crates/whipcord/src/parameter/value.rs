@@ -131,6 +131,12 @@ impl Parameter {
         }
     }
 
+    /// Whether it is one of a motor, of the friction of cables or of their stiffness: what decides on tensions and lengths alone.
+    pub(crate) const fn is_of_drives(&self) -> bool {
+        let of_cable = matches!(self, Self::Friction { .. } | Self::AxialStiffness { .. });
+        of_cable || self.motor().is_some()
+    }
+
     /// Whether it is one of the loads of a case.
     #[must_use]
     pub const fn is_load(&self) -> bool {

@@ -155,7 +155,7 @@ impl HeldCables {
         {
             of_members.clear();
             of_members.extend(set.members.iter().map(|&i| right[i]));
-            least((&set.system.matrix, &set.system.lu), of_members, solution, rest);
+            least((&set.system.transposed, &set.system.lu), of_members, solution, rest);
             for (&i, x) in set.members.iter().zip(&*solution) {
                 tensions[i] = *x;
             }
@@ -233,11 +233,11 @@ impl LeastSystem {
     }
 
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
-        solved((&self.matrix, &self.lu), right)
+        solved((&self.transposed, &self.lu), right)
     }
 
     pub fn solve_transposed(&self, right: &[f64]) -> Vec<f64> {
-        solved((&self.transposed, &self.transposed_lu), right)
+        solved((&self.matrix, &self.transposed_lu), right)
     }
 }
 
@@ -247,15 +247,19 @@ fn solved(system: (&[f64], &DenseLu), right: &[f64]) -> Vec<f64> {
     x
 }
 
-/// The least solution of a system whose matrix may be singular, by iterated regularisation.
-fn least((matrix, lu): (&[f64], &DenseLu), right: &[f64], x: &mut Vec<f64>, rest: &mut Vec<f64>) {
+/// The least solution of a system whose matrix, given by columns, may be singular, by iterated regularisation.
+fn least((columns, lu): (&[f64], &DenseLu), right: &[f64], x: &mut Vec<f64>, rest: &mut Vec<f64>) {
     let n = right.len();
     x.clear();
     x.resize(n, 0.0);
-    for _ in 0..CORRECTIONS {
+    for correction in 0..CORRECTIONS {
         rest.clear();
-        let left = |i: usize| (0..n).map(|j| matrix[i * n + j] * x[j]).sum::<f64>();
-        rest.extend((0..n).map(|i| right[i] - left(i)));
+        rest.extend_from_slice(right);
+        if correction > 0 {
+            for (column, x) in columns.chunks_exact(n.max(1)).zip(&*x) {
+                rest.iter_mut().zip(column).for_each(|(left, by)| *left -= by * x);
+            }
+        }
         lu.solve(rest);
         for (x, change) in x.iter_mut().zip(&*rest) {
             *x += change;

@@ -1,11 +1,13 @@
 //! What is said of a fit besides its estimates.
 
-use super::laboratory::{FILE, Truth, measure, random_rows, robot, settings, unknowns};
+use super::laboratory::{
+    FILE, Truth, measure, random_rows, robot, settings, unknowns, unknowns_of,
+};
 use crate::identification::synthetic::Normal;
 use whipcord::{Shortening, Vec3};
 use whipcord_estimation::identification::{
     Experiment, IdentifyError, Quantity, Row, cross_validate, drift, hold_out, identify, ladder,
-    profile, repeatability, rows, sensitivity, split, suspects,
+    profile, repeatability, rows, sensitivity, single_cable, split, suspects,
 };
 use whipcord_estimation::{Observation, Place, Seen};
 
@@ -130,6 +132,22 @@ fn one_cable_that_stands_out_is_named() {
     assert!(all.iter().all(|suspect| suspect.confirmed.is_none()), "{all:#?}");
 }
 
+/// The same without a fit by the caller; and a robot that is as its file says, but for the stiffness of its drives, is not accused.
+#[test]
+fn one_cable_is_named_in_measurements_that_were_not_fitted() {
+    let file = robot(&FILE);
+    let truth = Truth { stiffness: 5e3, slack: [0.0, 0.0, 2e-3], ..FILE };
+    let named = single_cable(&file, &[seen(&truth, 300)], &settings()).unwrap().unwrap();
+    assert_eq!(named.quantity, Quantity::ShorteningOffset { cable: 2 });
+    let change = named.confirmed.unwrap().change;
+    assert!((change / 2e-3 - 1.0).abs() < 0.1, "{change}");
+    for truth in [FILE, Truth { stiffness: 5e3, ..FILE }] {
+        assert_eq!(single_cable(&file, &[seen(&truth, 30)], &settings()).unwrap(), None);
+    }
+    // Of too few rows nothing is said.
+    assert_eq!(single_cable(&file, &[seen(&truth, 5)], &settings()).unwrap(), None);
+}
+
 /// Commands that come back, with noise; and from opposite sides, with a lag of the shape.
 #[test]
 fn repeatability_is_the_scatter_of_equal_commands() {
@@ -202,6 +220,19 @@ fn profiles_of_what_is_and_is_not_determined() {
             assert!((of_profile.unwrap() - end).abs() < 0.03 * width, "{profile:?} {ends:?}");
         }
         assert!(profile.points.iter().all(|[_, rise]| *rise < 2.0 * profile.limit));
+    }
+    // Of zeros that can hardly be told apart, a value that contradicts the measurements is beyond an end.
+    let zeros = ["motors[0].angle_offset", "motors[1].angle_offset", "motors[2].angle_offset"];
+    let zeros = unknowns_of(&file, &zeros);
+    let found = identify(&file, &measured, &zeros, &settings()).unwrap();
+    for j in 0..3 {
+        let profile = profile(&file, &measured, &zeros, &settings(), &found, j).unwrap();
+        let estimate = found.estimates[j].value;
+        for (side, end) in [-1.0, 1.0].into_iter().zip(profile.interval) {
+            let outside = |of: &&[f64; 2]| side * (of[0] - estimate) > 0.0 && of[1] > profile.limit;
+            let contradicts = profile.points.iter().filter(outside).count() > 0;
+            assert!(!contradicts || end.is_some(), "{profile:?}");
+        }
     }
     let measured = seen_of(5e6);
     let mut stiff: Vec<_> = unknowns[..1].to_vec();

@@ -56,7 +56,7 @@ impl Carrying {
         let mut within: Option<Vec<Carried>> = None;
         for (number, end) in trail.ends.iter().enumerate().skip(self.done) {
             if let Some(changes) = &mut self.changes
-                && trail.steps.contains(&number)
+                && trail.starts_step(number)
             {
                 // The commands of the step before are none of this one.
                 changes.truncate(kept);
@@ -64,7 +64,7 @@ impl Carrying {
             let is_last = number + 1 == trail.ends.len();
             let place = Place {
                 step: trail.steps.partition_point(|&first| first <= number).saturating_sub(1),
-                is_end_of_step: is_last || trail.steps.contains(&(number + 1)),
+                is_end_of_step: is_last || trail.starts_step(number + 1),
                 is_last,
             };
             let before = within.as_deref().or(self.changes.as_deref());

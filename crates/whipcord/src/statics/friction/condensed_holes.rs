@@ -81,7 +81,7 @@ impl CondensedHoles {
     pub fn assess(&mut self, holes: &Holes, commands: &[Command]) -> f64 {
         self.is_assessed = true;
         let before = &self.history.beyond;
-        EXACT * self.scratch.assess(&Law { holes, commands, before })
+        EXACT * self.scratch.assess(&Law { holes, commands, before, modes: None })
     }
 
     /// Eliminates the tensions: from the response of lengths and angles to them and to closing the equilibrium, and to each component of the wrenches.
@@ -94,7 +94,7 @@ impl CondensedHoles {
     ) -> Option<()> {
         let Self { scratch, history, by_wrench, columns, lu, .. } = self;
         fill(&mut scratch.response, by_wrench);
-        let law = Law { holes, commands, before: &history.beyond };
+        let law = Law { holes, commands, before: &history.beyond, modes: None };
         scratch.solve(&law)?;
         let FrictionScratch { tensions, at, beyond, modes, matrix, changes, .. } = &*scratch;
         lu.factor(tensions.len(), matrix).ok()?;
@@ -132,7 +132,7 @@ impl CondensedHoles {
             let rows = rows.chain(response.turns.chunks_exact_mut(n + 1).zip(&by.turns));
             rows.for_each(|(row, by)| row[n] += by * change);
         }
-        let law = Law { holes, commands, before: &history.beyond };
+        let law = Law { holes, commands, before: &history.beyond, modes: None };
         if scratch.solve(&law).is_some() {
             return scratch.changes.clone();
         }

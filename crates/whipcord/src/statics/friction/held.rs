@@ -89,11 +89,12 @@ impl HoleSource {
 }
 
 impl HeldHoles {
-    /// `by_tension` has the change of an output with the tension of a passage: the outputs are the lengths of all passages, then
-    /// their angles.
+    /// For what is held in these ways. `by_tension` has the change of an output with the tension of a passage: the outputs are the lengths of
+    /// all passages, then their angles.
     pub fn new(
         holes: &Holes,
         standing: &Standing,
+        holds: &[Hold],
         by_tension: impl Fn(usize, usize) -> f64,
     ) -> Result<Self, Critical> {
         let n = holes.count();
@@ -104,9 +105,8 @@ impl HeldHoles {
             systems: Vec::new(),
             of_hold: [0; 3],
         };
-        for (number, hold) in
-            [Hold::Commands, Hold::Tensions, Hold::Lengths].into_iter().enumerate()
-        {
+        for &hold in holds {
+            let number = Self::number(hold);
             let of: Vec<Held> = (0..holes.of_cable.len()).map(|c| held.at_base(hold, c)).collect();
             let known = held.systems.iter().position(|(other, _)| *other == of);
             held.of_hold[number] = match known {
@@ -229,13 +229,16 @@ impl HeldHoles {
         LeastSystem::new(size, matrix, regular)
     }
 
-    fn of(&self, hold: Hold) -> &(Vec<Held>, LeastSystem) {
-        let number = match hold {
+    const fn number(hold: Hold) -> usize {
+        match hold {
             Hold::Commands => 0,
             Hold::Tensions => 1,
             Hold::Lengths => 2,
-        };
-        &self.systems[self.of_hold[number]]
+        }
+    }
+
+    fn of(&self, hold: Hold) -> &(Vec<Held>, LeastSystem) {
+        &self.systems[self.of_hold[Self::number(hold)]]
     }
 
     /// The right-hand side of the equations, for what changes lengths and angles at constant tensions by `outputs`.

@@ -30,6 +30,8 @@ pub(super) struct Law<'a> {
     pub commands: &'a [Command],
     /// `Dᵢ` before the substep, by passage.
     pub before: &'a [f64],
+    /// The case of each hole, where it is given.
+    pub modes: Option<&'a [Mode]>,
 }
 
 /// Which of the cases of eq. (2) holds at a hole.
@@ -103,6 +105,9 @@ impl Law<'_> {
     pub fn mode(&self, (cable, place): (usize, usize), at: Iterate<'_>) -> Mode {
         let kappa = self.holes.compliance;
         let p = self.holes.of_cable[cable][place];
+        if let Some(modes) = self.modes {
+            return modes[p];
+        }
         let tension = at.tensions[p];
         let Some(incoming) = self.incoming((cable, place), at.tensions) else {
             let lack = self.lack(cable, at);
@@ -158,6 +163,7 @@ impl Law<'_> {
         let slip = self.before[p] - after.beyond[p];
         let tension = after.tensions[p];
         match mode {
+            _ if self.modes.is_some() => (mode, 0.0),
             Mode::Free => (mode, 0.0),
             Mode::Slack => {
                 let lack = self.lack(cable, after);

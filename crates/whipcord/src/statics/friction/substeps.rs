@@ -188,7 +188,12 @@ impl Way<'_> {
     /// Where the holes last come to rest in the substep, by the response at its start, or at both ends; `false` where this does not tell.
     fn follow<S>(&mut self, history: &History<S>, to_end: bool) -> bool {
         let from: Vec<Command> = between(history, self.holes, &self.commands, 0.0).collect();
-        let law = Law { holes: self.holes, commands: &self.commands, before: &history.beyond };
+        let law = Law {
+            holes: self.holes,
+            commands: &self.commands,
+            before: &history.beyond,
+            modes: None,
+        };
         let FrictionScratch { start, end, events, .. } = &mut *self.scratch;
         events.follow(&law, &from, start, to_end.then_some(end))
     }

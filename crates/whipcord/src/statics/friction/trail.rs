@@ -53,6 +53,13 @@ pub(crate) struct Standing {
     pub is_about_to_change: bool,
 }
 
+impl<S> Trail<S> {
+    /// Whether this end is the first of a step.
+    pub fn starts_step(&self, end: usize) -> bool {
+        self.steps.binary_search(&end).is_ok()
+    }
+}
+
 impl<S> Default for Trail<S> {
     fn default() -> Self {
         Self { ends: Vec::new(), steps: Vec::new(), is_broken: false }

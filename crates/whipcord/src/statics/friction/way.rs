@@ -2,7 +2,7 @@
 
 use super::events::Stop;
 use super::holes::{History, Holes};
-use super::law::Law;
+use super::law::{Law, Mode};
 use super::newton::FrictionScratch;
 use super::response::PassageResponse;
 use crate::section::Fault;
@@ -67,7 +67,17 @@ impl Way<'_> {
         model: &mut M,
         before: &[f64],
     ) -> Result<Effort, Open> {
-        let law = Law { holes: self.holes, commands: &self.commands, before };
+        self.converge_in(model, before, None)
+    }
+
+    /// The same in these cases of the holes where they are given.
+    fn converge_in<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        before: &[f64],
+        modes: Option<&[Mode]>,
+    ) -> Result<Effort, Open> {
+        let law = Law { holes: self.holes, commands: &self.commands, before, modes };
         let found = self.scratch.converge(model, &law);
         self.iterations += match &found {
             Ok(effort) => effort.iterations,
@@ -117,7 +127,10 @@ impl Way<'_> {
                 self.fraction = kept.2 * stop.at;
                 self.commands.clear();
                 self.commands.extend(between(history, self.holes, self.to, self.fraction));
-                if self.converge(model, &rest).is_err() {
+                // At an event two cases of a hole meet: those before it decide, where the iteration does not.
+                let is_found = self.converge(model, &rest).is_ok()
+                    || self.converge_in(model, &rest, Some(&stop.modes)).is_ok();
+                if !is_found {
                     trail.is_broken = true;
                     break;
                 }

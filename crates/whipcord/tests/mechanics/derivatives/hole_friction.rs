@@ -3,7 +3,7 @@
 use super::*;
 use crate::common::{helix, paper_backbone, straight};
 use whipcord::derivatives::Cotangent;
-use whipcord::{Disks, Loads, Wrench};
+use whipcord::{Actuation, Disks, Loads, ModelKind, Motor, Wrench};
 
 /// A case with several steps, and its robot.
 struct Sliding {
@@ -231,14 +231,14 @@ fn steps_without_load(tested: Tested) {
 
 /// Antagonists that rub, on one soft drive with pretension, that turns there and back.
 fn driven() -> Vec<Sliding> {
-    let motor = whipcord::Motor {
+    let motor = Motor {
         stiffness: Some(4e3),
         free_length: 0.3,
         pretension: 6.0,
         backlash: 0.05,
         offset: 0.1,
         drive: whipcord::Drive::Spool { gear_ratio: 2.0 },
-        ..whipcord::Motor::spool("bend", [(0, 0.01), (1, -0.0101)])
+        ..Motor::spool("bend", [(0, 0.01), (1, -0.0101)])
     };
     let elastic = |angle| Cable { axial_stiffness: Some(5e3), ..rubbing(straight(angle), 0.15) };
     let robot = robot(vec![elastic(0.0), elastic(180.0)]).with_motors(vec![motor]).unwrap();
@@ -428,6 +428,85 @@ fn random_steps(tested: Tested, count: usize) {
     let at = [0.5, 0.7, 0.8, 0.9, 0.95, 1.0].map(at);
     println!("{} derivatives are off by {at:?}", all.len());
     assert!(at[0] < 1e-8 && at[3] < 5e-2, "{at:?}");
+}
+
+/// Three drives lead the robot about. In some of the steps holes come to rest where they would slide as well: the state there is that of the
+/// cases before, and the way goes on with its derivatives.
+#[test]
+fn a_long_path_keeps_its_derivatives() {
+    const STEPS: usize = 40;
+    let cables = [0.0, 120.0, 240.0].map(|angle| rubbing(straight(angle), 0.15));
+    let motors = (0..3).map(|i| Motor {
+        stiffness: Some(5e3),
+        backlash: 0.05,
+        pretension: 10.0,
+        offset: [0.02, -0.03, 0.0][i],
+        ..Motor::spool(format!("m{i}"), [(i, 0.01)])
+    });
+    let disks = Disks::equally_spaced(0.18, 10, 0.009);
+    let robot = Robot::new(paper_backbone(), disks, cables.to_vec()).unwrap();
+    let robot = robot.with_motors(motors.collect()).unwrap();
+    let mut state = 12345_u64;
+    let mut random = move || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut way, mut size) = (0.0_f64, 0.3_f64);
+    let third = core::f64::consts::TAU / 3.0;
+    let mut row = |_| {
+        way += 0.6 * (random() - 0.3);
+        size = (size + 0.12 * (random() - 0.5)).clamp(0.1, 0.5);
+        (0..3).map(|i| Some(size * (way - third * f64::from(i)).cos())).collect()
+    };
+    let none = vec![CableCommand::default(); 3];
+    let mut case = Case {
+        commands: none.clone(),
+        before: vec![none; STEPS - 1],
+        motors: (0..STEPS).map(&mut row).collect(),
+        ..Case::default()
+    };
+    case.drive(&robot).unwrap();
+    let parameters: Vec<Parameter> =
+        ["cables[0].friction", "motors[1].stiffness", "motors[0].angle_offset"]
+            .map(|path| path.parse().unwrap())
+            .to_vec();
+    let model =
+        Model::new(ModelKind::PiecewiseConstantCurvature, Stations::Disks, Actuation::Natural);
+    let tips = |robot: &Robot, case: &Case| -> Vec<Vec3> {
+        let mut tips = Vec::new();
+        let mut prepared = model.prepare(robot, &case.loads).unwrap();
+        prepared.solve_steps(case, |of| tips.push(of.disks.tip().position)).unwrap();
+        tips
+    };
+    let mut changes = Vec::new();
+    let mut prepared = model.prepare(&robot, &case.loads).unwrap();
+    prepared
+        .solve_steps_with_derivatives(
+            &case,
+            &parameters,
+            |_| true,
+            |_, of| changes.push(of.unwrap()),
+        )
+        .unwrap();
+    let mut off = Vec::new();
+    for (i, parameter) in parameters.iter().enumerate() {
+        let size = 1e-4 * parameter.value(&robot, &case).unwrap().abs();
+        let at = |by: f64| {
+            let (robot, case) = parameter.moved(&robot, &case, by).unwrap();
+            tips(&robot, &case)
+        };
+        let (before, after) = (at(-size), at(size));
+        for (step, of) in changes.iter().enumerate() {
+            let exact = of.parameter(i, Hold::Commands).twist(Place::Tip).linear;
+            let difference = (after[step] - before[step]) / (2.0 * size);
+            off.push((exact - difference).norm() / difference.norm().max(1e-9));
+        }
+    }
+    off.sort_by(f64::total_cmp);
+    // Where holes come to rest within a step derivatives and differences are as good as the substeps.
+    let at = [0.5, 0.9, 1.0].map(|part: f64| off[((off.len() - 1) as f64 * part) as usize]);
+    assert!(at[0] < 1e-2 && at[1] < 0.1, "{at:?}");
 }
 
 /// Tests of each model, under its name.
