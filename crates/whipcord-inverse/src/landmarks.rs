@@ -6,7 +6,6 @@ use whipcord::derivatives::Place;
 use crate::descent::within;
 use crate::forward::{Evaluation, Forward};
 use crate::search::Search;
-use crate::solver::InverseSolver;
 
 /// A shape to start from.
 #[derive(Clone, Debug)]
@@ -115,15 +114,5 @@ impl Landmarks {
             }
         }
         Ok(nearest)
-    }
-}
-
-impl InverseSolver {
-    /// Lets [`Self::reach`] start from the nearest of the commands of the case and so many shapes all over the commands, except where the least change is preferred.
-    /// They are computed with the first target of a kind, which takes as long as about one target for each, and spare every target behind it a part of its solves: worth their while
-    /// for many targets. At 0 it starts from the commands of the case.
-    pub fn start_from_shapes(&mut self, count: usize) {
-        self.landmarks = Landmarks::default();
-        self.spread = (count > 0).then(|| self.spread_over_commands(count));
     }
 }

@@ -33,6 +33,7 @@ mod curvature;
 mod descent;
 mod error;
 mod estimator;
+mod foresight;
 mod forward;
 mod landmarks;
 mod limit;

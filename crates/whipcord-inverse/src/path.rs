@@ -3,9 +3,10 @@
 use whipcord::{Solution, SolveError};
 
 use crate::error::{InverseError, TargetProblem};
+use crate::foresight::Passed;
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::reach::Reached;
-use crate::search::{Candidate, Passed};
+use crate::search::Candidate;
 use crate::solver::{InverseSolver, Ranges};
 use crate::target::Target;
 

@@ -6,11 +6,12 @@ use crate::actuator::{Actuator, commanded_shortening, write_commands};
 use crate::certificate::NoProof;
 use crate::descent::{Control, Ending, Start};
 use crate::error::{InverseError, TargetProblem};
+use crate::foresight::Passed;
 use crate::forward::Evaluation;
 use crate::limit::{Constraints, Limit};
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::redundancy::{self, Redundancy};
-use crate::search::{Candidate, Passed, Search};
+use crate::search::{Candidate, Search};
 use crate::solver::{InverseSolver, Ranges};
 use crate::surveying::Surveyed;
 use crate::target::{Miss, Target, Tolerance};
@@ -129,7 +130,7 @@ impl InverseSolver {
         };
         let foreseen = from.and_then(|passed| {
             let task = redundancy::Task { prefer, start, control: &control(0), steps: 1 };
-            search.foreseen(passed, &task, &mut self.workspace)
+            passed.foreseen(&mut search, &task, &mut self.workspace)
         });
         let wanted = match options.prefer {
             Preference::LeastChange => None,
@@ -224,7 +225,7 @@ impl InverseSolver {
                 best = better;
             }
         }
-        let passed = search.passed(best.clone());
+        let passed = Passed::new(&search, best.clone());
         let unknowns = best.unknowns.clone();
         let null_space = match options.null_space {
             true => self.exact_null_space(&best, target, lever)?,

@@ -3,14 +3,10 @@
 use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
-use crate::descent::{
-    Control, Descent, Ending, FIRST_DAMPING, FIRST_RADIUS, Linear, Problem, Start, Workspace,
-    descend,
-};
+use crate::descent::{Control, Descent, Ending, Linear, Problem, Start, Workspace, descend};
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
 use crate::options::ReachOptions;
-use crate::redundancy::Task;
 use crate::target::{Miss, Target, Tolerance};
 
 /// A point that an iteration ended at, with the answer of a solve from rest.
@@ -51,11 +47,9 @@ pub(crate) struct Search<'a> {
     curvature: Option<f64>,
 }
 
-/// Where a path has come to.
+/// What a search learns on its way.
 #[derive(Clone, Debug)]
-pub(crate) struct Passed {
-    pub at: Candidate,
-    target: Target,
+pub(crate) struct Learned {
     correction: Correction,
     curvature: Option<f64>,
 }
@@ -125,45 +119,14 @@ const CORRECTIONS: usize = 4;
 const KNOWN: f64 = 0.1;
 
 impl Search<'_> {
-    /// What the next point of a path goes on from.
-    pub fn passed(self, at: Candidate) -> Passed {
-        let Self { target, correction, curvature, .. } = self;
-        Passed { at, target: target.clone(), correction, curvature }
+    /// What this search has learned of both models and of curvature, for another target of the same kind.
+    pub fn learned(&self) -> Learned {
+        Learned { correction: self.correction.clone(), curvature: self.curvature }
     }
 
-    /// Goes on from the point before of a path, where the target is of the same kind: takes what is known of the two models and of curvature from there, and returns
-    /// where its derivatives lead, with one step along the null space to what is preferred.
-    pub fn foreseen(
-        &mut self,
-        passed: &Passed,
-        task: &Task<'_>,
-        workspace: &mut Workspace,
-    ) -> Option<Vec<f64>> {
-        let Passed { at, target, correction, curvature } = passed;
-        let is_known = self.is_smooth() && target.is_like(self.target);
-        if !is_known || at.evaluation.motions.is_empty() {
-            return None;
-        }
-        // Of the answer, not of a trial: nothing is to be corrected.
-        let linear = self.linearize(&at.evaluation);
-        let control = task.control;
-        let penalty = 1e2 * linear.cost().max(1e-30);
-        let (damping, radius) = (FIRST_DAMPING, FIRST_RADIUS);
-        workspace.step(&linear, &at.unknowns, control, damping, radius, penalty).ok()?;
-        let mut moved = at.unknowns.clone();
-        for ((x, d), scale) in moved.iter_mut().zip(workspace.last_step()).zip(control.scales) {
-            *x += d * scale;
-        }
-        let changes = moved.iter().zip(&at.unknowns).map(|(moved, x)| moved - x);
-        let near = at.evaluation.extrapolated(changes);
-        let mut there = at.clone();
-        there.evaluation.tensions = near.cables.iter().map(|cable| cable.tension).collect();
-        there.unknowns.clone_from(&moved);
-        if let Some(along) = self.along_null_space(&there, task, radius) {
-            moved.iter_mut().zip(along).for_each(|(x, d)| *x += d);
-        }
-        (self.correction, self.curvature) = (correction.clone(), *curvature);
-        Some(moved)
+    /// Takes over what another search has learned.
+    pub fn take(&mut self, Learned { correction, curvature }: Learned) {
+        (self.correction, self.curvature) = (correction, curvature);
     }
 
     /// Of a start elsewhere nothing is known.

@@ -6,6 +6,7 @@ use crate::actuator::Actuator;
 use crate::atlas::{Atlas, AtlasRows, Survey};
 use crate::error::InverseError;
 use crate::forward::{Forward, on_few_steps};
+use crate::landmarks::Landmarks;
 use crate::limits::{CableLimits, Limits};
 use crate::solver::{InverseSolver, Ranges};
 
@@ -65,6 +66,14 @@ impl Surveyed<'_> {
 }
 
 impl InverseSolver {
+    /// Lets [`Self::reach`] start from the nearest of the commands of the case and so many shapes all over the commands, except where the least change is preferred.
+    /// They are computed with the first target of a kind, which takes as long as about one target for each, and spare every target behind it a part of its solves: worth their while
+    /// for many targets. At 0 it starts from the commands of the case.
+    pub fn start_from_shapes(&mut self, count: usize) {
+        self.landmarks = Landmarks::default();
+        self.spread = (count > 0).then(|| self.spread_over_commands(count));
+    }
+
     /// The shapes that the iteration starts from, which are computed where they are not yet known: to be kept in a file, for a solver of another run.
     ///
     /// # Errors

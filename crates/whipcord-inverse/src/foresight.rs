@@ -1,0 +1,56 @@
+//! Where the search for the next point of a path starts: where the derivatives at the point before lead.
+
+use crate::descent::{FIRST_DAMPING, FIRST_RADIUS, Problem, Workspace};
+use crate::redundancy::Task;
+use crate::search::{Candidate, Learned, Search};
+use crate::target::Target;
+
+/// Where a path has come to.
+#[derive(Clone, Debug)]
+pub(crate) struct Passed {
+    pub at: Candidate,
+    target: Target,
+    learned: Learned,
+}
+
+impl Passed {
+    /// What the next point of a path goes on from.
+    pub fn new(search: &Search<'_>, at: Candidate) -> Self {
+        Self { at, target: search.target.clone(), learned: search.learned() }
+    }
+
+    /// Goes on to the target of a search, where that is of the same kind: gives it what is known from here, and returns where the derivatives lead, with one step along
+    /// the null space to what is preferred.
+    pub fn foreseen(
+        &self,
+        search: &mut Search<'_>,
+        task: &Task<'_>,
+        workspace: &mut Workspace,
+    ) -> Option<Vec<f64>> {
+        let Self { at, target, learned } = self;
+        let is_known = search.is_smooth() && target.is_like(search.target);
+        if !is_known || at.evaluation.motions.is_empty() {
+            return None;
+        }
+        // Of the answer, not of a trial: nothing is to be corrected.
+        let linear = search.linearize(&at.evaluation);
+        let control = task.control;
+        let penalty = 1e2 * linear.cost().max(1e-30);
+        let (damping, radius) = (FIRST_DAMPING, FIRST_RADIUS);
+        workspace.step(&linear, &at.unknowns, control, damping, radius, penalty).ok()?;
+        let mut moved = at.unknowns.clone();
+        for ((x, d), scale) in moved.iter_mut().zip(workspace.last_step()).zip(control.scales) {
+            *x += d * scale;
+        }
+        let changes = moved.iter().zip(&at.unknowns).map(|(moved, x)| moved - x);
+        let near = at.evaluation.extrapolated(changes);
+        let mut there = at.clone();
+        there.evaluation.tensions = near.cables.iter().map(|cable| cable.tension).collect();
+        there.unknowns.clone_from(&moved);
+        if let Some(along) = search.along_null_space(&there, task, radius) {
+            moved.iter_mut().zip(along).for_each(|(x, d)| *x += d);
+        }
+        search.take(learned.clone());
+        Some(moved)
+    }
+}
