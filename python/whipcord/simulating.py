@@ -268,7 +268,8 @@ class Modes:
 @dataclass(frozen=True, eq=False, repr=False)
 class Linearized:
     """The motion linearised about a state: ẋ ≈ f + A (x − x₀) + B (τ − τ₀), with the tensions τ of all cables. The state x holds six
-    velocities of each node but the one at the base, in its own frame, and then six strains of each of the two points of each element."""
+    velocities of each node but the one at the base, in its own frame, and then six strains of each of the two points of each element. With
+    a free base the displacement of the base comes before them, and the velocities begin with its own."""
 
     a: Array
     """(s, s) A, in 1/s for components of one unit."""
@@ -490,7 +491,8 @@ class Simulation:
         return np.array(self._inner.base_wrench())
 
     def modes(self, count: int = 6) -> Modes:
-        """Natural vibrations about the state, which should be an equilibrium: its velocities are ignored.
+        """Natural vibrations about the state, which should be an equilibrium: its velocities are ignored. What touches an obstacle
+        goes on to touch it, and stays at its place where there is friction. A robot whose base is free has six of frequency 0.
 
         Parameters
         ----------
@@ -500,7 +502,7 @@ class Simulation:
         return Modes(**self._inner.modes(_count(count)))
 
     def linearize(self) -> Linearized:
-        """The motion linearised about the state."""
+        """The motion linearised about the state. What touches an obstacle goes on to touch it, sticking or sliding as it does."""
         return Linearized(**self._inner.linearize())
 
     def __repr__(self) -> str:
