@@ -111,7 +111,7 @@ pub(crate) fn gradient(
     pose::work_gradient(rod, strains, poses, |node| pulls[node], out);
 }
 
-/// Room for [`curvature`].
+/// Room for the second derivative of the lengths.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Curvature {
     strains: Vec<Twist>,

@@ -13,6 +13,7 @@ mod chords;
 mod coefficients;
 mod commands;
 mod complementarity;
+mod contact;
 mod contacts;
 mod course;
 mod drives;

@@ -98,7 +98,7 @@ impl Held {
                 && let Some(inclined) = pushes.last_mut()
             {
                 for (rate, push) in rates.into_iter().zip(&tangential) {
-                    let share = -contact.friction() * rate / speed;
+                    let share = -contact.coefficient * rate / speed;
                     for (sum, push) in inclined.iter_mut().zip(push) {
                         *sum = *sum + *push * share;
                     }
