@@ -212,21 +212,16 @@ impl<'a> Rates<'a> {
             };
             let h = 1e-5 * unit;
             for (by, out) in [(h, &mut above), (-h, &mut below)] {
+                let before = at.clone();
                 let twist = match (column / 6).checked_sub(start / 6) {
                     None => &mut at.moved,
                     Some(k) if k < nodes => &mut at.velocities[k + first],
                     Some(k) => &mut at.strains[k - nodes],
                 };
-                let before = *twist;
                 let part = if component < 3 { &mut twist.linear } else { &mut twist.angular };
                 part[component % 3] += by;
                 self.evaluate(base, &at, out);
-                let twist = match (column / 6).checked_sub(start / 6) {
-                    None => &mut at.moved,
-                    Some(k) if k < nodes => &mut at.velocities[k + first],
-                    Some(k) => &mut at.strains[k - nodes],
-                };
-                *twist = before;
+                at = before;
             }
             for row in 0..states {
                 a[row * states + column] = (above[row] - below[row]) / (2.0 * h);
