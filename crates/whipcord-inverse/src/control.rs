@@ -4,7 +4,7 @@ use whipcord::derivatives::Place;
 use whipcord::{CableState, Case, Model, Robot, Solution, SolveError, Stations, Twist, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, knows_tensions};
-use crate::descent::{Control, Ending, Linear, Workspace};
+use crate::descent::{Control, Ending, Linear, Region, Workspace};
 use crate::error::InverseError;
 use crate::estimator::{Estimator, EstimatorOptions};
 use crate::forward::{Evaluation, Forward};
@@ -240,14 +240,8 @@ impl Controller {
         };
         let penalty = 1e2 * linear.cost().max(1e-12);
         let unknowns = self.unknowns.clone();
-        let step = self.workspace.step(
-            &linear,
-            &unknowns,
-            &control,
-            self.options.damping,
-            f64::INFINITY,
-            penalty,
-        );
+        let region = Region { damping: self.options.damping, radius: f64::INFINITY };
+        let step = self.workspace.step(&linear, &[], &unknowns, &control, region, penalty);
         // Without a minimum, which only rounding can take away, the commands stay.
         if step.is_ok() {
             for (k, (x, d)) in self.unknowns.iter_mut().zip(self.workspace.last_step()).enumerate()

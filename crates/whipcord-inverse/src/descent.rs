@@ -3,6 +3,8 @@
 use whipcord::SolveError;
 use whipcord_numerics::{NoMinimum, Programme, QuadraticProgramme};
 
+use crate::secant::SecondOrder;
+
 /// A problem at one point: residuals and constraints with their derivatives by the unknowns.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Linear {
@@ -119,7 +121,7 @@ impl Ending {
     pub const RESTORED: Self =
         Self { part_of_tolerance: 0.5, least_reduction: 1e-9, foretold: 0.0 };
     /// Of an answer to a tolerance far above the error of the model.
-    pub const COARSE: Self = Self { part_of_tolerance: 0.5, least_reduction: 1e-4, foretold: 0.0 };
+    pub const COARSE: Self = Self { part_of_tolerance: 0.5, least_reduction: 1e-2, foretold: 0.0 };
 }
 
 /// Largest step at first and at all, in scales of the unknowns, and damping at first.
@@ -131,12 +133,26 @@ const LEAST_STEP: f64 = 1e-11;
 /// An unknown so near to a bound, in scales, is at it.
 const AT_BOUND: f64 = 1e-12;
 
+/// How far a step may lead.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Region {
+    /// λ.
+    pub damping: f64,
+    /// Δ, in scales of the unknowns.
+    pub radius: f64,
+}
+
+/// A step that lowers the merit by less than this part of it shows that Gauss and Newton's matrix leaves out what decides.
+const SLOW: f64 = 0.2;
+/// What a step teaches of the second-order part is kept where it lowers the merit by less than this part.
+const LEARNED: f64 = 0.5;
+
 /// Minimises `½‖r(x)‖²` within bounds and constraints.
 ///
 /// The step is the minimum of `½‖r + J d‖² + ½λ t‖d‖² + ρ σ` with the mean `t` of the diagonal of `JᵀJ`, over
 /// `l ≤ x + d ≤ u`, `|d| ≤ Δ` and `rows · d ≤ slack + σ`, `σ ≥ 0`, in scaled unknowns: the relaxation σ keeps it feasible, and ρ is
 /// so large that it is zero wherever the constraints can be kept. λ and Δ follow the ratio of the reduction of
-/// `½‖r‖² + ρ max(violation)` to what was promised.
+/// `½‖r‖² + ρ max(violation)` to what was promised. Once steps gain little, `½ dᵀS d` with the [`SecondOrder`] part is added.
 ///
 /// # Errors
 /// Why there is no answer at the start.
@@ -168,6 +184,8 @@ pub(crate) fn descend<P: Problem>(
     let mut curvature = control.curvature;
     // How far the point is from that of its derivatives.
     let mut stale = 0.0;
+    let mut second = SecondOrder::default();
+    let mut is_slow = false;
     let mut damping = FIRST_DAMPING;
     let mut radius = FIRST_RADIUS;
     let mut is_stationary = false;
@@ -178,7 +196,16 @@ pub(crate) fn descend<P: Problem>(
     {
         let cost = linear.cost();
         let penalty = 1e2 * cost.max(1e-30);
-        let Ok(promised) = workspace.step(&linear, &x, control, damping, radius, penalty) else {
+        let region = Region { damping, radius };
+        let by = |second: &[f64], workspace: &mut Workspace| {
+            workspace.step(&linear, second, &x, control, region, penalty)
+        };
+        // Where the sum of both parts is not positive the first goes by itself.
+        let promised = match is_slow {
+            true => by(second.matrix(), workspace).or_else(|_| by(&[], workspace)),
+            false => by(&[], workspace),
+        };
+        let Ok(promised) = promised else {
             damping = (damping * 10.0).max(1e-10);
             if damping > 1e6 {
                 break;
@@ -248,6 +275,10 @@ pub(crate) fn descend<P: Problem>(
                 curvature = Some((next.distance() + workspace.distance) / (size * size));
                 let next_merit = next.cost() + penalty * next.violation();
                 let ratio = (merit - next_merit) / promised;
+                if !is_chord && merit - next_merit < LEARNED * merit {
+                    second.learn(&workspace.step, control.scales, &linear, &next);
+                    is_slow |= merit - next_merit < SLOW * merit;
+                }
                 if next_merit < merit {
                     x.copy_from_slice(&trial);
                     (linear, state) = (next, next_state);
@@ -313,14 +344,14 @@ impl Workspace {
         &self.step
     }
 
-    /// Writes the step and returns by how much it promises to lower the merit.
+    /// Writes the step and returns by how much it promises to lower the merit. `second` is the second-order part in scales by rows, or nothing.
     pub fn step(
         &mut self,
         linear: &Linear,
+        second: &[f64],
         x: &[f64],
         control: &Control<'_>,
-        damping: f64,
-        radius: f64,
+        Region { damping, radius }: Region,
         penalty: f64,
     ) -> Result<f64, NoMinimum> {
         let n = x.len();
@@ -349,6 +380,11 @@ impl Workspace {
         let mean = ((0..n).map(|a| self.matrix[a * size + a]).sum::<f64>() / n as f64).max(1e-300);
         for a in 0..n {
             self.matrix[a * size + a] += (damping + 1e-12) * mean;
+        }
+        for (a, row) in second.chunks_exact(n).enumerate() {
+            for (b, part) in row.iter().enumerate() {
+                self.matrix[a * size + b] += part;
+            }
         }
         self.lower.clear();
         self.upper.clear();
@@ -389,7 +425,11 @@ impl Workspace {
             row[..n].iter().zip(&self.step).map(|(a, d)| a * d).sum::<f64>() - slack
         });
         let violation = violation.fold(0.0, f64::max);
+        let bent: f64 = (second.chunks_exact(n).zip(&self.step))
+            .map(|(row, d)| d * row.iter().zip(&self.step).map(|(s, d)| s * d).sum::<f64>())
+            .sum();
         (self.distance, self.violation) = (predicted.sqrt(), violation);
-        Ok(linear.cost() - 0.5 * predicted + penalty * (linear.violation() - violation))
+        let cost = 0.5 * (predicted + bent);
+        Ok(linear.cost() - cost + penalty * (linear.violation() - violation))
     }
 }

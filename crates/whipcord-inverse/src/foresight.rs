@@ -1,6 +1,6 @@
 //! Where the search for the next point of a path starts: where the derivatives at the point before lead.
 
-use crate::descent::{FIRST_DAMPING, FIRST_RADIUS, Problem, Workspace};
+use crate::descent::{FIRST_DAMPING, FIRST_RADIUS, Problem, Region, Workspace};
 use crate::redundancy::Task;
 use crate::search::{Candidate, Learned, Search};
 use crate::target::Target;
@@ -36,8 +36,8 @@ impl Passed {
         let linear = search.linearize(&at.evaluation);
         let control = task.control;
         let penalty = 1e2 * linear.cost().max(1e-30);
-        let (damping, radius) = (FIRST_DAMPING, FIRST_RADIUS);
-        workspace.step(&linear, &at.unknowns, control, damping, radius, penalty).ok()?;
+        let region = Region { damping: FIRST_DAMPING, radius: FIRST_RADIUS };
+        workspace.step(&linear, &[], &at.unknowns, control, region, penalty).ok()?;
         let mut moved = at.unknowns.clone();
         for ((x, d), scale) in moved.iter_mut().zip(workspace.last_step()).zip(control.scales) {
             *x += d * scale;
@@ -47,7 +47,7 @@ impl Passed {
         let mut there = at.clone();
         there.evaluation.tensions = near.cables.iter().map(|cable| cable.tension).collect();
         there.unknowns.clone_from(&moved);
-        if let Some(along) = search.along_null_space(&there, task, radius) {
+        if let Some(along) = search.along_null_space(&there, task, FIRST_RADIUS) {
             moved.iter_mut().zip(along).for_each(|(x, d)| *x += d);
         }
         search.take(learned.clone());

@@ -458,8 +458,21 @@ impl Forward {
         unknowns: &[f64],
         places: &[Place],
     ) -> Result<Evaluation, SolveError> {
+        self.by_verifier(|forward| forward.evaluate(unknowns, places, None))
+    }
+
+    /// [`Self::evaluate_with_rates`] by the model of the answers.
+    pub fn answer_with_rates(
+        &mut self,
+        unknowns: &[f64],
+        places: &[Place],
+    ) -> Result<(Evaluation, Option<Linearization>), SolveError> {
+        self.by_verifier(|forward| forward.evaluate_with_rates(unknowns, places, None))
+    }
+
+    fn by_verifier<T>(&mut self, ask: impl FnOnce(&mut Self) -> T) -> T {
         core::mem::swap(&mut self.model, &mut self.verifier);
-        let found = self.evaluate(unknowns, places, None);
+        let found = ask(self);
         core::mem::swap(&mut self.model, &mut self.verifier);
         found
     }

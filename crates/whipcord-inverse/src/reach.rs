@@ -315,7 +315,7 @@ impl InverseSolver {
     /// [`Self::constraints`] gives.
     pub(crate) fn attempt(
         &mut self,
-        start: &[f64],
+        start: Start<'_, Evaluation>,
         (target, tolerance): (&Target, Tolerance),
         constraints: &Constraints,
         options: &ReachOptions,
@@ -325,7 +325,7 @@ impl InverseSolver {
         let bounds = &self.ranges.unknowns;
         let (evaluations, ending) = (EVALUATIONS, Ending::COARSE);
         let control = Control { bounds, scales: &scales, evaluations, ending, curvature: None };
-        search.attempt(Start::At(start), &control, &mut self.workspace, options)
+        search.attempt(start, &control, &mut self.workspace, options)
     }
 
     /// Directions of the commands, in their units.

@@ -1,12 +1,12 @@
 //! The solver of inverse problems of one robot: what it is made of.
 
-use whipcord::{Cancel, Case, Model, Robot, Stations};
+use whipcord::{Cancel, Case, Model, Robot, SolveError, Stations};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, knows_tensions};
 use crate::atlas::Atlas;
 use crate::descent::Workspace;
 use crate::error::InverseError;
-use crate::forward::Forward;
+use crate::forward::{Forward, on_few_steps};
 use crate::landmarks::Landmarks;
 use crate::limit::{Clearance, Constraints};
 use crate::limits::Limits;
@@ -95,6 +95,29 @@ impl InverseSolver {
         };
         solver.assume_bounds();
         Ok(solver)
+    }
+
+    /// A solver of the same problem that has learned nothing, for the many targets of a survey: on few steps where these are exact enough for it.
+    pub(crate) fn for_survey(&self) -> Result<Self, SolveError> {
+        let is_smooth = self.forward.has_no_memory() && self.case.obstacles.is_empty();
+        let model = on_few_steps(&self.model).filter(|_| is_smooth);
+        let model = model.unwrap_or_else(|| self.model.clone());
+        let actuators = self.forward.actuators.clone();
+        let forward = Forward::new(&model, self.forward.robot(), &self.case, actuators)?;
+        Ok(Self {
+            ranges: self.ranges.clone(),
+            assumed: self.assumed.clone(),
+            model,
+            stations: self.stations.clone(),
+            case: self.case.clone(),
+            limits: self.limits.clone(),
+            forward,
+            knows_tensions: self.knows_tensions,
+            atlas: None,
+            spread: None,
+            landmarks: Landmarks::default(),
+            workspace: Workspace::default(),
+        })
     }
 
     /// The unknown commands, in the order of [`crate::Reached::commands`].

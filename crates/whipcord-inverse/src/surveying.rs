@@ -15,8 +15,7 @@ const ROWS_OF_LANES: usize = 20_000;
 const ROWS: usize = 2_000;
 /// Rows of an atlas of a robot that remembers the steps before: each solve goes through them.
 const ROWS_WITH_HISTORY: usize = 200;
-/// Rows of a survey of the workspace where the batch has no vectors for them: of a rod, which takes some tens of µs for each, and of other models.
-const ROWS_OF_LOADED_RODS: usize = 40_000;
+/// Rows of a survey of the workspace where the batch has no vectors for them.
 const ROWS_OF_A_SURVEY: usize = 10_000;
 
 /// What the shapes of a robot depend on.
@@ -113,7 +112,6 @@ impl InverseSolver {
         let rows = match self.model.kind() {
             ModelKind::Cosserat if self.case.loads.is_none() => count,
             _ if self.forward.robot().has_history() => count.min(ROWS),
-            ModelKind::Cosserat => count.min(ROWS_OF_LOADED_RODS),
             _ => count.min(ROWS_OF_A_SURVEY),
         };
         let atlas = self.surveyed().ask(rows, Atlas::survey)?;

@@ -1,17 +1,13 @@
 //! Where the tip of a robot can go.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
-
-use whipcord::derivatives::Place;
-use whipcord::kinematics::{Dexterity, dexterity, principal_axes};
-use whipcord::{SolveError, Twist, Vec3};
+use whipcord::Vec3;
+use whipcord::kinematics::Dexterity;
 
 use crate::error::InverseError;
-use crate::limit::{Constraints, Limit};
+use crate::growth::Growth;
+use crate::limit::Limit;
 use crate::options::ReachOptions;
-use crate::search::Candidate;
 use crate::solver::InverseSolver;
-use crate::target::{Target, Tolerance};
 
 /// How a workspace is surveyed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,24 +87,13 @@ pub struct Workspace {
     pub solves: usize,
 }
 
-/// The directions of a voxel's neighbours.
-const NEIGHBOURS: [[i32; 3]; 6] =
-    [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
-/// A centre is reached where the tip is this near to it, in voxels.
-const AT_CENTRE: f64 = 0.05;
-
-/// What the survey knows of a voxel.
-struct Found {
-    unknowns: Vec<f64>,
-    is_full: bool,
-}
-
 impl InverseSolver {
     /// Surveys where the tip can go within the limits.
     ///
     /// Shapes all over the commands mark the voxels that they lead the tip into; then each neighbour of a marked voxel that is not marked
     /// is a target, from the commands next to it, until no more are found. A voxel in the middle of marked ones is full. Of the
-    /// others it is known whether the tip gets to their centre: their number times the volume of one is the volume.
+    /// others it is known whether the tip gets to their centre: their number times the volume of one is the volume. The work is shared by
+    /// the threads of the pool that the caller is in; what is found does not depend on their number.
     ///
     /// # Errors
     /// [`InverseError::Atlas`] where no shapes are found, [`InverseError::Solve`] where a solve was cancelled, and [`InverseError::Voxel`] for one that is not
@@ -121,252 +106,24 @@ impl InverseSolver {
             return Err(InverseError::Voxel { voxel, least: 1e-3 * length });
         }
         let reach = ReachOptions { clearance: options.clearance, ..ReachOptions::default() };
-        let mut survey = Survey {
-            voxel,
-            constraints: self.constraints(self.ranges(), &reach),
-            reach,
-            found: BTreeMap::new(),
-            boundary: Vec::new(),
-            first_solve: self.forward().solves,
-            solves: options.solves,
-            has_stiffness: options.has_stiffness,
-        };
-        survey.mark_shapes(self, options.shapes)?;
-        let is_complete = survey.grow(self)?;
-        survey.finish(self, is_complete)
-    }
-}
-
-struct Survey {
-    voxel: f64,
-    reach: ReachOptions,
-    constraints: Constraints,
-    found: BTreeMap<[i32; 3], Found>,
-    boundary: Vec<BoundaryPoint>,
-    first_solve: usize,
-    solves: usize,
-    has_stiffness: bool,
-}
-
-impl Survey {
-    fn index(&self, point: Vec3) -> [i32; 3] {
-        // Points are within the length of the robot from its base, in a thousand voxels at most.
-        #[allow(clippy::cast_possible_truncation, reason = "far below 2³¹")]
-        point.to_array().map(|x| (x / self.voxel).floor() as i32)
-    }
-
-    fn centre(&self, index: [i32; 3]) -> Vec3 {
-        let [x, y, z] = index.map(|i| (f64::from(i) + 0.5) * self.voxel);
-        Vec3::new(x, y, z)
-    }
-
-    /// Marks the voxels of the shapes of an atlas. Among obstacles each is solved once more, to see whether it keeps clear.
-    fn mark_shapes(
-        &mut self,
-        solver: &mut InverseSolver,
-        shapes: usize,
-    ) -> Result<(), InverseError> {
-        let mut marked: BTreeMap<[i32; 3], Vec<f64>> = BTreeMap::new();
-        for (tip, unknowns) in solver.shapes(shapes)? {
-            marked.entry(self.index(tip)).or_insert_with(|| unknowns.to_vec());
-        }
-        let has_obstacles = !solver.case().obstacles.is_empty();
-        for (index, unknowns) in marked {
-            if has_obstacles {
-                if let Some(candidate) = self.ask(solver, index, &unknowns)? {
-                    self.take(index, candidate);
-                }
-            } else {
-                self.found.insert(index, Found { unknowns, is_full: false });
-            }
-        }
-        Ok(())
-    }
-
-    /// Asks for the centre of a voxel from these unknowns; `None` where the model has no answer there.
-    fn ask(
-        &self,
-        solver: &mut InverseSolver,
-        index: [i32; 3],
-        unknowns: &[f64],
-    ) -> Result<Option<Candidate>, InverseError> {
-        let target = Target::Tip(self.centre(index));
-        let tolerance = Tolerance { position: AT_CENTRE * self.voxel, angle: 1.0 };
-        match solver.attempt(unknowns, (&target, tolerance), &self.constraints, &self.reach) {
-            Ok(candidate) => Ok(Some(candidate)),
-            Err(error @ SolveError::Cancelled { .. }) => Err(error.into()),
-            Err(_) => Ok(None),
-        }
-    }
-
-    /// Marks the voxel that the tip has come into.
-    fn take(&mut self, asked: [i32; 3], candidate: Candidate) {
-        if !candidate.is_allowed {
-            return;
-        }
-        let Some(tip) = candidate.evaluation.solution.disks.poses.last() else { return };
-        let at = self.index(tip.position);
-        let is_full = candidate.is_reached && at == asked;
-        let known = self.found.entry(at);
-        let known = known.or_insert_with(|| Found { unknowns: candidate.unknowns, is_full });
-        known.is_full |= is_full;
-    }
-
-    /// Asks for the centres of all voxels at the border of the marked ones, until there are none that were not asked for.
-    /// Whether it came to that.
-    fn grow(&mut self, solver: &mut InverseSolver) -> Result<bool, InverseError> {
-        let mut asked: BTreeSet<[i32; 3]> = BTreeSet::new();
-        // Spread over the workspace, so that what is left when the solves are spent is not one side of it.
-        let mut keys: Vec<[i32; 3]> = self.found.keys().copied().collect();
-        keys.sort_by_key(|index| scrambled(*index));
-        let mut queue = VecDeque::from(keys);
-        let beside = |[x, y, z]: [i32; 3]| NEIGHBOURS.map(|[a, b, c]| [x + a, y + b, z + c]);
-        while let Some(from) = queue.pop_front() {
-            let neighbours = beside(from);
-            if neighbours.iter().all(|index| self.found.contains_key(index)) {
-                continue;
-            }
-            for index in core::iter::once(from).chain(neighbours) {
-                let is_new = index != from && self.found.contains_key(&index);
-                if is_new || !asked.insert(index) {
-                    continue;
-                }
-                if solver.forward().solves - self.first_solve >= self.solves {
-                    return Ok(false);
-                }
-                let Some(known) = self.found.get(&from) else { continue };
-                let Some(candidate) = self.ask(solver, index, &known.unknowns)? else { continue };
-                self.note_boundary(solver, index, &candidate);
-                let before = self.found.len();
-                let at = candidate
-                    .evaluation
-                    .solution
-                    .disks
-                    .poses
-                    .last()
-                    .map(|tip| self.index(tip.position));
-                self.take(index, candidate);
-                if self.found.len() > before {
-                    queue.extend(at);
-                }
-            }
-        }
-        Ok(true)
-    }
-
-    /// A minimum of the distance from a centre out of reach is a point of the boundary.
-    fn note_boundary(&mut self, solver: &InverseSolver, index: [i32; 3], candidate: &Candidate) {
-        let Some(tip) = candidate.evaluation.solution.disks.poses.last() else { return };
-        let out = self.centre(index) - tip.position;
-        let distance = out.norm();
-        if candidate.is_reached || !candidate.is_minimum || distance < AT_CENTRE * self.voxel {
-            return;
-        }
-        let Candidate { unknowns, evaluation, .. } = candidate;
-        let bounds = &solver.ranges().unknowns;
-        let limits = self.constraints.met(solver.forward(), evaluation, unknowns, bounds);
-        self.boundary.push(BoundaryPoint {
-            tip: tip.position,
-            normal: out * (1.0 / distance),
-            limits,
-        });
-    }
-
-    fn finish(
-        self,
-        solver: &mut InverseSolver,
-        is_complete: bool,
-    ) -> Result<Workspace, InverseError> {
-        let mut cells = Vec::with_capacity(self.found.len());
-        let surrounded: Vec<bool> = self
-            .found
-            .keys()
-            .map(|[x, y, z]| {
-                let beside = |[a, b, c]: &[i32; 3]| [x + a, y + b, z + c];
-                NEIGHBOURS.iter().all(|by| self.found.contains_key(&beside(by)))
-            })
-            .collect();
-        for ((index, found), surrounded) in self.found.iter().zip(surrounded) {
-            match solver.cell(*index, found, surrounded, self.has_stiffness) {
-                Ok(cell) => cells.push(cell),
-                Err(error @ SolveError::Cancelled { .. }) => return Err(error.into()),
-                Err(_) => {}
-            }
-        }
+        let mut growth = Growth::new(self, voxel, reach, options.has_stiffness);
+        growth.mark(self.shapes(options.shapes)?)?;
+        let is_complete = growth.grow(options.solves)?;
+        let Growth { found, boundary, solves, .. } = growth;
+        let cells: Vec<Cell> = found.into_values().map(|known| known.cell).collect();
         if cells.is_empty() {
             return Err(InverseError::Atlas(
                 "no command leads to a shape within the limits".into(),
             ));
         }
-        let (dimension, measure) = measure(&cells, self.voxel);
+        let (dimension, measure) = measure(&cells, voxel);
         let bound = |pick: fn(f64, f64) -> f64| {
             let tips = cells.iter().map(|cell| cell.tip);
             tips.reduce(|a, b| Vec3::new(pick(a.x, b.x), pick(a.y, b.y), pick(a.z, b.z)))
         };
         let extent = [bound(f64::min), bound(f64::max)].map(Option::unwrap_or_default);
-        Ok(Workspace {
-            voxel: self.voxel,
-            boundary: self.boundary,
-            dimension,
-            measure,
-            extent,
-            is_complete,
-            solves: solver.forward().solves - self.first_solve,
-            cells,
-        })
+        Ok(Workspace { voxel, boundary, dimension, measure, extent, is_complete, solves, cells })
     }
-}
-
-impl InverseSolver {
-    /// What is known of a voxel at these unknowns.
-    fn cell(
-        &mut self,
-        index: [i32; 3],
-        found: &Found,
-        is_surrounded: bool,
-        has_stiffness: bool,
-    ) -> Result<Cell, SolveError> {
-        let unknowns = &found.unknowns;
-        let scales = self.forward().scales.clone();
-        let forward = self.forward_mut();
-        let (evaluation, rates) = forward.evaluate_with_rates(unknowns, &[Place::Tip], None)?;
-        let rates = rates.filter(|_| has_stiffness);
-        let compliance = rates.and_then(|rates| forward.tip_compliance(&rates));
-        let columns: Vec<Twist> = evaluation
-            .motions
-            .iter()
-            .zip(&scales)
-            .map(|(motions, scale)| Twist {
-                linear: motions[0].linear * *scale,
-                angular: motions[0].angular * *scale,
-            })
-            .collect();
-        let stiffness = compliance.map(|compliance| {
-            let of = principal_axes(&compliance).values;
-            [1.0 / of[2].max(of[0]), 1.0 / of[0].min(of[2])]
-        });
-        let pose = evaluation.solution.disks.poses.last().copied().unwrap_or_default();
-        let forward = self.forward();
-        let values = forward.values(unknowns, &evaluation.solution);
-        let commands = forward.actuators.commands(forward.robot(), &values);
-        Ok(Cell {
-            index,
-            tip: pose.position,
-            axis: pose.rotation.rotate(Vec3::Z),
-            commands,
-            is_full: found.is_full || is_surrounded,
-            dexterity: dexterity(&columns),
-            stiffness: stiffness.filter(|of| of.iter().all(|k| k.is_finite() && *k > 0.0)),
-        })
-    }
-}
-
-/// A number without an order for each voxel.
-fn scrambled([x, y, z]: [i32; 3]) -> u64 {
-    let mix = |state: u64, i: i32| {
-        (state ^ u64::from(i.cast_unsigned())).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
-    };
-    mix(mix(mix(0, x), y), z)
 }
 
 /// Dimension and measure: directions in which the commands of a half turn move the tip by less than a voxel do not count.

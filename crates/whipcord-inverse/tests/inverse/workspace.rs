@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::time::Instant;
 
 use whipcord::{
-    Actuation, Backbone, Case, Form, Model, ModelKind, Obstacle, Pose, Robot, UnitQuaternion, Vec3,
+    Actuation, Backbone, Case, Form, Loads, Model, ModelKind, Obstacle, Pose, Robot,
+    UnitQuaternion, Vec3,
 };
 use whipcord_inverse::{
     CableLimits, CommandedBy, InverseError, InverseSolver, Limits, Workspace, WorkspaceOptions,
@@ -147,6 +148,49 @@ fn obstacles_take_their_part_of_the_workspace() {
     let walled = survey(&robot, &case, 2.0, &options);
     assert!(walled.cells.len() < free.cells.len() && walled.cells.len() > free.cells.len() / 4);
     assert!(walled.extent[1].x < 0.03 && free.extent[1].x > 0.05);
+}
+
+/// What the commands of each voxel lead to from rest is stable, within all limits and in the voxel; threads change nothing.
+#[test]
+fn the_commands_of_each_voxel_keep_the_limits_under_load() {
+    let robot = robots::two_segments();
+    let loads = Loads { tip_force: Vec3::new(0.05, -0.05, -0.1), ..Loads::default() };
+    let case = Case { loads: loads.clone(), ..Case::default() };
+    let model = Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural);
+    let greatest = 0.05 * robots::LENGTH;
+    let limits = CableLimits {
+        tension: [0.1, 20.0],
+        shortening: [-1.0, greatest],
+        ..CableLimits::default()
+    };
+    let limits = Limits::uniform(robot.cables().len(), limits);
+    let options =
+        WorkspaceOptions { voxel: Some(0.015), shapes: 2000, ..WorkspaceOptions::default() };
+    let survey = || {
+        let by = CommandedBy::Tensions;
+        let mut solver = InverseSolver::new(&model, &robot, &case, &limits, by).unwrap();
+        solver.workspace(&options).unwrap()
+    };
+    let found = survey();
+    assert!(found.is_complete && found.cells.len() > 200, "{}", found.cells.len());
+    assert!(found.cells.iter().any(|cell| cell.is_full));
+    let mut prepared = model.prepare(&robot, &loads).unwrap();
+    for cell in &found.cells {
+        let case = Case { loads: loads.clone(), ..Case::with_tensions(&cell.commands) };
+        let shape = prepared.solve(&case, None).unwrap();
+        assert!(!shape.diagnostics.is_unstable());
+        let tip = shape.disks.poses.last().unwrap().position;
+        assert!((tip - cell.tip).norm() < 1e-4 * robots::LENGTH);
+        assert!(cell.commands.iter().all(|tension| (0.1..=20.0).contains(tension)));
+        for cable in &shape.cables {
+            let shortening = cable.initial_length - cable.length;
+            assert!(shortening <= greatest + 1e-5 * robots::LENGTH, "{shortening}");
+        }
+    }
+    let again = survey();
+    assert_eq!(found.cells, again.cells);
+    assert_eq!(found.boundary, again.boundary);
+    assert_eq!(found.solves, again.solves);
 }
 
 #[test]

@@ -1,0 +1,440 @@
+//! The growth of a workspace from voxel to voxel.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use whipcord::derivatives::Place;
+use whipcord::jobs::share;
+use whipcord::kinematics::{dexterity, principal_axes};
+use whipcord::{Linearization, SolveError, Twist, Vec3};
+
+use crate::descent::{Control, Ending, FIRST_DAMPING, Linear, Region, Start};
+use crate::error::InverseError;
+use crate::forward::Evaluation;
+use crate::limit::Constraints;
+use crate::options::ReachOptions;
+use crate::solver::InverseSolver;
+use crate::target::{Target, Tolerance};
+use crate::workspace::{BoundaryPoint, Cell};
+
+/// The directions of a voxel's neighbours.
+const NEIGHBOURS: [[i32; 3]; 6] =
+    [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
+/// A centre is reached where the tip is this near to it, in voxels.
+const AT_CENTRE: f64 = 0.05;
+/// A step to the next voxel changes no command by more than this, in scales.
+const LARGEST_STEP: f64 = 0.25;
+/// Voxels whose neighbours are looked for in one round, from what was found in the rounds before: so many that threads are busy, and so few that
+/// neighbours are seldom looked for twice.
+const ROUND: usize = 256;
+
+type Index = [i32; 3];
+
+/// What is known of a voxel.
+pub(crate) struct Known {
+    pub cell: Cell,
+    unknowns: Vec<f64>,
+    /// Motions of the tip with the unknowns, in m for the unit of each.
+    motions: Vec<Vec3>,
+}
+
+/// An answer of the model, with all its derivatives where it has exact ones.
+struct Answer {
+    evaluation: Evaluation,
+    rates: Option<Linearization>,
+}
+
+/// What is looked for, and by what.
+struct Question<'a> {
+    solver: &'a InverseSolver,
+    voxel: f64,
+    reach: ReachOptions,
+    constraints: Constraints,
+    has_stiffness: bool,
+}
+
+/// The growth so far.
+pub(crate) struct Growth<'a> {
+    question: Question<'a>,
+    pub found: BTreeMap<Index, Known>,
+    pub boundary: Vec<BoundaryPoint>,
+    /// Solves of the model.
+    pub solves: usize,
+    asked: BTreeSet<Index>,
+    queue: VecDeque<Index>,
+}
+
+/// What a job has found.
+#[derive(Default)]
+struct Findings {
+    found: Vec<(Index, Known)>,
+    boundary: Vec<BoundaryPoint>,
+    /// Whether the voxel that it began at is full.
+    is_full: bool,
+    solves: usize,
+}
+
+fn beside([x, y, z]: Index) -> [Index; 6] {
+    NEIGHBOURS.map(|[a, b, c]| [x + a, y + b, z + c])
+}
+
+impl<'a> Growth<'a> {
+    pub fn new(
+        solver: &'a InverseSolver,
+        voxel: f64,
+        reach: ReachOptions,
+        has_stiffness: bool,
+    ) -> Self {
+        let constraints = solver.constraints(solver.ranges(), &reach);
+        Self {
+            question: Question { solver, voxel, reach, constraints, has_stiffness },
+            found: BTreeMap::new(),
+            boundary: Vec::new(),
+            solves: 0,
+            asked: BTreeSet::new(),
+            queue: VecDeque::new(),
+        }
+    }
+
+    /// Marks the voxels of shapes, given by tips and unknowns. Where one keeps no limit its voxel is a target from there.
+    pub fn mark(&mut self, shapes: Vec<(Vec3, Vec<f64>)>) -> Result<(), InverseError> {
+        let mut marked: BTreeMap<Index, Vec<f64>> = BTreeMap::new();
+        for (tip, unknowns) in shapes {
+            marked.entry(self.question.index(tip)).or_insert(unknowns);
+        }
+        let work = |(index, unknowns): &(Index, Vec<f64>), solver: &mut InverseSolver| {
+            let question = &self.question;
+            let mut findings = Findings::default();
+            let answer = question.answer(solver, unknowns)?;
+            let start = match &answer {
+                Some(answer) => match question.kept(solver, unknowns, answer)? {
+                    Some(known) => {
+                        findings.found.push(known);
+                        return Ok(findings);
+                    }
+                    None => Start::Known(unknowns, &answer.evaluation),
+                },
+                None => Start::At(unknowns),
+            };
+            question.ask(solver, *index, start, &self.found, &mut findings)?;
+            Ok(findings)
+        };
+        let marked: Vec<(Index, Vec<f64>)> = marked.into_iter().collect();
+        for findings in self.question.shared(&marked, work)? {
+            self.take(findings);
+        }
+        // Spread over the workspace, so that what is left when the solves are spent is not one side of it.
+        self.queue.make_contiguous().sort_by_key(|index| scrambled(*index));
+        Ok(())
+    }
+
+    fn take(&mut self, findings: Findings) {
+        self.solves += findings.solves;
+        self.boundary.extend(findings.boundary);
+        for (index, known) in findings.found {
+            match self.found.get_mut(&index) {
+                Some(before) => before.cell.is_full |= known.cell.is_full,
+                None => {
+                    self.found.insert(index, known);
+                    self.queue.push_back(index);
+                }
+            }
+        }
+    }
+
+    /// Looks for all voxels at the border of the marked ones, until there are none that were not asked for, or the solves are spent.
+    /// Whether it came to that.
+    pub fn grow(&mut self, solves: usize) -> Result<bool, InverseError> {
+        while !self.queue.is_empty() {
+            if self.solves >= solves {
+                break;
+            }
+            let mut round: Vec<(Index, Vec<Index>)> = Vec::with_capacity(ROUND);
+            while round.len() < ROUND
+                && let Some(from) = self.queue.pop_front()
+            {
+                let mut missing: Vec<Index> = beside(from).into();
+                missing.retain(|index| !self.found.contains_key(index));
+                if !missing.is_empty() {
+                    missing.retain(|index| self.asked.insert(*index));
+                    round.push((from, missing));
+                }
+            }
+            let work = |(from, missing): &(Index, Vec<Index>), solver: &mut InverseSolver| {
+                self.question.expand(solver, *from, missing, &self.found)
+            };
+            let all = self.question.shared(&round, work)?;
+            for ((from, _), findings) in round.iter().zip(all) {
+                if findings.is_full
+                    && let Some(known) = self.found.get_mut(from)
+                {
+                    known.cell.is_full = true;
+                }
+                self.take(findings);
+            }
+        }
+        let indices: BTreeSet<Index> = self.found.keys().copied().collect();
+        for (index, known) in &mut self.found {
+            known.cell.is_full |= beside(*index).iter().all(|index| indices.contains(index));
+        }
+        Ok(self.queue.is_empty())
+    }
+}
+
+impl Question<'_> {
+    /// What each job finds, in their order; by threads, each of which has a solver of its own.
+    fn shared<J: Sync>(
+        &self,
+        jobs: &[J],
+        work: impl Fn(&J, &mut InverseSolver) -> Result<Findings, SolveError> + Sync,
+    ) -> Result<Vec<Findings>, InverseError> {
+        let mut all: Vec<Option<Result<Findings, SolveError>>> = Vec::new();
+        all.resize_with(jobs.len(), || None);
+        let solver = || self.solver.for_survey();
+        let pairs = jobs.iter().zip(&mut all);
+        share(pairs, None, solver, |(job, findings), solver| {
+            let found = match solver {
+                Ok(solver) => {
+                    let before = solver.forward().solves;
+                    work(job, solver).map(|mut found| {
+                        found.solves = solver.forward().solves - before;
+                        found
+                    })
+                }
+                Err(error) => Err(error.clone()),
+            };
+            let goes_on = found.is_ok();
+            *findings = Some(found);
+            goes_on
+        })
+        .map_err(|error| InverseError::Atlas(error.to_string()))?;
+        // The first error in the order of the jobs ends all; what lies behind it was perhaps not begun.
+        let done: Result<Vec<Findings>, SolveError> = all.into_iter().flatten().collect();
+        Ok(done?)
+    }
+
+    fn index(&self, point: Vec3) -> Index {
+        // Points are within the length of the robot from its base, in a thousand voxels at most.
+        #[allow(clippy::cast_possible_truncation, reason = "far below 2³¹")]
+        point.to_array().map(|x| (x / self.voxel).floor() as i32)
+    }
+
+    fn centre(&self, index: Index) -> Vec3 {
+        let [x, y, z] = index.map(|i| (f64::from(i) + 0.5) * self.voxel);
+        Vec3::new(x, y, z)
+    }
+
+    fn is_at_centre(&self, index: Index, tip: Vec3) -> bool {
+        (self.centre(index) - tip).norm() <= AT_CENTRE * self.voxel
+    }
+
+    /// The voxels beside a known one that are missing, and whether it is full itself if one stays missing.
+    fn expand(
+        &self,
+        solver: &mut InverseSolver,
+        from: Index,
+        missing: &[Index],
+        found: &BTreeMap<Index, Known>,
+    ) -> Result<Findings, SolveError> {
+        let mut findings = Findings::default();
+        let Some(known) = found.get(&from) else { return Ok(findings) };
+        for &index in missing {
+            let next = self.step_to(solver, index, known);
+            let answer = self.answer(solver, &next)?;
+            let start = match &answer {
+                Some(answer) => match self.kept(solver, &next, answer)? {
+                    Some((at, there)) if at == index => {
+                        findings.found.push((at, there));
+                        continue;
+                    }
+                    _ => Start::Known(&next, &answer.evaluation),
+                },
+                None => Start::At(&known.unknowns),
+            };
+            self.ask(solver, index, start, found, &mut findings)?;
+        }
+        let is_known = |index: &Index| {
+            found.contains_key(index) || findings.found.iter().any(|(at, _)| at == index)
+        };
+        if beside(from).iter().all(is_known) {
+            return Ok(findings);
+        }
+        let next = self.step_to(solver, from, known);
+        let answer = self.answer(solver, &next)?;
+        let start = match &answer {
+            Some(answer) => match self.kept(solver, &next, answer)? {
+                Some((_, there)) if self.is_at_centre(from, there.cell.tip) => {
+                    findings.is_full = true;
+                    return Ok(findings);
+                }
+                _ => Start::Known(&next, &answer.evaluation),
+            },
+            None => Start::At(&known.unknowns),
+        };
+        self.ask(solver, from, start, found, &mut findings)?;
+        Ok(findings)
+    }
+
+    /// The unknowns that lead the tip from a known place to the centre of a voxel, to first order and within the bounds.
+    fn step_to(&self, solver: &mut InverseSolver, to: Index, known: &Known) -> Vec<f64> {
+        let residual = (known.cell.tip - self.centre(to)).to_array();
+        let row = |i: usize| known.motions.iter().map(move |motion| motion.to_array()[i]);
+        let linear = Linear {
+            residual: residual.to_vec(),
+            jacobian: (0..3).flat_map(row).collect(),
+            ..Linear::default()
+        };
+        let scales = solver.forward().scales.clone();
+        let bounds = solver.ranges().unknowns.clone();
+        let control = Control {
+            bounds: &bounds,
+            scales: &scales,
+            evaluations: 1,
+            ending: Ending::COARSE,
+            curvature: None,
+        };
+        let mut unknowns = known.unknowns.clone();
+        let workspace = &mut solver.workspace;
+        let region = Region { damping: FIRST_DAMPING, radius: LARGEST_STEP };
+        if workspace.step(&linear, &[], &known.unknowns, &control, region, 0.0).is_ok() {
+            let steps = workspace.last_step().iter().zip(&scales).zip(&bounds);
+            for (x, ((step, scale), [least, greatest])) in unknowns.iter_mut().zip(steps) {
+                *x = (*x + step * scale).max(*least).min(*greatest);
+            }
+        }
+        unknowns
+    }
+
+    /// The answer of the model at these unknowns; `None` where it has none.
+    fn answer(
+        &self,
+        solver: &mut InverseSolver,
+        unknowns: &[f64],
+    ) -> Result<Option<Answer>, SolveError> {
+        let places: Vec<Place> =
+            [Place::Tip].into_iter().chain(self.constraints.places()).collect();
+        match solver.forward_mut().answer_with_rates(unknowns, &places) {
+            Ok((evaluation, rates)) => Ok(Some(Answer { evaluation, rates })),
+            Err(error @ SolveError::Cancelled { .. }) => Err(error),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// The voxel of the tip of an answer and what is known of it; `None` where the answer does not keep the limits or is not stable.
+    fn kept(
+        &self,
+        solver: &mut InverseSolver,
+        unknowns: &[f64],
+        answer: &Answer,
+    ) -> Result<Option<(Index, Known)>, SolveError> {
+        let forward = solver.forward_mut();
+        let (_, is_exceeded) = self.constraints.active(forward.robot(), &answer.evaluation);
+        let solution = &answer.evaluation.solution;
+        let touches = self.reach.clearance.is_some() && !solution.contacts.is_empty();
+        if is_exceeded || touches {
+            return Ok(None);
+        }
+        if solution.diagnostics.is_unstable() {
+            // At the lengths that are commanded it may be stable where at the tensions that are searched it is not.
+            let is_stable = !forward.actuators.are_direct()
+                && match forward.verify(unknowns, solution) {
+                    Ok(answer) => !answer.diagnostics.is_unstable(),
+                    Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                    Err(_) => false,
+                };
+            if !is_stable {
+                return Ok(None);
+            }
+        }
+        Ok(Some(self.known(solver, unknowns, answer)))
+    }
+
+    /// Looks for commands that bring the tip to the centre of a voxel, from a place near it.
+    fn ask(
+        &self,
+        solver: &mut InverseSolver,
+        index: Index,
+        start: Start<'_, Evaluation>,
+        found: &BTreeMap<Index, Known>,
+        findings: &mut Findings,
+    ) -> Result<(), SolveError> {
+        let centre = self.centre(index);
+        let tolerance = Tolerance { position: AT_CENTRE * self.voxel, angle: 1.0 };
+        let aim = (&Target::Tip(centre), tolerance);
+        let candidate = match solver.attempt(start, aim, &self.constraints, &self.reach) {
+            Ok(candidate) => candidate,
+            Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+            Err(_) => return Ok(()),
+        };
+        let Some(tip) = candidate.evaluation.solution.disks.poses.last() else { return Ok(()) };
+        let out = centre - tip.position;
+        let distance = out.norm();
+        // A minimum of the distance from a centre out of reach is a point of the boundary.
+        if !candidate.is_reached && candidate.is_minimum && distance >= AT_CENTRE * self.voxel {
+            let bounds = &solver.ranges().unknowns;
+            let (unknowns, evaluation) = (&candidate.unknowns, &candidate.evaluation);
+            let limits = self.constraints.met(solver.forward(), evaluation, unknowns, bounds);
+            let normal = out * (1.0 / distance);
+            findings.boundary.push(BoundaryPoint { tip: tip.position, normal, limits });
+        }
+        if !candidate.is_allowed {
+            return Ok(());
+        }
+        let at = self.index(tip.position);
+        let is_full = candidate.is_reached && at == index;
+        if found.contains_key(&at) || findings.found.iter().any(|(known, _)| *known == at) {
+            findings.is_full |= is_full;
+            return Ok(());
+        }
+        let unknowns = &candidate.unknowns;
+        let Some(answer) = self.answer(solver, unknowns)? else { return Ok(()) };
+        if let Some((at, mut known)) = self.kept(solver, unknowns, &answer)? {
+            known.cell.is_full |= is_full && at == index;
+            findings.found.push((at, known));
+        }
+        Ok(())
+    }
+
+    /// The voxel of an answer, and what is known of it there.
+    fn known(
+        &self,
+        solver: &InverseSolver,
+        unknowns: &[f64],
+        Answer { evaluation, rates }: &Answer,
+    ) -> (Index, Known) {
+        let forward = solver.forward();
+        let rates = rates.as_ref().filter(|_| self.has_stiffness);
+        let compliance = rates.and_then(|rates| forward.tip_compliance(rates));
+        let of_tip = |motions: &Vec<Twist>| motions.first().copied().unwrap_or_default();
+        let motions: Vec<Twist> = evaluation.motions.iter().map(of_tip).collect();
+        let columns = motions.iter().zip(&forward.scales).map(|(motion, scale)| Twist {
+            linear: motion.linear * *scale,
+            angular: motion.angular * *scale,
+        });
+        let stiffness = compliance.map(|compliance| {
+            let of = principal_axes(&compliance).values;
+            [1.0 / of[2].max(of[0]), 1.0 / of[0].min(of[2])]
+        });
+        let pose = evaluation.solution.disks.poses.last().copied().unwrap_or_default();
+        let index = self.index(pose.position);
+        let values = forward.values(unknowns, &evaluation.solution);
+        let cell = Cell {
+            index,
+            tip: pose.position,
+            axis: pose.rotation.rotate(Vec3::Z),
+            commands: forward.actuators.commands(forward.robot(), &values),
+            is_full: false,
+            dexterity: dexterity(&columns.collect::<Vec<_>>()),
+            stiffness: stiffness.filter(|of| of.iter().all(|k| k.is_finite() && *k > 0.0)),
+        };
+        let motions = motions.iter().map(|motion| motion.linear).collect();
+        (index, Known { cell, unknowns: unknowns.to_vec(), motions })
+    }
+}
+
+/// A number without an order for each voxel.
+fn scrambled([x, y, z]: Index) -> u64 {
+    let mix = |state: u64, i: i32| {
+        (state ^ u64::from(i.cast_unsigned())).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
+    };
+    mix(mix(mix(0, x), y), z)
+}
