@@ -27,6 +27,9 @@ const LARGEST_STEP: f64 = 0.25;
 /// neighbours are seldom looked for twice.
 const ROUND: usize = 256;
 
+/// A voxel that is missing beside so many marked ones is asked for from all of them.
+const AROUND: usize = 4;
+
 type Index = [i32; 3];
 
 /// What is known of a voxel.
@@ -141,13 +144,38 @@ impl<'a> Growth<'a> {
         }
     }
 
-    /// Looks for all voxels at the border of the marked ones, until there are none that were not asked for, or the solves are spent.
+    /// Looks for all voxels beside the marked ones, until there are none that were not asked for, or the solves are spent.
     /// Whether it came to that.
     pub fn grow(&mut self, solves: usize) -> Result<bool, InverseError> {
-        while !self.queue.is_empty() {
-            if self.solves >= solves {
+        let mut closed = BTreeSet::new();
+        loop {
+            self.go_outward(solves)?;
+            let gaps = self.gaps(&mut closed);
+            if gaps.is_empty() || self.solves >= solves {
                 break;
             }
+            let work = |(from, index): &(Index, Index), solver: &mut InverseSolver| {
+                let mut findings = Findings::default();
+                if let Some(known) = self.found.get(from) {
+                    self.question.look_for(solver, *index, known, &self.found, &mut findings)?;
+                }
+                Ok(findings)
+            };
+            // What holds the tip back on one of several ways is no boundary.
+            for Findings { found, solves, .. } in self.question.shared(&gaps, work)? {
+                self.take(Findings { found, solves, ..Findings::default() });
+            }
+        }
+        let indices: BTreeSet<Index> = self.found.keys().copied().collect();
+        for (index, known) in &mut self.found {
+            known.cell.is_full |= beside(*index).iter().all(|index| indices.contains(index));
+        }
+        Ok(self.queue.is_empty())
+    }
+
+    /// Each voxel is asked for once, from the first one beside it that is found.
+    fn go_outward(&mut self, solves: usize) -> Result<(), InverseError> {
+        while !self.queue.is_empty() && self.solves < solves {
             let mut round: Vec<(Index, Vec<Index>)> = Vec::with_capacity(ROUND);
             while round.len() < ROUND
                 && let Some(from) = self.queue.pop_front()
@@ -172,11 +200,20 @@ impl<'a> Growth<'a> {
                 self.take(findings);
             }
         }
-        let indices: BTreeSet<Index> = self.found.keys().copied().collect();
-        for (index, known) in &mut self.found {
-            known.cell.is_full |= beside(*index).iter().all(|index| indices.contains(index));
+        Ok(())
+    }
+
+    /// The voxels that are missing among marked ones, each with all of these: from one of them the way may end at a fold that another one goes round.
+    fn gaps(&self, closed: &mut BTreeSet<Index>) -> Vec<(Index, Index)> {
+        let is_known = |index: &Index| self.found.contains_key(index);
+        let mut gaps = Vec::new();
+        for &index in &self.asked {
+            let around = beside(index).into_iter().filter(is_known);
+            if !is_known(&index) && around.clone().count() >= AROUND && closed.insert(index) {
+                gaps.extend(around.map(|from| (from, index)));
+            }
         }
-        Ok(self.queue.is_empty())
+        gaps
     }
 }
 
@@ -238,19 +275,7 @@ impl Question<'_> {
         let mut findings = Findings::default();
         let Some(known) = found.get(&from) else { return Ok(findings) };
         for &index in missing {
-            let next = self.step_to(solver, index, known);
-            let answer = self.answer(solver, &next)?;
-            let start = match &answer {
-                Some(answer) => match self.kept(solver, &next, answer)? {
-                    Some((at, there)) if at == index => {
-                        findings.found.push((at, there));
-                        continue;
-                    }
-                    _ => Start::Known(&next, &answer.evaluation),
-                },
-                None => Start::At(&known.unknowns),
-            };
-            self.ask(solver, index, start, found, &mut findings)?;
+            self.look_for(solver, index, known, found, &mut findings)?;
         }
         let is_known = |index: &Index| {
             found.contains_key(index) || findings.found.iter().any(|(at, _)| at == index)
@@ -272,6 +297,30 @@ impl Question<'_> {
         };
         self.ask(solver, from, start, found, &mut findings)?;
         Ok(findings)
+    }
+
+    /// Looks for a voxel that is missing: where the first step leads, and by the search for its centre from there.
+    fn look_for(
+        &self,
+        solver: &mut InverseSolver,
+        index: Index,
+        known: &Known,
+        found: &BTreeMap<Index, Known>,
+        findings: &mut Findings,
+    ) -> Result<(), SolveError> {
+        let next = self.step_to(solver, index, known);
+        let answer = self.answer(solver, &next)?;
+        let start = match &answer {
+            Some(answer) => match self.kept(solver, &next, answer)? {
+                Some((at, there)) if at == index => {
+                    findings.found.push((at, there));
+                    return Ok(());
+                }
+                _ => Start::Known(&next, &answer.evaluation),
+            },
+            None => Start::At(&known.unknowns),
+        };
+        self.ask(solver, index, start, found, findings)
     }
 
     /// The unknowns that lead the tip from a known place to the centre of a voxel, to first order and within the bounds.
