@@ -3,7 +3,7 @@
 use whipcord_numerics::Twist;
 
 use crate::energy::Power;
-use crate::free_base::{FreeBase, exponent_rate};
+use crate::free_base::{BaseTangent, FreeBase, exponent_rate};
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::rod::Rod;
 use crate::scheme::Scheme;
@@ -104,10 +104,8 @@ impl Accurate {
                 let (a, b) = (&self.strains[first], &self.strains[second]);
                 predict(&mut stage.strains, &stage.strain_history, a, b);
             }
-            let weighted = self.base.iter().zip(&A[i][..i]);
-            let history = weighted.fold(Twist::default(), |sum, (rate, a)| sum + *rate * (h * a));
             if loads.has_free_base {
-                stage.free_base = Some(FreeBase { start: from.base, history, g: scheme.g });
+                stage.free_base = Some(self.free_base(i, from, h));
             } else {
                 stage.move_base(loads, from.base, from.time, C[i] * h);
             }
@@ -138,6 +136,27 @@ impl Accurate {
         combine(&mut stage.strain_history, &from.strains, &self.strains, h, &A[i][..i]);
         combine(&mut stage.velocities, &from.velocities, &self.velocities, h, &A[i][..=i]);
         combine(&mut stage.strains, &from.strains, &self.strains, h, &A[i][..=i]);
+    }
+
+    /// How the pose of a free base changes at a stage that is put into the stage of a solver, which gets the pose as well.
+    pub fn base_tangent(
+        &self,
+        i: usize,
+        from: &State,
+        h: f64,
+        stage: &mut Stage,
+    ) -> Option<BaseTangent> {
+        let free = self.free_base(i, from, h);
+        let velocity = stage.velocities[0];
+        stage.free_base = Some(free);
+        BaseTangent::new(&free, velocity)
+    }
+
+    /// The free base at a stage.
+    fn free_base(&self, i: usize, from: &State, h: f64) -> FreeBase {
+        let weighted = self.base.iter().zip(&A[i][..i]);
+        let history = weighted.fold(Twist::default(), |sum, (rate, a)| sum + *rate * (h * a));
+        FreeBase { start: from.base, history, g: GAMMA * h }
     }
 
     /// Rates of velocities and strains at the end.

@@ -2,10 +2,11 @@
 //! what it is made from.
 
 use whipcord::Wrench;
-use whipcord_numerics::{DenseLu, Pose, Twist};
+use whipcord_numerics::{DenseLu, Twist, Vec3};
 
-use crate::block::{dot, transposed_bracket};
-use crate::chords::{self, Curvature};
+use crate::block::{Block, dot};
+use crate::cable_work::CableWork;
+use crate::conserving::{Conserving, along};
 use crate::element::{POINTS, add_to_nodes};
 use crate::iteration::{Mechanics, Solver};
 use crate::pose;
@@ -15,9 +16,9 @@ use crate::scheme::Scheme;
 use crate::stage::Stage;
 
 /// Corrections of what acts by the poses at most.
-const MOST_CORRECTIONS: usize = 60;
+pub(crate) const MOST_CORRECTIONS: usize = 60;
 /// Change of the multipliers, as a part of them, at which the corrections end.
-const SMALL: f64 = 1e-13;
+const SMALL: f64 = 3e-15;
 /// A change at which they may end where rounding lets it fall no further.
 const SMALL_ENOUGH: f64 = 1e-9;
 
@@ -45,6 +46,12 @@ pub(crate) struct StageAdjoint {
     pub cables: Vec<f64>,
     /// By the tension of each cable at the end of the step; after [`Self::pull_back`] by that at its start.
     pub tensions: Vec<f64>,
+    /// By the tension of each cable at the stage, beside what that does to the motion: of cables that are driven by their lengths.
+    pub stage_tensions: Vec<f64>,
+    /// By displacements of the base along and about its own axes; after [`Self::pull_back`] with what the equations of the stage depend on it.
+    pub base: Twist,
+    /// How the pose of a free base changes with its velocity.
+    pub base_by_velocity: Option<Block>,
     /// `λ`: multipliers of the equations of motion.
     multipliers: Vec<Twist>,
     /// The multipliers that a length of each cable has, and its gradient by the strains.
@@ -53,25 +60,39 @@ pub(crate) struct StageAdjoint {
     before: Vec<Twist>,
     /// Derivatives, by the strains, of what acts by the poses (dead loads and straight cables) times the multipliers.
     by_poses: Vec<Twist>,
-    straight: Straight,
+    /// The same by the strains at the start of the step, where the scheme conserves.
+    by_start: Vec<Twist>,
+    /// The same by displacements of the base.
+    by_base: Twist,
+    conserving: Conserving,
+    cable_work: CableWork,
     lu: DenseLu,
-}
-
-/// Room for the pulls of straight cables.
-#[derive(Clone, Debug)]
-struct Straight {
-    curvature: Curvature,
-    /// What the multipliers are for the strains, `λ′ + ad_ξ λ`.
-    along: Vec<Twist>,
-    gradient: Vec<Twist>,
-    pulls: Vec<Wrench>,
-    strains: Vec<Twist>,
-    poses: Vec<Pose>,
 }
 
 /// The transposed equations were not solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NotSolved;
+
+/// Linearises the stage that the solver has solved, and factors its matrix.
+pub(crate) fn linearise(
+    Mechanics { rod, loads }: Mechanics<'_>,
+    solver: &mut Solver,
+    scheme: &Scheme,
+    conserving: &mut Conserving,
+) -> Result<(), NotSolved> {
+    let Solver { stage, drag, is_linearised, .. } = solver;
+    *is_linearised = false;
+    if let Some(base) = stage.free_base {
+        stage.base = base.pose(stage.velocities[0]);
+    }
+    pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
+    if scheme.conserves {
+        stage.find_conserving_forces(rod, loads.gravity, scheme);
+        conserving.linearise(rod, stage, scheme, loads.gravity);
+    }
+    stage.assemble(rod, scheme, loads.gravity, *drag, true);
+    stage.matrix.factor().map_err(|_| NotSolved)
+}
 
 impl StageAdjoint {
     pub fn new(rod: &Rod) -> Self {
@@ -83,19 +104,18 @@ impl StageAdjoint {
             start: list(points),
             cables: vec![0.0; rod.cables.len()],
             tensions: vec![0.0; rod.cables.len()],
+            stage_tensions: vec![0.0; rod.cables.len()],
+            base: Twist::default(),
+            base_by_velocity: None,
             multipliers: list(nodes),
             of_lengths: Vec::new(),
             right: list(nodes),
             before: list(nodes),
             by_poses: list(points),
-            straight: Straight {
-                curvature: Curvature::new(rod),
-                along: list(points),
-                gradient: list(points),
-                pulls: vec![Wrench::default(); nodes],
-                strains: list(points),
-                poses: vec![Pose::IDENTITY; nodes],
-            },
+            by_start: list(points),
+            by_base: Twist::default(),
+            conserving: Conserving::new(rod),
+            cable_work: CableWork::new(rod),
             lu: DenseLu::default(),
         }
     }
@@ -110,21 +130,22 @@ impl StageAdjoint {
         factors: &mut Factors,
     ) -> Result<(), NotSolved> {
         let Mechanics { rod, loads } = mechanics;
-        let Solver { stage, lengths, drag, is_linearised, .. } = solver;
-        *is_linearised = false;
-        pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
-        stage.assemble(rod, scheme, loads.gravity, *drag, true);
-        stage.matrix.factor().map_err(|_| NotSolved)?;
-        let find =
-            |this: &mut Self, out: &mut Vec<Twist>, velocities: &[Twist], strains: &[Twist]| {
-                this.solve(mechanics, stage, scheme, (velocities, strains))?;
-                out.clone_from(&this.multipliers);
-                Ok(())
-            };
+        linearise(mechanics, solver, scheme, &mut self.conserving)?;
+        let Solver { stage, lengths, .. } = solver;
+        let find = |this: &mut Self,
+                    out: &mut Vec<Twist>,
+                    velocities: &[Twist],
+                    strains: &[Twist],
+                    base: Twist| {
+            this.solve(mechanics, stage, scheme, (velocities, strains, base))?;
+            out.clone_from(&this.multipliers);
+            Ok(())
+        };
         let (velocities, mut strains) =
             (core::mem::take(&mut self.velocities), core::mem::take(&mut self.strains));
         let mut multipliers = Vec::new();
-        find(self, &mut multipliers, &velocities, &strains)?;
+        let by_pose = self.base;
+        find(self, &mut multipliers, &velocities, &strains, by_pose)?;
         self.start.fill(Twist::default());
         // Cables that are driven by their lengths and taut, section "Gradients".
         let taut: Vec<usize> =
@@ -136,15 +157,16 @@ impl StageAdjoint {
             let none = vec![Twist::default(); rod.nodes.len()];
             let mut of_lengths = core::mem::take(&mut self.of_lengths);
             for (&cable, (of_length, gradient)) in taut.iter().zip(&mut of_lengths) {
-                self.straight.length_gradient(rod, stage, scheme, cable, gradient);
-                find(self, of_length, &none, gradient)?;
+                self.cable_work.length_gradient(rod, stage, scheme, cable, gradient);
+                // Lengths are the same wherever the base is.
+                find(self, of_length, &none, gradient, Twist::default())?;
             }
             let n = taut.len();
             let mut matrix = vec![0.0; n * n];
             for (j, &cable) in taut.iter().enumerate() {
                 for (i, (of_length, _)) in of_lengths.iter().enumerate() {
                     matrix[j * n + i] =
-                        self.straight.tension_work(rod, stage, scheme, cable, of_length);
+                        self.cable_work.tension_work(rod, stage, scheme, cable, of_length);
                 }
                 matrix[j * n + j] += rod.cables[cable].compliance / scheme.place;
                 // The tension at the end lies straight beyond that of the stage, unless it would be negative.
@@ -153,9 +175,14 @@ impl StageAdjoint {
                 } else {
                     0.0
                 };
-                forces[j] = self.straight.tension_work(rod, stage, scheme, cable, &multipliers)
-                    - self.tensions[cable] / scheme.place;
+                forces[j] = self.cable_work.tension_work(rod, stage, scheme, cable, &multipliers)
+                    - self.tensions[cable] / scheme.place
+                    - self.stage_tensions[cable];
             }
+            // Motors with inertia yield to the tensions of their cables.
+            let drives = &lengths.drives;
+            let yields = |i: usize, j: usize, by: f64| matrix[j * n + i] += by;
+            drives.add_lengths(scheme, &taut, &stage.tensions, |_, _| (), yields);
             self.lu.factor(n, &matrix).map_err(|_| NotSolved)?;
             self.lu.solve(&mut forces);
             for (&cable, force) in taut.iter().zip(&forces) {
@@ -178,11 +205,19 @@ impl StageAdjoint {
             *out = if lengths.cables.contains(&i) {
                 taut.iter().position(|&of| of == i).map_or(0.0, |k| forces[k])
             } else {
-                -self.straight.tension_work(rod, stage, scheme, i, &multipliers)
+                -self.cable_work.tension_work(rod, stage, scheme, i, &multipliers)
             };
         }
         self.multipliers.copy_from_slice(&multipliers);
-        self.find_by_poses(mechanics, stage);
+        self.find_by_poses(mechanics, stage, scheme);
+        self.base = self.base - self.by_base;
+        if scheme.conserves {
+            self.add_by_start(rod, stage, scheme);
+            let CableWork { along: of_points, .. } = &mut self.cable_work;
+            along(rod, &stage.strains, &self.multipliers, of_points);
+            let weight = Conserving::alone(rod, stage, scheme, loads.gravity, None);
+            factors.mass -= weight.iter().zip(of_points).map(|(a, b)| dot(a, b)).sum::<f64>();
+        }
         self.histories(mechanics, stage, scheme, strains, factors);
         self.velocities = multipliers;
         for (velocity, node) in self.velocities.iter_mut().zip(&rod.nodes) {
@@ -198,10 +233,13 @@ impl StageAdjoint {
         mechanics: Mechanics<'_>,
         stage: &Stage,
         scheme: &Scheme,
-        (velocities, strains): (&[Twist], &[Twist]),
+        (velocities, strains, base): (&[Twist], &[Twist], Twist),
     ) -> Result<(), NotSolved> {
         let rod = mechanics.rod;
         self.right.copy_from_slice(velocities);
+        if let Some(by_velocity) = &self.base_by_velocity {
+            self.right[0] = self.right[0] + by_velocity.apply_transposed(&base);
+        }
         add_transposed_changes(rod, stage, strains, &mut self.right);
         self.multipliers.copy_from_slice(&self.right);
         stage.matrix.solve_transposed(&mut self.multipliers);
@@ -212,56 +250,80 @@ impl StageAdjoint {
         let mut last = f64::INFINITY;
         for _ in 0..MOST_CORRECTIONS {
             self.before.copy_from_slice(&self.multipliers);
-            self.find_by_poses(mechanics, stage);
+            self.find_by_poses(mechanics, stage, scheme);
             for by in &mut self.by_poses {
                 *by = *by * -1.0;
             }
             self.multipliers.copy_from_slice(&self.right);
             if mechanics.loads.any_dead {
-                for a in 1..rod.nodes.len() {
-                    let moment = dead_moment(mechanics, stage, a, &self.before[a]);
+                for a in mechanics.loads.first_free()..rod.nodes.len() {
+                    let moment = dead_moment(mechanics, stage, a, &self.before[a], true);
                     self.multipliers[a].angular += moment * scheme.g;
                 }
+            }
+            if let Some(by_velocity) = &self.base_by_velocity {
+                let of_base = by_velocity.apply_transposed(&self.by_base);
+                self.multipliers[0] = self.multipliers[0] - of_base;
             }
             stage.matrix.add_links_transposed(&self.before, &mut self.multipliers);
             add_transposed_changes(rod, stage, &self.by_poses, &mut self.multipliers);
             stage.matrix.solve_transposed(&mut self.multipliers);
-            let (mut change, mut size) = (0.0, 0.0);
-            for (now, before) in self.multipliers.iter().zip(&self.before) {
-                let apart = *now - *before;
-                change += dot(&apart, &apart);
-                size += dot(now, now);
-            }
-            let change: f64 = (change / f64::max(size, f64::MIN_POSITIVE)).sqrt();
-            if !change.is_finite() {
-                return Err(NotSolved);
-            }
-            if change < SMALL || (change < SMALL_ENOUGH && change > 0.5 * last) {
+            if is_settled(&self.multipliers, &self.before, &mut last)? {
                 return Ok(());
             }
-            last = change;
         }
         Err(NotSolved)
     }
 
     /// What dead loads and straight cables, which act by the poses, add to the derivatives by the strains, for the multipliers as they are.
-    fn find_by_poses(&mut self, mechanics: Mechanics<'_>, stage: &Stage) {
+    fn find_by_poses(&mut self, mechanics: Mechanics<'_>, stage: &Stage, scheme: &Scheme) {
         let Mechanics { rod, loads } = mechanics;
-        let Self { multipliers, by_poses, straight, .. } = self;
+        let Self { multipliers, by_poses, by_start, by_base, cable_work, conserving, .. } = self;
         by_poses.fill(Twist::default());
+        by_start.fill(Twist::default());
+        *by_base = Twist::default();
         if loads.any_dead {
             let moment = |a: usize| {
-                let moment = if a == 0 {
+                let moment = if a < loads.first_free() {
                     Default::default()
                 } else {
-                    dead_moment(mechanics, stage, a, &multipliers[a])
+                    // Where the scheme conserves, forces act by the gradient of their heights.
+                    dead_moment(mechanics, stage, a, &multipliers[a], !scheme.conserves)
                 };
                 Wrench { force: Default::default(), moment: stage.poses[a].rotation.rotate(moment) }
             };
             pose::work_gradient(rod, &stage.strains, &stage.poses, moment, by_poses);
+            let sum = (0..rod.nodes.len()).fold(Vec3::ZERO, |sum, a| sum + moment(a).moment);
+            by_base.angular = stage.poses[0].rotation.conjugate().rotate(sum);
+        }
+        if scheme.conserves {
+            cable_work.add_by_turning(rod, stage, &stage.potential, multipliers, by_poses);
+            let sides = (by_poses.as_mut_slice(), by_start.as_mut_slice());
+            conserving.add_transposed(rod, stage, scheme, loads.gravity, &cable_work.along, sides);
+        } else if rod.has_chords() {
+            cable_work.add_by_strains(rod, stage, multipliers, by_poses);
+        }
+    }
+
+    /// Takes from the derivatives by the strains at the start of the step what the equations of a scheme that conserves depend on them.
+    fn add_by_start(&mut self, rod: &Rod, stage: &Stage, scheme: &Scheme) {
+        let Self {
+            start, by_start, multipliers, cable_work: CableWork { along: room, .. }, ..
+        } = self;
+        for (start, by) in start.iter_mut().zip(by_start) {
+            *start = *start - *by;
         }
         if rod.has_chords() {
-            straight.add_by_strains(rod, stage, multipliers, by_poses);
+            return;
+        }
+        along(rod, &stage.strains, multipliers, room);
+        for (i, line) in rod.cables.iter().enumerate() {
+            for q in 0..POINTS * line.elements {
+                let crossing = &rod.crossings[q * rod.cables.len() + i];
+                let pull = Pull::new(crossing, &stage.strains[q], &stage.start[q], scheme);
+                let by = pull.transposed_start_change(crossing, &room[q]);
+                start[q] = start[q] - by * (stage.tensions[i] * rod.points[q].weight);
+            }
         }
     }
 
@@ -294,18 +356,47 @@ impl StageAdjoint {
             }
         }
         self.strains = strains;
-        for a in 1..rod.nodes.len() {
-            let (node, velocity) = (&rod.nodes[a], &stage.velocities[a]);
-            let moving = if scheme.inertia == 0.0 { 0.0 } else { 1.0 };
-            let change = (*velocity - stage.velocity_history[a]) * scheme.inertia;
-            let Twist { linear: nu, angular: omega } = *velocity;
-            let weight = stage.poses[a].rotation.conjugate().rotate(loads.gravity);
-            let force = (change.linear + omega.cross(nu) * moving - weight) * node.mass;
-            let moment = node.inertia.scale(change.angular)
-                + omega.cross(node.inertia.scale(omega)) * moving;
-            factors.mass -= dot(&Twist { linear: force, angular: moment }, &self.multipliers[a]);
+        for a in loads.first_free()..rod.nodes.len() {
+            let of_mass = inertia_and_weight(mechanics, stage, scheme, a);
+            factors.mass -= dot(&of_mass, &self.multipliers[a]);
         }
     }
+}
+
+/// What a factor on all masses multiplies in the equations of a node; weight that acts by the gradient of its height is left out.
+pub(crate) fn inertia_and_weight(
+    Mechanics { rod, loads }: Mechanics<'_>,
+    stage: &Stage,
+    scheme: &Scheme,
+    a: usize,
+) -> Twist {
+    let node = &rod.nodes[a];
+    let moving = if scheme.inertia == 0.0 { 0.0 } else { 1.0 };
+    let change = (stage.velocities[a] - stage.velocity_history[a]) * scheme.inertia;
+    let Twist { linear: nu, angular: omega } = stage.velocities[a];
+    let weight = match scheme.conserves {
+        true => Vec3::ZERO,
+        false => stage.poses[a].rotation.conjugate().rotate(loads.gravity),
+    };
+    Twist {
+        linear: (change.linear + omega.cross(nu) * moving - weight) * node.mass,
+        angular: node.inertia.scale(change.angular)
+            + omega.cross(node.inertia.scale(omega)) * moving,
+    }
+}
+
+/// Dead force, with the weight, and moment of a node in its frame; with the moment alone where the force acts by the gradient of its height.
+pub(crate) fn dead_load(
+    Mechanics { rod, loads }: Mechanics<'_>,
+    stage: &Stage,
+    a: usize,
+    with_force: bool,
+) -> Twist {
+    let load = &stage.loads[a];
+    let turn = stage.poses[a].rotation.conjugate();
+    let force =
+        if with_force { load.force + loads.gravity * rod.nodes[a].mass } else { Vec3::ZERO };
+    Twist { linear: turn.rotate(force), angular: turn.rotate(load.moment) }
 }
 
 /// `R_aᵀF × λ + R_aᵀM × μ`: what turns with the node, times the multipliers of its equations.
@@ -314,11 +405,31 @@ fn dead_moment(
     stage: &Stage,
     a: usize,
     multiplier: &Twist,
-) -> whipcord_numerics::Vec3 {
-    let load = &stage.loads[a];
-    let turn = stage.poses[a].rotation.conjugate();
-    let force = turn.rotate(load.force + mechanics.loads.gravity * mechanics.rod.nodes[a].mass);
-    force.cross(multiplier.linear) + turn.rotate(load.moment).cross(multiplier.angular)
+    with_force: bool,
+) -> Vec3 {
+    let load = dead_load(mechanics, stage, a, with_force);
+    load.linear.cross(multiplier.linear) + load.angular.cross(multiplier.angular)
+}
+
+/// Whether corrections of what acts by the poses need not go on; `last` is their last change.
+pub(crate) fn is_settled(
+    now: &[Twist],
+    before: &[Twist],
+    last: &mut f64,
+) -> Result<bool, NotSolved> {
+    let (mut change, mut size) = (0.0, 0.0);
+    for (now, before) in now.iter().zip(before) {
+        let apart = *now - *before;
+        change += dot(&apart, &apart);
+        size += dot(now, now);
+    }
+    let change: f64 = (change / f64::max(size, f64::MIN_POSITIVE)).sqrt();
+    if !change.is_finite() {
+        return Err(NotSolved);
+    }
+    let is_small = change < SMALL || (change < SMALL_ENOUGH && change > 0.5 * *last);
+    *last = change;
+    Ok(is_small)
 }
 
 /// Adds to the derivatives by the velocities what those by the strains are through eq. (10).
@@ -328,82 +439,6 @@ fn add_transposed_changes(rod: &Rod, stage: &Stage, strains: &[Twist], out: &mut
             let q = POINTS * e + k;
             let (slope, value) = stage.tangents[q].transposed_strain_change(&strains[q]);
             add_to_nodes(&mut out[2 * e..], &slope, &value, 1.0, k, rod.lengths[e]);
-        }
-    }
-}
-
-impl Straight {
-    /// Adds the derivatives by the strains of the pull of straight cables, times the multipliers.
-    fn add_by_strains(&mut self, rod: &Rod, stage: &Stage, on: &[Twist], out: &mut [Twist]) {
-        let Self { curvature, along, gradient, pulls, .. } = self;
-        let tension = |k: usize| stage.tensions[rod.chords[k].cable];
-        chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
-        for (q, (along, out)) in along.iter_mut().zip(&mut *out).enumerate() {
-            let (e, k) = (q / POINTS, q % POINTS);
-            let (value, slope) = Stage::at_point(on, e, k, rod.lengths[e]);
-            *along = slope + stage.strains[q].bracket(value);
-            // ad_ξ λ = −ad_λ ξ.
-            *out = *out - transposed_bracket(&value, &gradient[q]);
-        }
-        curvature.add(rod, stage.base, &stage.strains, along, tension, out);
-    }
-
-    /// What a tension of 1 N in a cable does on multipliers: `Σ w t · (λ′ + ad_ξ λ)`.
-    fn tension_work(
-        &mut self,
-        rod: &Rod,
-        stage: &Stage,
-        scheme: &Scheme,
-        cable: usize,
-        on: &[Twist],
-    ) -> f64 {
-        let Self { gradient, pulls, .. } = self;
-        if rod.has_chords() {
-            let tension = |k: usize| if rod.chords[k].cable == cable { 1.0 } else { 0.0 };
-            chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
-        }
-        let points = 0..POINTS * rod.cables[cable].elements;
-        let of_point = |q: usize| {
-            let (e, k) = (q / POINTS, q % POINTS);
-            let (value, slope) = Stage::at_point(on, e, k, rod.lengths[e]);
-            let strain = stage.strains[q];
-            let along = slope + strain.bracket(value);
-            if rod.has_chords() {
-                return dot(&gradient[q], &along);
-            }
-            let crossing = &rod.crossings[q * rod.cables.len() + cable];
-            let pull = Pull::new(crossing, &strain, &stage.start[q], scheme).wrench(crossing);
-            rod.points[q].weight * dot(&pull, &along)
-        };
-        points.map(of_point).sum()
-    }
-
-    /// The gradient of the length of a cable at the end of the step by the strains of the stage.
-    fn length_gradient(
-        &mut self,
-        rod: &Rod,
-        stage: &Stage,
-        scheme: &Scheme,
-        cable: usize,
-        out: &mut Vec<Twist>,
-    ) {
-        out.clear();
-        out.resize(rod.points.len(), Twist::default());
-        if rod.has_chords() {
-            let Self { pulls, strains, poses, .. } = self;
-            for ((end, start), strain) in strains.iter_mut().zip(&stage.start).zip(&stage.strains) {
-                *end = scheme.end(*start, *strain);
-            }
-            pose::nodes(rod, stage.base, strains, poses);
-            let tension =
-                |k: usize| if rod.chords[k].cable == cable { 1.0 / scheme.place } else { 0.0 };
-            return chords::gradient(rod, strains, poses, tension, pulls, out);
-        }
-        for (q, out) in out.iter_mut().enumerate().take(POINTS * rod.cables[cable].elements) {
-            let crossing = &rod.crossings[q * rod.cables.len() + cable];
-            let end = scheme.end(stage.start[q], stage.strains[q]);
-            let pull = Pull::new(crossing, &end, &end, &Scheme::STATICS).wrench(crossing);
-            *out = pull * (rod.points[q].weight / scheme.place);
         }
     }
 }

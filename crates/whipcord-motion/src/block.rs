@@ -1,6 +1,6 @@
 //! 6×6 matrices in 3×3 blocks.
 
-use whipcord_numerics::{Mat3, Twist};
+use whipcord_numerics::{Mat3, Twist, Vec3};
 
 /// A 6×6 matrix `[a b; c d]` that acts on twists or on wrenches: `a` from translational to translational parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,6 +12,23 @@ pub(crate) struct Block {
 }
 
 impl Block {
+    /// The matrix of a linear map.
+    pub fn of(map: impl Fn(Twist) -> Twist) -> Self {
+        let column = |k: usize| {
+            let mut unit = Twist::default();
+            let part = if k < 3 { &mut unit.linear } else { &mut unit.angular };
+            part[k % 3] = 1.0;
+            map(unit)
+        };
+        let columns: [Twist; 6] = core::array::from_fn(column);
+        let part = |first: usize, of: fn(&Twist) -> Vec3| {
+            let [x, y, z] = [0, 1, 2].map(|k| of(&columns[first + k]));
+            Mat3::from_columns(x, y, z)
+        };
+        let (linear, angular) = (|x: &Twist| x.linear, |x: &Twist| x.angular);
+        Self { a: part(0, linear), b: part(3, linear), c: part(0, angular), d: part(3, angular) }
+    }
+
     /// `self x`.
     #[inline]
     pub fn apply(&self, x: &Twist) -> Twist {
@@ -79,14 +96,14 @@ impl Block {
 
 /// `r̂ m`.
 #[inline]
-pub(crate) fn skew_times(r: whipcord_numerics::Vec3, m: &Mat3) -> Mat3 {
+pub(crate) fn skew_times(r: Vec3, m: &Mat3) -> Mat3 {
     let [x, y, z] = m.rows;
     Mat3::from_rows(z * r.y - y * r.z, x * r.z - z * r.x, y * r.x - x * r.y)
 }
 
 /// `m r̂`.
 #[inline]
-pub(crate) fn times_skew(m: &Mat3, r: whipcord_numerics::Vec3) -> Mat3 {
+pub(crate) fn times_skew(m: &Mat3, r: Vec3) -> Mat3 {
     let [x, y, z] = m.rows;
     Mat3::from_rows(x.cross(r), y.cross(r), z.cross(r))
 }
@@ -109,7 +126,6 @@ pub(crate) fn transposed_bracket(strain: &Twist, wrench: &Twist) -> Twist {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whipcord_numerics::Vec3;
 
     fn matrix(seed: f64) -> Mat3 {
         let entry = |i: usize| (seed + 1.7 * (i * i) as f64).sin();

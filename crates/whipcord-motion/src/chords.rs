@@ -111,6 +111,23 @@ pub(crate) fn gradient(
     pose::work_gradient(rod, strains, poses, |node| pulls[node], out);
 }
 
+/// The gradient by the strains of the lengths, times tensions, less the work of dead forces on the nodes.
+pub(crate) fn level_gradient(
+    rod: &Rod,
+    strains: &[Twist],
+    poses: &[Pose],
+    tension: impl Fn(usize) -> f64,
+    force: impl Fn(usize) -> Vec3,
+    pulls: &mut [Wrench],
+    out: &mut [Twist],
+) {
+    for (a, pull) in pulls.iter_mut().enumerate() {
+        *pull = Wrench { force: -force(a), moment: Vec3::ZERO };
+    }
+    add_node_gradient(rod, poses, tension, pulls);
+    pose::work_gradient(rod, strains, poses, |node| pulls[node], out);
+}
+
 /// Room for the second derivative of the lengths.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Curvature {
@@ -131,15 +148,15 @@ impl Curvature {
         }
     }
 
-    /// How the gradient of the lengths, times tensions, by the strains changes along a change of the strains, added to `out`. A central difference of
-    /// [`gradient`], whose error is about 1e-10 of it.
+    /// How the gradient by the strains of the lengths times tensions, less the work of dead forces on the nodes, changes along a change of the strains, added to
+    /// `out`. A central difference, whose error is about 1e-10 of it.
     pub fn add(
         &mut self,
         rod: &Rod,
-        base: Pose,
-        at: &[Twist],
+        (base, at): (Pose, &[Twist]),
         along: &[Twist],
         tension: impl Fn(usize) -> f64,
+        force: impl Fn(usize) -> Vec3,
         out: &mut [Twist],
     ) {
         /// Greatest change of a strain, times the length where it is one of curvature.
@@ -156,7 +173,7 @@ impl Curvature {
                 *strain = *at + *along * (sign * h);
             }
             pose::nodes(rod, base, strains, poses);
-            gradient(rod, strains, poses, &tension, pulls, side);
+            level_gradient(rod, strains, poses, &tension, &force, pulls, side);
         }
         let [above, below] = sides;
         for ((out, above), below) in out.iter_mut().zip(above).zip(below) {

@@ -66,11 +66,13 @@ impl OneStage {
 
     /// How the state behind a step of length `h` and its rates depend on the stage and on those before.
     pub fn backwards(&self, scheme: &Scheme, h: f64) -> Backwards {
+        // Rates at the end are those of the stage where they are not carried on.
+        let rate_place = if self.conserves { 1.0 } else { self.rate_place };
         Backwards {
             stage_by_end: 1.0 / self.place,
-            stage_by_rate: 1.0 / (self.rate_place * scheme.g),
+            stage_by_rate: 1.0 / (rate_place * scheme.g),
             carried: self.carried(h),
-            rate_by_rate: 1.0 - 1.0 / self.rate_place,
+            rate_by_rate: 1.0 - 1.0 / rate_place,
         }
     }
 

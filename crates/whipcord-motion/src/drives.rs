@@ -190,6 +190,98 @@ impl Drives {
         Ok(())
     }
 
+    /// Adds what derivatives by the motors at the end of a step are by the tension of each cable at its stage, the lengths left as they are.
+    pub fn add_by_tensions(
+        &self,
+        method: &OneStage,
+        h: f64,
+        tensions: &[f64],
+        ends: &[MotorValues],
+        out: &mut [f64],
+    ) {
+        for of in self.motors.iter().filter(|of| of.is_driven) {
+            let by_taken = of.by_inputs(method, h, tensions, &ends[of.motor])[TAKEN];
+            for &(cable, pull) in &of.pulls {
+                out[cable] += pull * by_taken;
+            }
+        }
+    }
+
+    /// Turns derivatives by the motors at the end of a step into those at its start; `lengths` has those by the length that each cable is held to. `set_point`
+    /// is called with the number of a motor and the derivative by its set-point.
+    pub fn pull_back(
+        &self,
+        method: &OneStage,
+        h: f64,
+        tensions: &[f64],
+        lengths: &[f64],
+        motors: &mut [MotorValues],
+        mut set_point: impl FnMut(usize, f64),
+    ) {
+        for of in self.motors.iter().filter(|of| of.is_driven) {
+            let mut ends = motors[of.motor];
+            // What a motor turns further takes from the lengths of its cables.
+            ends[0] -= of.pulls.iter().map(|&(cable, pull)| pull * lengths[cable]).sum::<f64>();
+            let by = of.by_inputs(method, h, tensions, &ends);
+            motors[of.motor].copy_from_slice(&by[..SET_POINT]);
+            set_point(of.motor, by[SET_POINT]);
+        }
+    }
+
+    /// What the motors at the end of a step change by, for changes at its start, of the set-points and of the tensions at the stage. Of motors without a command
+    /// nothing changes.
+    pub fn push_forward(
+        &self,
+        method: &OneStage,
+        h: f64,
+        (tensions, changes): (&[f64], &[f64]),
+        set_point: impl Fn(usize) -> f64,
+        motors: &mut [MotorValues],
+    ) {
+        for of in self.motors.iter().filter(|of| of.is_driven) {
+            let mut inputs = [0.0; INPUTS];
+            inputs[..SET_POINT].copy_from_slice(&motors[of.motor]);
+            inputs[SET_POINT] = set_point(of.motor);
+            inputs[TAKEN] = of.taken(changes);
+            motors[of.motor] = of.linear(method, h, tensions, &inputs);
+        }
+    }
+
+    /// Adds what changes of the motors at the end of a step are to the length that each cable is held to.
+    pub fn add_length_changes(&self, motors: &[MotorValues], out: &mut [f64]) {
+        for of in self.motors.iter().filter(|of| of.is_driven) {
+            for &(cable, pull) in &of.pulls {
+                out[cable] -= pull * motors[of.motor][0];
+            }
+        }
+    }
+
+    /// Adds what derivatives by the motors in equilibrium are by the tension of each cable.
+    pub fn add_by_tensions_at_rest(&self, motors: &[MotorValues], out: &mut [f64]) {
+        for of in self.motors.iter().filter(|of| of.is_driven) {
+            let MotorDynamics { proportional, integral, .. } = of.dynamics;
+            let [position, _, of_integral, ..] = motors[of.motor];
+            let by_taken =
+                if integral > 0.0 { of_integral / integral } else { -position / proportional };
+            for &(cable, pull) in &of.pulls {
+                out[cable] += pull * by_taken;
+            }
+        }
+    }
+
+    /// What motors in equilibrium change by with the tensions of their cables.
+    pub fn push_forward_at_rest(&self, changes: &[f64], motors: &mut [MotorValues]) {
+        for of in self.motors.iter().filter(|of| of.is_driven) {
+            let MotorDynamics { proportional, integral, .. } = of.dynamics;
+            let taken = of.taken(changes);
+            motors[of.motor] = if integral > 0.0 {
+                [0.0, 0.0, taken / integral, 0.0, 0.0, 0.0]
+            } else {
+                [-taken / proportional, 0.0, 0.0, 0.0, 0.0, 0.0]
+            };
+        }
+    }
+
     /// Kinetic energy in J.
     pub fn kinetic(&self, motors: &[MotorMotion]) -> f64 {
         let driven = self.motors.iter().filter(|of| of.is_driven);
@@ -197,7 +289,62 @@ impl Drives {
     }
 }
 
+/// Numbers of a motor, or derivatives by them: position, velocity and integral of the error, and their rates.
+pub(crate) type MotorValues = [f64; 6];
+/// What a step of a motor is made from: its values, the set-point and what the cables take.
+const INPUTS: usize = 8;
+const SET_POINT: usize = 6;
+const TAKEN: usize = 7;
+
 impl MotorStage {
+    /// What its values at the end of a step change by with what the step is made from, on this side of the limit. The equations are linear but for a constant torque,
+    /// so that they are those of the step for the changes.
+    fn linear(
+        &self,
+        method: &OneStage,
+        h: f64,
+        tensions: &[f64],
+        inputs: &[f64; INPUTS],
+    ) -> MotorValues {
+        let scheme = method.scheme(h);
+        let mut of = self.clone();
+        let (_, _, effort) = self.velocity(scheme.g, self.taken(tensions));
+        if effort.abs() >= self.limit {
+            let MotorDynamics { inertia, damping, .. } = self.dynamics;
+            of.dynamics = MotorDynamics { damping, ..MotorDynamics::new(inertia, 0.0) };
+        }
+        of.limit = f64::INFINITY;
+        of.start.copy_from_slice(&inputs[..3]);
+        let rates = &inputs[3..6];
+        for ((history, value), rate) in of.history.iter_mut().zip(of.start).zip(rates) {
+            *history = value + method.carried(h) * rate;
+        }
+        (of.set_point, of.set_rate) = (inputs[SET_POINT], 0.0);
+        let Solved { values, .. } = of.solve(&scheme, inputs[TAKEN]);
+        let mut out = [0.0; 6];
+        for k in 0..3 {
+            [out[k], out[3 + k]] =
+                method.end(&scheme, [of.start[k], rates[k]], of.history[k], values[k]);
+        }
+        out
+    }
+
+    /// Derivatives by what a step is made from, of a number with these derivatives by its end.
+    fn by_inputs(
+        &self,
+        method: &OneStage,
+        h: f64,
+        tensions: &[f64],
+        ends: &MotorValues,
+    ) -> [f64; INPUTS] {
+        core::array::from_fn(|k| {
+            let mut unit = [0.0; INPUTS];
+            unit[k] = 1.0;
+            let found = self.linear(method, h, tensions, &unit);
+            found.iter().zip(ends).map(|(a, b)| a * b).sum()
+        })
+    }
+
     /// What its cables take: a torque or a force.
     fn taken(&self, tensions: &[f64]) -> f64 {
         self.pulls.iter().map(|&(cable, pull)| pull * tensions[cable]).sum()

@@ -175,6 +175,18 @@ impl Elimination {
         }
     }
 
+    /// Takes away what the links do on a vector, one twist for each node.
+    pub fn take_links(&self, on: &[Twist], out: &mut [Twist]) {
+        for (e, link) in self.links.iter().enumerate() {
+            let ends = [2 * self.span_starts[e], 2 * e + 2];
+            for (row, &to) in link.iter().zip(&ends) {
+                for (block, &from) in row.iter().zip(&ends) {
+                    out[to] = out[to] - block.apply(&on[from]);
+                }
+            }
+        }
+    }
+
     /// Adds what the transposed links do on a vector, one twist for each node.
     pub fn add_links_transposed(&self, on: &[Twist], out: &mut [Twist]) {
         for (e, link) in self.links.iter().enumerate() {

@@ -2,6 +2,10 @@
 
 use whipcord_numerics::{Pose, Twist};
 
+use crate::block::Block;
+use crate::pose;
+use crate::state::State;
+
 /// The pose of a free base at a stage: `start exp(θ)` with `θ = history + g dexp⁻¹(V)`, eq. (29).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FreeBase {
@@ -12,6 +16,12 @@ pub(crate) struct FreeBase {
 }
 
 impl FreeBase {
+    /// By the trapezoidal rule from a state, `h` further.
+    pub fn trapezoidal(from: &State, h: f64) -> Self {
+        let g = 0.5 * h;
+        Self { start: from.base, history: from.velocities[0] * g, g }
+    }
+
     /// `θ`.
     pub fn exponent(&self, velocity: Twist) -> Twist {
         /// The exponent of a step is far below 1: each time it is known to a tenth of the difference before.
@@ -27,6 +37,59 @@ impl FreeBase {
     pub fn pose(&self, velocity: Twist) -> Pose {
         self.start * Pose::exp(self.exponent(velocity))
     }
+}
+
+/// How the exponent of a free base, and by it the pose, change: the pose by displacements along and about its own axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BaseTangent {
+    pub exponent_by_history: Block,
+    pub exponent_by_velocity: Block,
+    pub pose_by_exponent: Block,
+    pub pose_by_start: Block,
+}
+
+impl BaseTangent {
+    /// At a velocity; `None` where the step turns the base so far that the exponent is not defined.
+    pub fn new(base: &FreeBase, velocity: Twist) -> Option<Self> {
+        let exponent = base.exponent(velocity);
+        let of = |by_exponent: Twist, by_velocity: Twist| {
+            exponent_rate_change((exponent, by_exponent), (velocity, by_velocity)) * base.g
+        };
+        let left = Block::of(|change| change - of(change, Twist::default()));
+        let exponent_by_history = left.inverse()?;
+        let moved = Pose::exp(exponent);
+        let back = moved.rotation.conjugate();
+        let by_velocity = Block::of(|change| of(Twist::default(), change));
+        Some(Self {
+            exponent_by_history,
+            exponent_by_velocity: exponent_by_history.times(&by_velocity),
+            pose_by_exponent: Block::of(|change| pose::exponential_change(&exponent, &change)),
+            pose_by_start: Block::of(|change| {
+                let arm = change.linear + change.angular.cross(moved.position);
+                Twist { linear: back.rotate(arm), angular: back.rotate(change.angular) }
+            }),
+        })
+    }
+
+    /// The pose by the velocity.
+    pub fn pose_by_velocity(&self) -> Block {
+        self.pose_by_exponent.times(&self.exponent_by_velocity)
+    }
+
+    /// The pose by the history.
+    pub fn pose_by_history(&self) -> Block {
+        self.pose_by_exponent.times(&self.exponent_by_history)
+    }
+}
+
+/// The change of [`exponent_rate`] for changes of exponent and velocity.
+fn exponent_rate_change((exponent, d): (Twist, Twist), (velocity, dv): (Twist, Twist)) -> Twist {
+    let bracket =
+        |(x, dx): (Twist, Twist)| (exponent.bracket(x), d.bracket(x) + exponent.bracket(dx));
+    let first = bracket((velocity, dv));
+    let second = bracket(first);
+    let fourth = bracket(bracket(second));
+    dv + first.1 * 0.5 + second.1 * (1.0 / 12.0) - fourth.1 * (1.0 / 720.0)
 }
 
 /// The rate of θ for which `exp(θ)` has the velocity V in its own frame: `dexp⁻¹(−θ) V`, by its series up to the fourth order.

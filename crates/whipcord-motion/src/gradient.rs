@@ -4,14 +4,17 @@ use whipcord::Wrench;
 use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::accurate;
-use crate::adjoint::{Factors, StageAdjoint};
+use crate::adjoint::{Factors, NotSolved, StageAdjoint};
 use crate::coefficients::OneStage;
 use crate::commands::Commands;
+use crate::drives::MotorValues;
 use crate::error::{MotionError, count};
+use crate::free_base::{BaseTangent, FreeBase};
 use crate::iteration::Mechanics;
 use crate::options::{Initial, Method};
 use crate::parts::RHO;
 use crate::pose;
+use crate::rod::Rod;
 use crate::scheme::Scheme;
 use crate::simulation::Simulation;
 use crate::state::State;
@@ -22,19 +25,29 @@ pub struct Record {
     /// The state at the start, then one behind each step.
     pub states: Vec<State>,
     /// The commands of each step.
-    commands: Vec<Commands>,
+    pub(crate) commands: Vec<Commands>,
     /// The parts that each step was taken in.
-    parts: Vec<Vec<Part>>,
+    pub(crate) parts: Vec<Vec<Part>>,
     /// Whether the motion starts in the equilibrium of its simulation.
-    from_equilibrium: bool,
+    pub(crate) from_equilibrium: bool,
 }
 
 /// A part of a step.
 #[derive(Clone, Debug)]
-struct Part {
-    before: State,
-    length: f64,
+pub(crate) struct Part {
+    pub before: State,
+    pub length: f64,
     warm: bool,
+}
+
+impl Part {
+    /// The coefficients of a method with one stage.
+    pub fn method(&self, method: Method) -> OneStage {
+        match method {
+            Method::Energy => OneStage::MIDPOINT,
+            _ => OneStage::damping(RHO, &self.before, self.length),
+        }
+    }
 }
 
 /// Derivatives of a number by a state of a motion. An empty list stands for zeros.
@@ -66,44 +79,52 @@ pub struct Gradient {
     pub factors: Factors,
 }
 
-/// Derivatives by a state and its rates, on their way back.
-struct Costate {
-    velocities: Vec<Twist>,
-    strains: Vec<Twist>,
-    velocity_rates: Vec<Twist>,
-    strain_rates: Vec<Twist>,
-    /// By what each motor's drive has moved.
-    outputs: Vec<f64>,
-    /// By the tension of each cable.
-    tensions: Vec<f64>,
+/// Derivatives by a state and its rates on their way back, or changes of these on their way forward.
+pub(crate) struct Costate {
+    pub velocities: Vec<Twist>,
+    pub strains: Vec<Twist>,
+    pub velocity_rates: Vec<Twist>,
+    pub strain_rates: Vec<Twist>,
+    /// Of what each motor's drive has moved.
+    pub outputs: Vec<f64>,
+    /// Of the tension of each cable.
+    pub tensions: Vec<f64>,
+    /// Of each motor with inertia.
+    pub motors: Vec<MotorValues>,
+    /// Of displacements of a free base along and about its own axes.
+    pub base: Twist,
+}
+
+impl Costate {
+    /// Nothing.
+    pub fn new(rod: &Rod, motors: usize) -> Self {
+        let list = |n: usize| vec![Twist::default(); n];
+        let (nodes, points) = (rod.nodes.len(), rod.points.len());
+        Self {
+            velocities: list(nodes),
+            strains: list(points),
+            velocity_rates: list(nodes),
+            strain_rates: list(points),
+            outputs: vec![0.0; motors],
+            tensions: vec![0.0; rod.cables.len()],
+            motors: vec![MotorValues::default(); motors],
+            base: Twist::default(),
+        }
+    }
 }
 
 impl Simulation {
     /// Takes a step of `dt` seconds under each of these commands, and keeps what [`Self::gradient`] needs.
     ///
     /// # Errors
-    /// [`MotionError`] of the first step that fails; [`MotionError::Unsupported`] for what has no gradients: the method `energy`, and a tolerance
-    /// of steps that are not taken by `accurate`.
+    /// [`MotionError`] of the first step that fails; [`MotionError::Unsupported`] for what has no gradients: friction of cables, and a tolerance
+    /// of steps that are not taken by `accurate`; [`MotionError::NotSmooth`] where the robot touches an obstacle.
     pub fn record(&mut self, commands: &[Commands], dt: f64) -> Result<Record, MotionError> {
-        if self.options.method == Method::Energy {
-            return Err(MotionError::Unsupported {
-                path: "motion.method".to_owned(),
-                what: "gradients over a motion by the method `energy`",
-                advice: "use the method `accurate` or `robust`",
-            });
-        }
         if self.solver.friction.is_some() {
             return Err(MotionError::Unsupported {
                 path: "cables.friction".to_owned(),
                 what: "gradients over a motion with friction of cables",
                 advice: "leave the friction out, or use differences",
-            });
-        }
-        if self.options.has_free_base {
-            return Err(MotionError::Unsupported {
-                path: "motion.base".to_owned(),
-                what: "gradients over a motion with a free base",
-                advice: "hold the base, or use differences",
             });
         }
         let touches = |state: &State| !state.contacts.is_empty() || state.impacts > 0;
@@ -118,14 +139,6 @@ impl Simulation {
             from_equilibrium: is_equilibrium && self.state.time == 0.0,
         };
         for commands in commands {
-            let moves = |i: usize| self.moving_motor(commands, i).is_some();
-            if (0..self.rod.cables.len()).any(moves) {
-                return Err(MotionError::Unsupported {
-                    path: "motors.inertia".to_owned(),
-                    what: "gradients over a motion with a motor that has inertia",
-                    advice: "leave out the inertia and the gains of the motor, or use differences",
-                });
-            }
             let by_length = (0..self.rod.cables.len()).any(|i| self.is_by_length(commands, i));
             let is_halved = by_length || self.options.method != Method::Accurate;
             if is_halved && self.options.tolerance.is_some() {
@@ -180,17 +193,8 @@ impl Simulation {
     }
 
     fn backwards(&mut self, record: &Record, seeds: &[Seed]) -> Result<Gradient, MotionError> {
-        let (nodes, points) = (self.rod.nodes.len(), self.rod.points.len());
         let (cables, motors) = (self.rod.cables.len(), self.robot.motors().len());
-        let list = |n: usize| vec![Twist::default(); n];
-        let mut costate = Costate {
-            velocities: list(nodes),
-            strains: list(points),
-            velocity_rates: list(nodes),
-            strain_rates: list(points),
-            outputs: vec![0.0; motors],
-            tensions: vec![0.0; cables],
-        };
+        let mut costate = Costate::new(&self.rod, motors);
         let mut adjoint = StageAdjoint::new(&self.rod);
         let mut gradient = Gradient::default();
         for (k, parts) in record.parts.iter().enumerate().rev() {
@@ -220,7 +224,9 @@ impl Simulation {
         {
             self.equilibrium_backwards(start, &mut adjoint, &mut costate, &mut gradient.factors)?;
         }
-        costate.velocities[0] = Twist::default();
+        if !self.loads.has_free_base {
+            costate.velocities[0] = Twist::default();
+        }
         gradient.velocities = costate.velocities;
         gradient.strains = costate.strains;
         Ok(gradient)
@@ -237,7 +243,7 @@ impl Simulation {
         if seed.positions.is_empty() && seed.turns.is_empty() {
             return;
         }
-        let Self { rod, solver, base, .. } = self;
+        let Self { rod, solver, base, loads, .. } = &mut *self;
         let stage = &mut solver.stage;
         pose::nodes(rod, state.base, &state.strains, &mut stage.poses);
         let back = base.rotation.conjugate();
@@ -245,9 +251,97 @@ impl Simulation {
         let wrench =
             |a: usize| Wrench { force: of(&seed.positions, a), moment: of(&seed.turns, a) };
         pose::work_gradient(rod, &state.strains, &stage.poses, wrench, &mut stage.potential);
+        if loads.has_free_base {
+            let (mut force, mut moment) = (Vec3::ZERO, Vec3::ZERO);
+            for (a, pose) in stage.poses.iter().enumerate() {
+                let of_node = wrench(a);
+                force += of_node.force;
+                let arm = pose.position - state.base.position;
+                moment += of_node.moment + arm.cross(of_node.force);
+            }
+            let turn = state.base.rotation.conjugate();
+            let of_base = Twist { linear: turn.rotate(force), angular: turn.rotate(moment) };
+            costate.base = costate.base + of_base;
+        }
         for (of, by) in costate.strains.iter_mut().zip(&stage.potential) {
             *of = *of + *by;
         }
+    }
+
+    /// Takes a part once more, for what its stages have found.
+    pub(crate) fn repeat(&mut self, commands: &Commands, part: &Part) -> Result<(), MotionError> {
+        self.state.copy_from(&part.before);
+        self.attempt(commands, part.length, part.warm)
+            .map(|_| ())
+            .map_err(|_| MotionError::NoGradient { time: part.before.time })
+    }
+
+    /// Whether the drive of a motor without inertia goes with its command in a part: within its play it stays where it was.
+    pub(crate) fn drive_moves(&self, commands: &Commands, part: &Part, motor: usize) -> bool {
+        let Some(Some(course)) = commands.motors.get(motor) else { return false };
+        let of = &self.robot.motors()[motor];
+        let before = part.before.motor_outputs[motor];
+        let command = course.before(part.before.time + part.length);
+        of.dynamics.is_none() && (of.backlash == 0.0 || of.output(before, command) != before)
+    }
+
+    /// Puts a stage of the part by `accurate` that was taken last into the solver; how a free base changes there.
+    pub(crate) fn put_stage(
+        &mut self,
+        commands: &Commands,
+        part: &Part,
+        i: usize,
+    ) -> Result<Option<BaseTangent>, NotSolved> {
+        let Self { loads, solver, accurate, .. } = self;
+        let (from, h, stage) = (&part.before, part.length, &mut solver.stage);
+        let time = from.time + accurate::C[i] * h;
+        accurate.stage(i, from, h, stage);
+        commands.tensions_at(time, &mut stage.tensions);
+        loads.at(time, &mut stage.loads);
+        if loads.has_free_base {
+            return accurate.base_tangent(i, from, h, stage).map(Some).ok_or(NotSolved);
+        }
+        stage.move_base(loads, from.base, from.time, accurate::C[i] * h);
+        Ok(None)
+    }
+
+    /// Puts the equilibrium to start from into the solver, its base held.
+    pub(crate) fn put_equilibrium(&mut self, start: &State) {
+        let Self { loads, solver, .. } = self;
+        let stage = &mut solver.stage;
+        stage.strains.copy_from_slice(&start.strains);
+        stage.start.copy_from_slice(&start.strains);
+        stage.strain_history.copy_from_slice(&start.strains);
+        stage.velocities.fill(Twist::default());
+        stage.velocity_history.fill(Twist::default());
+        stage.base = Pose::IDENTITY;
+        stage.free_base = None;
+        for (tension, cable) in stage.tensions.iter_mut().zip(&start.cables) {
+            *tension = cable.tension;
+        }
+        loads.at(0.0, &mut stage.loads);
+        stage.matrix.hold_base(true);
+        solver.lengths.cables.clear();
+        solver.lengths.cables.extend_from_slice(&self.start_lengths);
+        solver.lengths.drives.clone_from(&self.start_drives);
+    }
+
+    /// How a free base moves from the start of a part by a method with one stage to its end and to its stage, each with what its velocity at the start is multiplied by
+    /// in the history. `None` where the base is not free.
+    pub(crate) fn half_bases(
+        &self,
+        part: &Part,
+        method: &OneStage,
+    ) -> Result<Option<[(BaseTangent, f64); 2]>, NotSolved> {
+        if !self.loads.has_free_base {
+            return Ok(None);
+        }
+        let of = |place: f64, velocity: Twist| {
+            let free = FreeBase::trapezoidal(&part.before, place * part.length);
+            BaseTangent::new(&free, velocity).map(|of| (of, free.g)).ok_or(NotSolved)
+        };
+        let end = of(1.0, self.next.velocities[0])?;
+        Ok(Some([end, of(method.place, self.solver.stage.velocities[0])?]))
     }
 
     fn part_backwards(
@@ -259,10 +353,7 @@ impl Simulation {
         (cables, motors): (&mut [f64], &mut [f64]),
     ) -> Result<(), MotionError> {
         let fails = |_| MotionError::NoGradient { time: part.before.time };
-        self.state.copy_from(&part.before);
-        // The part once more, for what its stages have found.
-        self.attempt(commands, part.length, part.warm)
-            .map_err(|_| MotionError::NoGradient { time: part.before.time })?;
+        self.repeat(commands, part)?;
         // A cable that is driven by its tension ends the step with its command.
         let mut by_cable = vec![0.0; cables.len()];
         for i in 0..cables.len() {
@@ -274,7 +365,11 @@ impl Simulation {
             Method::Accurate => {
                 self.stages_backwards(commands, part, adjoint, costate, factors, &mut by_cable)
             }
-            _ => self.one_stage_backwards(part, adjoint, costate, factors, &mut by_cable),
+            method => {
+                let method = part.method(method);
+                let of = (part, &method);
+                self.one_stage_backwards(of, adjoint, costate, factors, (&mut by_cable, motors))
+            }
         }
         .map_err(fails)?;
         for (i, value) in by_cable.into_iter().enumerate() {
@@ -282,16 +377,14 @@ impl Simulation {
             let value = if self.is_by_length(commands, i) { -value } else { value };
             match commands.motor_of(&self.robot, i) {
                 None => cables[i] += value,
+                // One with inertia has passed its derivative on.
+                Some((motor, _)) if self.robot.motors()[motor].dynamics.is_some() => {}
                 Some((motor, _)) => costate.outputs[motor] += self.pull(motor, i) * value,
             }
         }
         for (motor, output) in costate.outputs.iter_mut().enumerate() {
-            let Some(Some(course)) = commands.motors.get(motor) else { continue };
-            let of = &self.robot.motors()[motor];
-            let before = part.before.motor_outputs[motor];
-            let command = course.before(part.before.time + part.length);
-            // Within its play the drive stays where it was.
-            if of.backlash == 0.0 || of.output(before, command) != before {
+            if self.drive_moves(commands, part, motor) {
+                let of = &self.robot.motors()[motor];
                 motors[motor] += *output / of.gear_ratio();
                 *output = 0.0;
             }
@@ -308,31 +401,38 @@ impl Simulation {
         costate: &mut Costate,
         factors: &mut Factors,
         cables: &mut [f64],
-    ) -> Result<(), crate::adjoint::NotSolved> {
-        let Self { rod, loads, solver, accurate, .. } = self;
-        let (from, h) = (&part.before, part.length);
+    ) -> Result<(), NotSolved> {
+        let (nodes, points) = (self.rod.nodes.len(), self.rod.points.len());
+        let h = part.length;
         let scheme = Scheme::at_end(accurate::GAMMA * h);
         let inverse = 1.0 / scheme.g;
         let mut velocity_rates: [Vec<Twist>; accurate::STAGES] = Default::default();
         let mut strain_rates = velocity_rates.clone();
         for i in 0..accurate::STAGES {
-            velocity_rates[i] = vec![Twist::default(); rod.nodes.len()];
-            strain_rates[i] = vec![Twist::default(); rod.points.len()];
+            velocity_rates[i] = vec![Twist::default(); nodes];
+            strain_rates[i] = vec![Twist::default(); points];
         }
         // The rates at the end are those of the last stage.
         velocity_rates[accurate::STAGES - 1] = core::mem::take(&mut costate.velocity_rates);
         strain_rates[accurate::STAGES - 1] = core::mem::take(&mut costate.strain_rates);
         let (mut velocities, mut strains) =
             (core::mem::take(&mut costate.velocities), core::mem::take(&mut costate.strains));
-        let mut start_velocities = vec![Twist::default(); rod.nodes.len()];
-        let mut start_strains = vec![Twist::default(); rod.points.len()];
+        let mut start_velocities = vec![Twist::default(); nodes];
+        let mut start_strains = vec![Twist::default(); points];
+        // The pose of a free base is that of the last stage.
+        let mut base = costate.base;
+        let mut start_base = Twist::default();
+        let mut base_rates = [Twist::default(); accurate::STAGES];
+        adjoint.stage_tensions.fill(0.0);
         for i in (0..accurate::STAGES).rev() {
-            let time = from.time + accurate::C[i] * h;
-            let stage = &mut solver.stage;
-            accurate.stage(i, from, h, stage);
-            commands.tensions_at(time, &mut stage.tensions);
-            loads.at(time, &mut stage.loads);
-            stage.move_base(loads, from.base, from.time, accurate::C[i] * h);
+            let free = self.put_stage(commands, part, i)?;
+            let Self { rod, loads, solver, .. } = &mut *self;
+            adjoint.base = core::mem::take(&mut base);
+            adjoint.base_by_velocity = free.as_ref().map(BaseTangent::pose_by_velocity);
+            if let Some(of) = &free {
+                let rate = base_rates[i] * inverse;
+                velocities[0] = velocities[0] + of.exponent_by_velocity.apply_transposed(&rate);
+            }
             add(&mut velocities, &velocity_rates[i], inverse);
             add(&mut strains, &strain_rates[i], inverse);
             adjoint.velocities = velocities;
@@ -346,34 +446,41 @@ impl Simulation {
                 add(&mut velocity_rates[j], &adjoint.velocities, h * accurate::A[i][j]);
                 add(&mut strain_rates[j], &adjoint.strains, h * accurate::A[i][j]);
             }
+            if let Some(of) = &free {
+                start_base = start_base + of.pose_by_start.apply_transposed(&adjoint.base);
+                let rate = base_rates[i] * inverse;
+                let history = of.pose_by_history().apply_transposed(&adjoint.base)
+                    + of.exponent_by_history.apply_transposed(&rate)
+                    - rate;
+                for (rate, a) in base_rates.iter_mut().zip(&accurate::A[i][..i]) {
+                    *rate = *rate + history * (h * a);
+                }
+            }
             for (of, by) in cables.iter_mut().zip(&adjoint.cables) {
                 *of += by;
             }
-            velocities = vec![Twist::default(); rod.nodes.len()];
-            strains = vec![Twist::default(); rod.points.len()];
+            velocities = vec![Twist::default(); nodes];
+            strains = vec![Twist::default(); points];
         }
-        *costate = Costate {
-            velocities: start_velocities,
-            strains: start_strains,
-            velocity_rates: velocities,
-            strain_rates: strains,
-            outputs: core::mem::take(&mut costate.outputs),
-            tensions: core::mem::take(&mut costate.tensions),
-        };
+        (costate.velocities, costate.strains) = (start_velocities, start_strains);
+        (costate.velocity_rates, costate.strain_rates) = (velocities, strains);
+        costate.base = start_base;
         Ok(())
     }
 
     /// The stage of `robust`, which the solver has solved.
     fn one_stage_backwards(
         &mut self,
-        part: &Part,
+        (part, method): (&Part, &OneStage),
         adjoint: &mut StageAdjoint,
         costate: &mut Costate,
         factors: &mut Factors,
-        cables: &mut [f64],
-    ) -> Result<(), crate::adjoint::NotSolved> {
+        (cables, motors): (&mut [f64], &mut [f64]),
+    ) -> Result<(), NotSolved> {
+        // The base moves from the start of the step, once to the stage and once to the end.
+        let bases = self.half_bases(part, method)?;
         let Self { rod, loads, solver, .. } = self;
-        let method = OneStage::damping(RHO, &part.before, part.length);
+        let h = part.length;
         let scheme = method.scheme(part.length);
         let back = method.backwards(&scheme, part.length);
         let stage_of = |end: &[Twist], rates: &[Twist]| {
@@ -391,11 +498,35 @@ impl Simulation {
             add(&mut out, end, 1.0 - back.stage_by_end);
             (out, of_rates)
         };
+        let (mut base, mut base_velocity) = (costate.base, Twist::default());
+        if let Some([(of_end, g), _]) = &bases {
+            let end = core::mem::take(&mut base);
+            let by_velocity = of_end.pose_by_velocity().apply_transposed(&end);
+            costate.velocities[0] = costate.velocities[0] + by_velocity;
+            base = of_end.pose_by_start.apply_transposed(&end);
+            base_velocity = of_end.pose_by_history().apply_transposed(&end) * *g;
+        }
+        adjoint.base = Twist::default();
+        adjoint.base_by_velocity = bases.as_ref().map(|[_, (of, _)]| of.pose_by_velocity());
+        adjoint.stage_tensions.fill(0.0);
+        let (drives, tensions) = (&solver.lengths.drives, solver.stage.tensions.clone());
+        let by_stage = &mut adjoint.stage_tensions;
+        drives.add_by_tensions(method, h, &tensions, &costate.motors, by_stage);
         adjoint.velocities = stage_of(&costate.velocities, &costate.velocity_rates);
         adjoint.strains = stage_of(&costate.strains, &costate.strain_rates);
         adjoint.tensions = core::mem::take(&mut costate.tensions);
         adjoint.pull_back(Mechanics { rod, loads }, solver, &scheme, factors)?;
-        let (velocities, velocity_rates) =
+        let drives = &solver.lengths.drives;
+        let by_lengths = &adjoint.cables;
+        drives.pull_back(method, h, &tensions, by_lengths, &mut costate.motors, |motor, by| {
+            motors[motor] += by;
+        });
+        if let Some([_, (of_stage, g)]) = &bases {
+            let of = &adjoint.base;
+            base = base + of_stage.pose_by_start.apply_transposed(of);
+            base_velocity = base_velocity + of_stage.pose_by_history().apply_transposed(of) * *g;
+        }
+        let (mut velocities, velocity_rates) =
             start_of(&costate.velocities, &costate.velocity_rates, &adjoint.velocities);
         let (mut strains, strain_rates) =
             start_of(&costate.strains, &costate.strain_rates, &adjoint.strains);
@@ -403,9 +534,11 @@ impl Simulation {
         for (of, by) in cables.iter_mut().zip(&adjoint.cables) {
             *of += by;
         }
-        let outputs = core::mem::take(&mut costate.outputs);
-        let tensions = adjoint.tensions.clone();
-        *costate = Costate { velocities, strains, velocity_rates, strain_rates, outputs, tensions };
+        velocities[0] = velocities[0] + base_velocity;
+        (costate.velocities, costate.strains) = (velocities, strains);
+        (costate.velocity_rates, costate.strain_rates) = (velocity_rates, strain_rates);
+        costate.tensions.clone_from(&adjoint.tensions);
+        costate.base = base;
         Ok(())
     }
 
@@ -417,33 +550,25 @@ impl Simulation {
         costate: &mut Costate,
         factors: &mut Factors,
     ) -> Result<(), MotionError> {
+        self.put_equilibrium(start);
         let Self { rod, loads, solver, .. } = self;
-        let stage = &mut solver.stage;
-        stage.strains.copy_from_slice(&start.strains);
-        stage.start.copy_from_slice(&start.strains);
-        stage.strain_history.copy_from_slice(&start.strains);
-        stage.velocities.fill(Twist::default());
-        stage.velocity_history.fill(Twist::default());
-        stage.base = Pose::IDENTITY;
-        for (tension, cable) in stage.tensions.iter_mut().zip(&start.cables) {
-            *tension = cable.tension;
-        }
-        solver.lengths.cables.clear();
-        solver.lengths.cables.extend_from_slice(&self.start_lengths);
-        loads.at(0.0, &mut solver.stage.loads);
+        (adjoint.base, adjoint.base_by_velocity) = (Twist::default(), None);
+        adjoint.stage_tensions.fill(0.0);
+        let drives = &solver.lengths.drives;
+        drives.add_by_tensions_at_rest(&costate.motors, &mut adjoint.stage_tensions);
         adjoint.velocities.fill(Twist::default());
         adjoint.strains = core::mem::take(&mut costate.strains);
         adjoint.tensions = core::mem::take(&mut costate.tensions);
-        adjoint
-            .pull_back(Mechanics { rod, loads }, solver, &Scheme::STATICS, factors)
-            .map_err(|_| MotionError::NoGradient { time: start.time })?;
+        let found = adjoint.pull_back(Mechanics { rod, loads }, solver, &Scheme::STATICS, factors);
+        solver.stage.matrix.hold_base(!loads.has_free_base);
+        found.map_err(|_| MotionError::NoGradient { time: start.time })?;
         costate.strains = vec![Twist::default(); rod.points.len()];
         Ok(())
     }
 }
 
 /// `out += factor by`.
-fn add(out: &mut [Twist], by: &[Twist], factor: f64) {
+pub(crate) fn add(out: &mut [Twist], by: &[Twist], factor: f64) {
     for (out, by) in out.iter_mut().zip(by) {
         *out = *out + *by * factor;
     }

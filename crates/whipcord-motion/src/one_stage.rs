@@ -38,10 +38,7 @@ impl OneStage {
         along(&mut stage.velocities, &from.velocities, &from.velocity_rates, ahead);
         along(&mut stage.strains, &from.strains, &from.strain_rates, ahead);
         // The pose of a free base goes by the trapezoidal rule.
-        let half = |part: f64| {
-            let g = 0.5 * part * h;
-            FreeBase { start: from.base, history: from.velocities[0] * g, g }
-        };
+        let half = |part: f64| FreeBase::trapezoidal(from, part * h);
         if loads.has_free_base {
             stage.free_base = Some(half(self.place));
         } else {

@@ -64,10 +64,11 @@ pub(crate) fn work_gradient(
     }
 }
 
+/// Terms of the series of the exponential: the twist of a half element, and of a free base in a step, is below 1.
+const TERMS: usize = 16;
+
 /// `dexp(−Ω)ᵀ W = Σ (−ad_Ωᵀ)ᵏ W/(k + 1)!`.
 fn transposed_exponential(exponent: &Twist, wrench: &Twist) -> Twist {
-    /// The twist of a half element is below 1.
-    const TERMS: usize = 16;
     let (mut sum, mut term) = (*wrench, *wrench);
     for k in 1..TERMS {
         term = transposed_bracket(exponent, &term) * (-1.0 / (k + 1) as f64);
@@ -75,6 +76,52 @@ fn transposed_exponential(exponent: &Twist, wrench: &Twist) -> Twist {
         if dot(&term, &term) <= 1e-36 * dot(&sum, &sum) {
             break;
         }
+    }
+    sum
+}
+
+/// How each node turns and moves for small changes of the strains and of the pose of the base, the base included: exactly, the transpose of [`work_gradient`]. The change of
+/// the base is along and about its own axes; turns and displacements are in the frame that the poses are given in.
+pub(crate) fn exact_displacements(
+    rod: &Rod,
+    strains: &[Twist],
+    poses: &[Pose],
+    (base, changes): (Twist, &[Twist]),
+    mut found: impl FnMut(usize, Vec3, Vec3),
+) {
+    let [from, to] = GAUSS_2.nodes;
+    let slope = 0.5 / (to - from);
+    let mut turn = poses[0].rotation.rotate(base.angular);
+    let mut shift = poses[0].rotation.rotate(base.linear);
+    found(0, turn, shift);
+    for e in 0..rod.elements() {
+        let range = POINTS * e..POINTS * (e + 1);
+        let (points, changes) = (&strains[range.clone()], &changes[range]);
+        let half = 0.5 * rod.lengths[e];
+        let sixth = half * half / 12.0;
+        let of_points = |of: &[Twist]| (of[1] - of[0]) * slope;
+        let (change, d_change) = (of_points(points), of_points(changes));
+        for (node, place) in [(2 * e + 1, 0.25), (2 * e + 2, 0.75)] {
+            let (middle, d_middle) = (strain_at(points, place), strain_at(changes, place));
+            let exponent = middle * half + middle.bracket(change) * sixth;
+            let d_exponent =
+                d_middle * half + (d_middle.bracket(change) + middle.bracket(d_change)) * sixth;
+            let own = exponential_change(&exponent, &d_exponent);
+            let arm = poses[node].position - poses[node - 1].position;
+            let rotation = poses[node].rotation;
+            shift += turn.cross(arm) + rotation.rotate(own.linear);
+            turn += rotation.rotate(own.angular);
+            found(node, turn, shift);
+        }
+    }
+}
+
+/// `dexp(−Ω) x = Σ (−ad_Ω)ᵏ x/(k + 1)!`.
+pub(crate) fn exponential_change(exponent: &Twist, x: &Twist) -> Twist {
+    let (mut sum, mut term) = (*x, *x);
+    for k in 1..TERMS {
+        term = exponent.bracket(term) * (-1.0 / (k + 1) as f64);
+        sum = sum + term;
     }
     sum
 }

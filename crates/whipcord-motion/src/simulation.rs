@@ -69,6 +69,8 @@ pub struct Simulation {
     pub(crate) start_of_part: State,
     /// The cables that are driven by their lengths in the equilibrium to start from.
     pub(crate) start_lengths: Vec<usize>,
+    /// The motors with inertia in that equilibrium.
+    pub(crate) start_drives: Drives,
 }
 
 impl Simulation {
@@ -150,6 +152,7 @@ impl Simulation {
             whole: state.clone(),
             start_of_part: state.clone(),
             start_lengths: Vec::new(),
+            start_drives: Drives::default(),
             state,
         };
         simulation.start(case, commands)?;
@@ -365,6 +368,7 @@ impl Simulation {
                 self.set_lengths(commands, 0.0);
                 self.set_tensions(commands, 0.0);
                 self.start_lengths.clone_from(&self.solver.lengths.cables);
+                self.start_drives.clone_from(&self.solver.lengths.drives);
                 let statics = self.statics(case, commands)?;
                 let Self { robot, rod, loads, solver, .. } = self;
                 equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;

@@ -81,10 +81,22 @@ pub(crate) struct PointTangent {
     upper: Mat3,
 }
 
+/// Below this squared change of the strains the correction of the discrete gradient, of third order in it, is less than rounding.
+pub(crate) const LEAST_CHANGE: f64 = 1e-12;
+
+/// The force on the strain of a point along which the discrete gradient is corrected, for a change of the strain.
+pub(crate) fn along_change(rod: &Rod, point: usize, change: Twist) -> Twist {
+    let weight = rod.points[point].weight;
+    Twist {
+        linear: change.linear * weight,
+        angular: change.angular * (weight * rod.length * rod.length),
+    }
+}
+
 impl PointTangent {
     /// `S₁ b`.
     #[inline]
-    fn transport(&self, b: &Twist) -> Twist {
+    pub fn transport(&self, b: &Twist) -> Twist {
         Twist {
             linear: self.diagonal * b.linear + self.upper * b.angular,
             angular: self.diagonal * b.angular,
@@ -106,6 +118,11 @@ impl PointTangent {
                 + self.diagonal.transpose_mul(force.angular),
         };
         (slope, transposed_bracket(&self.strain, &slope))
+    }
+
+    /// What a change of the strain adds to the wrench, and with it across the section: `T` and `P₂` of it.
+    pub fn wrench_change(&self, change: &Twist) -> (Twist, Twist) {
+        (self.wrench.apply(change), self.turned.apply(change))
     }
 
     /// Transpose of what a change of the strain adds to the wrench: `Tᵀ` of the slope, and `P₂ᵀ` of the value.
@@ -223,8 +240,6 @@ impl Stage {
     /// and end: the gradient in the middle, corrected along the change of the strains (Gonzalez, *Time integration and discrete Hamiltonian systems*,
     /// J. Nonlinear Sci. 6, 1996), eq. (18). Poses must be those of the strains.
     pub fn find_conserving_forces(&mut self, rod: &Rod, gravity: Vec3, scheme: &Scheme) {
-        /// Below this squared change the correction, of third order in it, is less than rounding.
-        const LEAST_CHANGE: f64 = 1e-12;
         let Self {
             base,
             loads,
@@ -240,11 +255,7 @@ impl Stage {
         } = self;
         let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
         let tension = |k: usize| tensions[rod.chords[k].cable];
-        for (a, pull) in pulls.iter_mut().enumerate() {
-            *pull = Wrench { force: -force(a), moment: Vec3::ZERO };
-        }
-        chords::add_node_gradient(rod, poses, tension, pulls);
-        pose::work_gradient(rod, strains, poses, |a| pulls[a], potential);
+        chords::level_gradient(rod, strains, poses, tension, force, pulls, potential);
         let level = |poses: &[Pose]| chords::work(rod, poses, tension) - pose::work(poses, force);
         pose::nodes(rod, *base, start, other_poses);
         let mut work = -level(other_poses);
@@ -253,24 +264,18 @@ impl Stage {
         }
         pose::nodes(rod, *base, end, other_poses);
         work += level(other_poses);
-        let squared = rod.length * rod.length;
-        let scaled = |change: Twist, weight: f64| Twist {
-            linear: change.linear * weight,
-            angular: change.angular * (weight * squared),
-        };
         let mut size = 0.0;
-        for (q, point) in rod.points.iter().enumerate() {
+        for q in 0..rod.points.len() {
             let change = end[q] - start[q];
             work -= dot(&potential[q], &change);
-            size += dot(&change, &scaled(change, point.weight)) / rod.length;
+            size += dot(&change, &along_change(rod, q, change)) / rod.length;
         }
         if size < LEAST_CHANGE {
             return;
         }
-        for (q, point) in rod.points.iter().enumerate() {
-            let change = end[q] - start[q];
-            potential[q] =
-                potential[q] + scaled(change, point.weight) * (work / (size * rod.length));
+        for q in 0..rod.points.len() {
+            let change = along_change(rod, q, end[q] - start[q]);
+            potential[q] = potential[q] + change * (work / (size * rod.length));
         }
     }
 

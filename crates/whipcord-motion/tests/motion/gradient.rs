@@ -6,8 +6,8 @@ use whipcord::{
     Vec3,
 };
 use whipcord_motion::{
-    BaseMotion, CableDrive, Commands, Course, Damping, Drag, Gradient, Initial, LoadCourse, Method,
-    MotionError, MotionOptions, Seed, Simulation, State,
+    BaseMotion, CableDrive, Commands, Course, Damping, Drag, Factors, Gradient, Initial,
+    LoadCourse, Method, MotionError, MotionOptions, Record, Seed, Simulation, State,
 };
 
 use super::robots::{helix, straight};
@@ -64,15 +64,16 @@ fn seed(state: &State, k: usize) -> Seed {
     }
 }
 
-fn number(states: &[State]) -> f64 {
+fn number(states: &[State], has_free_base: bool) -> f64 {
     let mut sum = 0.0;
     let dot = |a: &Twist, b: &Twist| a.linear.dot(b.linear) + a.angular.dot(b.angular);
     for (k, state) in states.iter().enumerate() {
         let seed = seed(state, k);
         sum +=
             state.poses.iter().zip(&seed.positions).map(|(p, w)| p.position.dot(*w)).sum::<f64>();
-        // That of the base is given.
-        let velocities = state.velocities.iter().zip(&seed.velocities).skip(1);
+        // That of a base that is not free is given.
+        let held = usize::from(!has_free_base);
+        let velocities = state.velocities.iter().zip(&seed.velocities).skip(held);
         sum += velocities.map(|(v, w)| dot(v, w)).sum::<f64>();
         sum += state.strains.iter().zip(&seed.strains).map(|(x, w)| dot(x, w)).sum::<f64>();
     }
@@ -85,7 +86,8 @@ impl Problem {
     }
 
     fn number(&self) -> f64 {
-        number(&self.simulation().record(&self.commands, DT).unwrap().states)
+        let states = self.simulation().record(&self.commands, DT).unwrap().states;
+        number(&states, self.options.has_free_base)
     }
 
     fn gradient(&self) -> Gradient {
@@ -96,7 +98,77 @@ impl Problem {
         let before = simulation.state().clone();
         let gradient = simulation.gradient(&record, &seeds).unwrap();
         assert_eq!(*simulation.state(), before);
+        self.check_tangent(&mut simulation, &record, &seeds);
+        assert_eq!(*simulation.state(), before);
         gradient
+    }
+}
+
+impl Problem {
+    /// What the motion changes by along a direction, times the seeds, is the gradient times the direction.
+    fn check_tangent(&self, simulation: &mut Simulation, record: &Record, seeds: &[Seed]) {
+        let with_turns = |(k, seed): (usize, &Seed)| Seed {
+            turns: (0..seed.positions.len()).map(|a| vector(a + 3 * k) * 0.1).collect(),
+            ..seed.clone()
+        };
+        let seeds: Vec<Seed> = seeds.iter().enumerate().map(with_turns).collect();
+        let gradient = simulation.gradient(record, &seeds).unwrap();
+        let numbers = |list: &[Vec<f64>], by: f64| {
+            let row = |(k, row): (usize, &Vec<f64>)| {
+                (0..row.len()).map(|i| by * weight(5 * k + i + 2)).collect()
+            };
+            list.iter().enumerate().map(row).collect::<Vec<Vec<f64>>>()
+        };
+        let twists = |list: &[Twist], by: f64| {
+            let of = |k: usize| Twist { linear: vector(k) * by, angular: vector(k + 1) * by };
+            (0..list.len()).map(of).collect::<Vec<Twist>>()
+        };
+        let unit = if gradient.motors.iter().flatten().any(|x| *x != 0.0) { 0.1 } else { 1e-2 };
+        let direction = Gradient {
+            cables: numbers(&gradient.cables, 1e-2),
+            motors: numbers(&gradient.motors, unit),
+            velocities: twists(&gradient.velocities, 0.1),
+            strains: twists(&gradient.strains, 0.05),
+            factors: Factors { stiffness: 0.3, damping: -0.2, mass: 0.4 },
+        };
+        let dot = |a: &[Twist], b: &[Twist]| -> f64 {
+            let pairs = a.iter().zip(b);
+            pairs.map(|(a, b)| a.linear.dot(b.linear) + a.angular.dot(b.angular)).sum()
+        };
+        let flat = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
+            a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
+        };
+        let by_direction = [
+            flat(&gradient.cables, &direction.cables),
+            flat(&gradient.motors, &direction.motors),
+            dot(&gradient.velocities, &direction.velocities),
+            dot(&gradient.strains, &direction.strains),
+            gradient.factors.stiffness * direction.factors.stiffness,
+            gradient.factors.damping * direction.factors.damping,
+            gradient.factors.mass * direction.factors.mass,
+        ];
+        let changes = simulation.tangent(record, &direction).unwrap();
+        assert_eq!(changes.len(), seeds.len());
+        let mut terms = Vec::new();
+        for (seed, change) in seeds.iter().zip(&changes) {
+            let positions = seed.positions.iter().zip(&change.positions);
+            let turns = seed.turns.iter().zip(&change.turns);
+            terms.extend(positions.chain(turns).map(|(a, b)| a.dot(*b)));
+            let velocities = seed.velocities.iter().zip(&change.velocities);
+            let twists = velocities.chain(seed.strains.iter().zip(&change.strains));
+            terms.extend(
+                twists.flat_map(|(a, b)| [a.linear.dot(b.linear), a.angular.dot(b.angular)]),
+            );
+        }
+        let by_change: f64 = terms.iter().sum();
+        let size: f64 = terms.iter().map(|term| term.abs()).sum();
+        let apart = (by_direction.iter().sum::<f64>() - by_change).abs() / size;
+        // The second derivatives of straight cables and of the discrete gradient are differences.
+        let is_exact =
+            self.options.model == ModelKind::Cosserat && self.options.method != Method::Energy;
+        let bound = if is_exact { 1e-12 } else { 1e-8 };
+        let name = (self.options.model, self.options.method, self.options.has_free_base);
+        assert!(apart < bound, "{name:?}: {apart:e}, {by_direction:?} {by_change}");
     }
 }
 
@@ -140,6 +212,10 @@ const WAYS: [(ModelKind, Method); 4] = [
     (ModelKind::CosseratDisks, Method::Robust),
 ];
 
+/// The same by discrete gradients.
+const CONSERVING: [(ModelKind, Method); 2] =
+    [(ModelKind::Cosserat, Method::Energy), (ModelKind::CosseratDisks, Method::Energy)];
+
 fn by_tensions(way: (ModelKind, Method), stiffness: f64, mass: f64, damping: f64) -> Problem {
     let (model, method) = way;
     let commands = (0..STEPS).map(|k| Commands::tensions(&[2.0 + weight(k), 1.5 - weight(k)]));
@@ -159,7 +235,7 @@ fn by_tensions(way: (ModelKind, Method), stiffness: f64, mass: f64, damping: f64
 
 #[test]
 fn gradients_by_tensions_and_properties_are_those_of_differences() {
-    for method in WAYS {
+    for method in WAYS.into_iter().chain(CONSERVING) {
         let gradient = by_tensions(method, 1.0, 1.0, 1.0).gradient();
         let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
         assert!(scale > 1e-3);
@@ -324,6 +400,116 @@ fn by_motors(model: ModelKind, method: Method) {
     }
 }
 
+/// A robot that flies: nothing holds its base, and its drives ride on it.
+#[test]
+fn gradients_with_a_free_base_are_those_of_differences() {
+    for way in WAYS {
+        let flying = |by_tension: f64, stiffness: f64, mass: f64| {
+            let mut problem = by_tensions(way, stiffness, mass, 1.0);
+            problem.options.has_free_base = true;
+            let tension = problem.commands[2].cables[0].course().before(0.0) + by_tension;
+            problem.commands[2].set_tension(0, tension);
+            problem
+        };
+        let problem = flying(0.0, 1.0, 1.0);
+        let gradient = problem.gradient();
+        let moved = problem.simulation().record(&problem.commands, DT).unwrap();
+        let base = moved.states[STEPS].base;
+        assert!(base.position.norm() > 5e-3 && base.rotation.log().norm() > 0.05, "{base:?}");
+        let of = |h: f64, at: &dyn Fn(f64) -> Problem| difference(h, |by| at(by).number());
+        let tension = of(1e-2, &|by| flying(by, 1.0, 1.0));
+        close(gradient.cables[2][0], tension, 1e-3, &format!("{way:?} tension"));
+        let stiffness = of(1e-3, &|by| flying(0.0, 1.0 + by, 1.0));
+        close(gradient.factors.stiffness, stiffness, 0.1, &format!("{way:?} stiffness"));
+        let mass = of(1e-3, &|by| flying(0.0, 1.0, 1.0 + by));
+        close(gradient.factors.mass, mass, 0.1, &format!("{way:?} mass"));
+        // A state to start from, whose base moves.
+        let mut start = problem.simulation().state().start();
+        for (a, velocity) in start.velocities.iter_mut().enumerate() {
+            *velocity = Twist { linear: vector(a) * 0.05, angular: vector(a + 1) };
+        }
+        let from = |node: usize, by: Twist| {
+            let mut problem = flying(0.0, 1.0, 1.0);
+            let mut start = start.clone();
+            start.velocities[node] = start.velocities[node] + by;
+            problem.options.initial = Initial::State(Box::new(start));
+            problem
+        };
+        let gradient = from(0, Twist::default()).gradient();
+        for node in [0, 3] {
+            let along = Twist { linear: vector(2) * 0.1, angular: vector(7) };
+            let by = of(1e-2, &|by| from(node, along * by));
+            let found = gradient.velocities[node];
+            let found = found.linear.dot(along.linear) + found.angular.dot(along.angular);
+            close(found, by, 1e-2, &format!("{way:?} velocity {node}"));
+        }
+    }
+}
+
+/// Motors with inertia, friction of their own and all gains, antagonists on one shaft among them; one reaches the limit of its torque.
+#[test]
+fn gradients_by_motors_with_inertia_are_those_of_differences() {
+    let problem = |model: ModelKind, limit: Option<f64>, k: usize, by: f64, [kp, km]: [f64; 2]| {
+        let cables = vec![
+            Cable { axial_stiffness: Some(9000.0), ..straight("a", 0.0, 0.008) },
+            Cable { axial_stiffness: Some(9000.0), ..straight("b", 3.0, 0.008) },
+            Cable { axial_stiffness: Some(9000.0), ..straight("c", 1.5, 0.008) },
+        ];
+        let dynamics = whipcord::MotorDynamics {
+            damping: 2e-3,
+            derivative: 6e-3,
+            integral: 2.0,
+            ..whipcord::MotorDynamics::new(2e-5, 0.7)
+        };
+        let mut bend = Motor {
+            stiffness: Some(5e3),
+            dynamics: Some(dynamics),
+            ..Motor::spool("bend", [(0, 0.01), (1, -0.01)])
+        };
+        bend.limits.effort = limit;
+        let dynamics = whipcord::MotorDynamics { integral: 0.0, ..dynamics };
+        let side = Motor { dynamics: Some(dynamics), ..Motor::spool("side", [(2, 0.01)]) };
+        let robot = robot(kp, km, cables).with_motors(vec![bend, side]).unwrap();
+        let case = Case { loads: gravity(), ..Case::with_motors(&robot, &[0.1, 0.05]).unwrap() };
+        let commands = (0..STEPS).map(|step| {
+            let more = if step == k { by } else { 0.0 };
+            let angles = [0.3 + 0.1 * weight(step) + more, 0.2 + 0.5 * more];
+            Commands::of_case(&robot, &Case::with_motors(&robot, &angles).unwrap())
+        });
+        let commands = commands.collect();
+        let damping = Damping::Time(2e-3 / kp);
+        Problem { robot, case, options: MotionOptions { model, damping, ..options() }, commands }
+    };
+    for (model, limit) in [
+        (ModelKind::Cosserat, None),
+        (ModelKind::Cosserat, Some(0.04)),
+        (ModelKind::CosseratDisks, None),
+    ] {
+        let of = problem(model, limit, STEPS, 0.0, [1.0, 1.0]);
+        let states = of.simulation().record(&of.commands, DT).unwrap().states;
+        let limited = states.iter().filter(|of| Some(of.motors[0].effort.abs()) == limit).count();
+        assert_eq!(limited > 0, limit.is_some(), "{limited}");
+        assert!(states.iter().skip(1).any(|of| of.cables[1].tension == 0.0));
+        let gradient = of.gradient();
+        let scale = gradient.motors.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+        for k in 0..STEPS {
+            let by = difference(1e-4, |by| problem(model, limit, k, by, [1.0; 2]).number());
+            let found = gradient.motors[k][0] + 0.5 * gradient.motors[k][1];
+            close(found, by, scale, &format!("{model:?} {limit:?} {k}"));
+        }
+        let at = |factors: [f64; 2]| problem(model, limit, STEPS, 0.0, factors).number();
+        let stiffness = difference(1e-4, |by| at([1.0 + by, 1.0]));
+        close(
+            gradient.factors.stiffness,
+            stiffness,
+            0.1,
+            &format!("{model:?} {limit:?} stiffness"),
+        );
+        let mass = difference(1e-4, |by| at([1.0, 1.0 + by]));
+        close(gradient.factors.mass, mass, 0.1, &format!("{model:?} {limit:?} mass"));
+    }
+}
+
 /// An obstacle that is not touched changes nothing; of one that is, the time is named.
 #[test]
 fn gradients_beside_obstacles_are_those_without_them() {
@@ -347,9 +533,6 @@ fn gradients_beside_obstacles_are_those_without_them() {
 
 #[test]
 fn what_has_no_gradient_is_refused() {
-    let problem = by_tensions((ModelKind::Cosserat, Method::Energy), 1.0, 1.0, 1.0);
-    let refused = problem.simulation().record(&problem.commands, DT);
-    assert!(matches!(refused, Err(MotionError::Unsupported { .. })));
     let mut problem = by_tensions((ModelKind::Cosserat, Method::Robust), 1.0, 1.0, 1.0);
     problem.options.tolerance = Some(1e-4);
     let refused = problem.simulation().record(&problem.commands, DT);

@@ -1,0 +1,296 @@
+//! Changes of a recorded motion with what made it, section "Gradients" of the page on motion: the linearised stages of its steps, forwards. The transpose of
+//! [`crate::gradient`].
+
+use whipcord_numerics::{Twist, Vec3};
+
+use crate::accurate;
+use crate::adjoint::{Factors, NotSolved};
+use crate::coefficients::OneStage;
+use crate::commands::Commands;
+use crate::error::{MotionError, count};
+use crate::free_base::BaseTangent;
+use crate::gradient::{Costate as Change, Gradient, Part, Record, Seed, add};
+use crate::iteration::Mechanics;
+use crate::options::Method;
+use crate::pose;
+use crate::scheme::Scheme;
+use crate::simulation::Simulation;
+use crate::state::State;
+use crate::tangent::StageTangent;
+
+impl Simulation {
+    /// What the states of a recorded motion change by, for changes of commands, start and properties of the robot: the product of the Jacobian with a direction, where
+    /// [`Self::gradient`] is that of its transpose. Each number of the direction stands where the gradient has the derivative by it, and each number of the changes where
+    /// a seed has the weight of it; an empty list stands for zeros. A change of the strains to start from does nothing to a motion that starts in equilibrium. The state of
+    /// the simulation stays what it is.
+    ///
+    /// # Errors
+    /// [`MotionError::Count`] where the direction does not fit the record, [`MotionError::NoGradient`] where the linearisation of a step is singular.
+    pub fn tangent(
+        &mut self,
+        record: &Record,
+        direction: &Gradient,
+    ) -> Result<Vec<Seed>, MotionError> {
+        let steps = record.commands.len();
+        let (nodes, points) = (self.rod.nodes.len(), self.rod.points.len());
+        for (what, given, expected) in [
+            ("steps of cables of a direction", direction.cables.len(), steps),
+            ("steps of motors of a direction", direction.motors.len(), steps),
+            ("velocities of a direction", direction.velocities.len(), nodes),
+            ("strains of a direction", direction.strains.len(), points),
+        ] {
+            if given != 0 {
+                count(what, given, expected)?;
+            }
+        }
+        let (cables, motors) = (self.rod.cables.len(), self.robot.motors().len());
+        for step in &direction.cables {
+            count("cables of a direction", step.len(), cables)?;
+        }
+        for step in &direction.motors {
+            count("motors of a direction", step.len(), motors)?;
+        }
+        let kept = self.state.clone();
+        let found = self.forwards(record, direction);
+        self.state.copy_from(&kept);
+        found
+    }
+
+    fn forwards(
+        &mut self,
+        record: &Record,
+        direction: &Gradient,
+    ) -> Result<Vec<Seed>, MotionError> {
+        let (cables, motors) = (self.rod.cables.len(), self.robot.motors().len());
+        let mut tangent = StageTangent::new(&self.rod);
+        let mut change = Change::new(&self.rod, motors);
+        if !direction.velocities.is_empty() {
+            change.velocities.copy_from_slice(&direction.velocities);
+        }
+        if !self.loads.has_free_base {
+            change.velocities[0] = Twist::default();
+        }
+        let Some(start) = record.states.first() else { return Ok(Vec::new()) };
+        if record.from_equilibrium {
+            self.equilibrium_forwards(start, &mut tangent, &mut change, &direction.factors)?;
+        } else if !direction.strains.is_empty() {
+            change.strains.copy_from_slice(&direction.strains);
+        }
+        let mut changes = vec![self.change_of(start, &change)];
+        let (still, held) = (vec![0.0; cables], vec![0.0; motors]);
+        for (k, parts) in record.parts.iter().enumerate() {
+            let of_cables = direction.cables.get(k).unwrap_or(&still);
+            let of_motors = direction.motors.get(k).unwrap_or(&held);
+            for part in parts {
+                let of = (&record.commands[k], part);
+                let told = (of_cables.as_slice(), of_motors.as_slice());
+                self.part_forwards(of, told, &mut tangent, &mut change, &direction.factors)?;
+            }
+            changes.push(self.change_of(&record.states[k + 1], &change));
+        }
+        Ok(changes)
+    }
+
+    /// What a state changes by, in the world.
+    fn change_of(&mut self, state: &State, change: &Change) -> Seed {
+        let Self { rod, solver, base, .. } = self;
+        let poses = &mut solver.stage.poses;
+        pose::nodes(rod, state.base, &state.strains, poses);
+        let mut seed = Seed {
+            positions: vec![Vec3::ZERO; poses.len()],
+            turns: vec![Vec3::ZERO; poses.len()],
+            velocities: change.velocities.clone(),
+            strains: change.strains.clone(),
+        };
+        let changes = (change.base, change.strains.as_slice());
+        pose::exact_displacements(rod, &state.strains, poses, changes, |a, turn, shift| {
+            seed.positions[a] = base.rotation.rotate(shift);
+            seed.turns[a] = base.rotation.rotate(turn);
+        });
+        seed
+    }
+
+    fn part_forwards(
+        &mut self,
+        (commands, part): (&Commands, &Part),
+        (cables, motors): (&[f64], &[f64]),
+        tangent: &mut StageTangent,
+        change: &mut Change,
+        factors: &Factors,
+    ) -> Result<(), MotionError> {
+        let fails = || MotionError::NoGradient { time: part.before.time };
+        self.repeat(commands, part)?;
+        for (motor, output) in change.outputs.iter_mut().enumerate() {
+            if self.drive_moves(commands, part, motor) {
+                *output = motors[motor] / self.robot.motors()[motor].gear_ratio();
+            }
+        }
+        for i in 0..cables.len() {
+            let shortening = match commands.motor_of(&self.robot, i) {
+                None => cables[i],
+                // Those with inertia turn by what they are told and by the motion.
+                Some((motor, _)) if self.robot.motors()[motor].dynamics.is_some() => 0.0,
+                Some((motor, _)) => self.pull(motor, i) * change.outputs[motor],
+            };
+            tangent.cables[i] =
+                if self.is_by_length(commands, i) { -shortening } else { cables[i] };
+        }
+        match self.next.diagnostics.method {
+            Method::Accurate => self.stages_forwards(commands, part, tangent, change, factors),
+            _ => {
+                let method = part.method(self.next.diagnostics.method);
+                self.one_stage_forwards((part, &method), motors, tangent, change, factors)
+            }
+        }
+        .map_err(|_| fails())?;
+        for i in 0..cables.len() {
+            if !self.is_by_length(commands, i) {
+                change.tensions[i] = cables[i];
+            }
+        }
+        Ok(())
+    }
+
+    /// The stages of `accurate`.
+    fn stages_forwards(
+        &mut self,
+        commands: &Commands,
+        part: &Part,
+        tangent: &mut StageTangent,
+        change: &mut Change,
+        factors: &Factors,
+    ) -> Result<(), NotSolved> {
+        let h = part.length;
+        let scheme = Scheme::at_end(accurate::GAMMA * h);
+        let inverse = 1.0 / scheme.g;
+        let mut velocity_rates: Vec<Vec<Twist>> = Vec::with_capacity(accurate::STAGES);
+        let mut strain_rates: Vec<Vec<Twist>> = Vec::with_capacity(accurate::STAGES);
+        let mut base_rates = Vec::with_capacity(accurate::STAGES);
+        let mut base = change.base;
+        for i in 0..accurate::STAGES {
+            let free = self.put_stage(commands, part, i)?;
+            let history = |from: &[Twist], rates: &[Vec<Twist>]| {
+                let mut out = from.to_vec();
+                for (rate, a) in rates.iter().zip(&accurate::A[i]) {
+                    add(&mut out, rate, h * a);
+                }
+                out
+            };
+            let velocities = history(&change.velocities, &velocity_rates);
+            let strains = history(&change.strains, &strain_rates);
+            tangent.velocities.copy_from_slice(&velocities);
+            tangent.strains.copy_from_slice(&strains);
+            tangent.start.copy_from_slice(&change.strains);
+            tangent.base_by_velocity = free.as_ref().map(BaseTangent::pose_by_velocity);
+            let weighted = base_rates.iter().zip(&accurate::A[i]);
+            let exponent = weighted
+                .fold(Twist::default(), |sum, (rate, a): (&Twist, _)| sum + *rate * (h * a));
+            let known = free.as_ref().map_or(Twist::default(), |of| {
+                of.pose_by_start.apply(&change.base) + of.pose_by_history().apply(&exponent)
+            });
+            tangent.base = known;
+            let Self { rod, loads, solver, .. } = self;
+            tangent.push_forward(Mechanics { rod, loads }, solver, &scheme, factors)?;
+            if let Some(of) = &free {
+                let velocity = tangent.velocities[0];
+                base = known + of.pose_by_velocity().apply(&velocity);
+                let moved = of.exponent_by_history.apply(&exponent)
+                    + of.exponent_by_velocity.apply(&velocity);
+                base_rates.push((moved - exponent) * inverse);
+            }
+            let rates = |now: &[Twist], history: &[Twist]| -> Vec<Twist> {
+                now.iter().zip(history).map(|(a, b)| (*a - *b) * inverse).collect()
+            };
+            velocity_rates.push(rates(&tangent.velocities, &velocities));
+            strain_rates.push(rates(&tangent.strains, &strains));
+        }
+        change.velocities.copy_from_slice(&tangent.velocities);
+        change.strains.copy_from_slice(&tangent.strains);
+        change.velocity_rates = velocity_rates.pop().unwrap_or_default();
+        change.strain_rates = strain_rates.pop().unwrap_or_default();
+        change.base = base;
+        Ok(())
+    }
+
+    /// A step by a method with one stage, which the solver has solved.
+    fn one_stage_forwards(
+        &mut self,
+        (part, method): (&Part, &OneStage),
+        motors: &[f64],
+        tangent: &mut StageTangent,
+        change: &mut Change,
+        factors: &Factors,
+    ) -> Result<(), NotSolved> {
+        let h = part.length;
+        let scheme = method.scheme(h);
+        let back = method.backwards(&scheme, h);
+        let bases = self.half_bases(part, method)?;
+        let history = |from: &[Twist], rates: &[Twist]| {
+            let mut out = from.to_vec();
+            add(&mut out, rates, back.carried);
+            out
+        };
+        let velocities = history(&change.velocities, &change.velocity_rates);
+        let strains = history(&change.strains, &change.strain_rates);
+        tangent.velocities.copy_from_slice(&velocities);
+        tangent.strains.copy_from_slice(&strains);
+        tangent.start.copy_from_slice(&change.strains);
+        tangent.tensions.copy_from_slice(&change.tensions);
+        tangent.base_by_velocity = bases.as_ref().map(|[_, (of, _)]| of.pose_by_velocity());
+        let start_velocity = change.velocities[0];
+        let known = |(of, g): &(BaseTangent, f64)| {
+            of.pose_by_start.apply(&change.base)
+                + of.pose_by_history().apply(&(start_velocity * *g))
+        };
+        tangent.base = bases.as_ref().map_or(Twist::default(), |[_, of]| known(of));
+        let Self { rod, loads, solver, .. } = self;
+        // Where the motors come to if the tensions stay, then what these make of it.
+        let tensions = solver.stage.tensions.clone();
+        let still = vec![0.0; tensions.len()];
+        let mut free = change.motors.clone();
+        let set_point = |motor: usize| motors[motor];
+        let drives = &solver.lengths.drives;
+        drives.push_forward(method, h, (&tensions, &still), set_point, &mut free);
+        drives.add_length_changes(&free, &mut tangent.cables);
+        tangent.push_forward(Mechanics { rod, loads }, solver, &scheme, factors)?;
+        let changes = (tensions.as_slice(), tangent.stage_tensions.as_slice());
+        let drives = &solver.lengths.drives;
+        drives.push_forward(method, h, changes, set_point, &mut change.motors);
+        let end = |of: &mut [Twist], rates: &mut [Twist], at: &[Twist], history: &[Twist]| {
+            for j in 0..of.len() {
+                let by_stage = (at[j] - history[j]) * back.stage_by_rate;
+                rates[j] = rates[j] * back.rate_by_rate + by_stage;
+                of[j] = of[j] + (at[j] - of[j]) * back.stage_by_end;
+            }
+        };
+        let of_base = bases.as_ref().map(|[of, _]| (known(of), of.0.pose_by_velocity()));
+        end(&mut change.velocities, &mut change.velocity_rates, &tangent.velocities, &velocities);
+        end(&mut change.strains, &mut change.strain_rates, &tangent.strains, &strains);
+        if let Some((known, by_velocity)) = of_base {
+            change.base = known + by_velocity.apply(&change.velocities[0]);
+        }
+        change.tensions.copy_from_slice(&tangent.tensions);
+        Ok(())
+    }
+
+    /// The equilibrium that the motion starts from, by the factors.
+    fn equilibrium_forwards(
+        &mut self,
+        start: &State,
+        tangent: &mut StageTangent,
+        change: &mut Change,
+        factors: &Factors,
+    ) -> Result<(), MotionError> {
+        self.put_equilibrium(start);
+        let Self { rod, loads, solver, .. } = self;
+        let found =
+            tangent.push_forward(Mechanics { rod, loads }, solver, &Scheme::STATICS, factors);
+        solver.stage.matrix.hold_base(!loads.has_free_base);
+        found.map_err(|_| MotionError::NoGradient { time: start.time })?;
+        change.strains.copy_from_slice(&tangent.strains);
+        change.tensions.copy_from_slice(&tangent.tensions);
+        let drives = &solver.lengths.drives;
+        drives.push_forward_at_rest(&tangent.stage_tensions, &mut change.motors);
+        Ok(())
+    }
+}
