@@ -41,6 +41,7 @@ pub fn failure(file: &CaseFile, error: &MotionError) -> Failure {
         | MotionError::Tolerance { .. }
         | MotionError::NoGradient { .. }
         | MotionError::NotSmooth { .. }
+        | MotionError::Sliding { .. }
         | MotionError::NoModes => Failure::Solve(text),
         _ => Failure::Input(text),
     }

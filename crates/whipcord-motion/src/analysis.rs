@@ -1,13 +1,16 @@
 //! What is asked of a state: momentum, the force of the base, vibrations, linearisation.
 
 use whipcord::Wrench;
-use whipcord_numerics::Vec3;
+use whipcord_numerics::{Twist, Vec3};
 
 use crate::commands::Commands;
 use crate::contacts::{Contacts, add_push};
 use crate::error::MotionError;
+use crate::friction::Locked;
+use crate::lengths::Lengths;
 use crate::linear::{Linearized, Rates};
 use crate::modes::{self, Mode};
+use crate::pose;
 use crate::simulation::Simulation;
 
 /// Gap of what touches, as a part of the length.
@@ -36,21 +39,34 @@ impl Simulation {
 
     /// The lowest natural vibrations about the shape of the state, which should be an equilibrium, from the lowest squared frequency on.
     /// Cables that commands drive by their lengths and that are taut are held at these; the others keep their tensions. What touches an obstacle goes
-    /// on to touch it: it moves along its surface, or stays where it is if there is friction. A robot whose base is free has six vibrations of frequency 0, its
+    /// on to touch it: it moves along its surface, or stays where it is if there is friction. Cables that stick in all of their holes stay in them: each piece from hole to hole is
+    /// held, and stretches where it is elastic. A robot whose base is free has six vibrations of frequency 0, its
     /// motions as a whole, and the others about a state in which it falls freely.
     ///
     /// # Errors
     /// [`MotionError::Count`] for commands of other cables, [`MotionError::NoModes`] where the stiffness of the state is singular,
-    /// [`MotionError::Unsupported`] where cables have friction.
+    /// [`MotionError::Sliding`] where a cable with friction slides in a hole or is about to.
     pub fn modes(&mut self, commands: &Commands, count: usize) -> Result<Vec<Mode>, MotionError> {
         commands.check(&self.robot)?;
-        self.refuse_friction("natural vibrations of a robot whose cables have friction")?;
         self.take_stage();
-        let is_held =
-            |&i: &usize| self.is_by_length(commands, i) && self.state.cables[i].tension > 0.0;
-        let held: Vec<usize> = (0..self.rod.cables.len()).filter(is_held).collect();
+        let locked = self.locked(Some(commands), "natural vibrations")?;
+        let Self { rod, solver, robot, .. } = &*self;
+        let is_held = |&i: &usize| {
+            let slides_freely = solver.friction.is_none() || !robot.cables()[i].has_friction();
+            slides_freely && self.is_by_length(commands, i) && self.state.cables[i].tension > 0.0
+        };
+        let held = (0..rod.cables.len()).filter(is_held);
+        let mut held: Vec<(Vec<Twist>, f64)> = held
+            .map(|i| (Lengths::pull(rod, &solver.stage, i), rod.cables[i].compliance))
+            .collect();
         let contacts = self.touching();
-        modes::find(&self.rod, &self.loads, &self.solver, &held, contacts, count)
+        let Self { rod, solver, .. } = &mut *self;
+        if let Some(friction) = &mut solver.friction {
+            let pull = |of: &Locked| friction.pull(rod, &solver.stage, of.passage);
+            let pulls: Vec<_> = locked.iter().map(pull).collect();
+            held.extend(pulls.into_iter().zip(locked.iter().map(|of| of.yielding)));
+        }
+        modes::find(&self.rod, &self.loads, &self.solver, held, contacts, count)
             .ok_or(MotionError::NoModes)
     }
 
@@ -71,26 +87,49 @@ impl Simulation {
     }
 
     /// The motion linearised about the state, with the tensions of all cables as inputs. What touches an obstacle goes on to touch it, where it sticks at the
-    /// same place: its gap has no acceleration. Where it slides its friction is against its velocity.
+    /// same place: its gap has no acceleration. Where it slides its friction is against its velocity. Cables that stick in all of their holes stay in them: the tension of each
+    /// piece changes with its length, and not with what the drive does below the base.
     ///
     /// # Errors
-    /// [`MotionError::Unsupported`] where cables have friction.
+    /// [`MotionError::Sliding`] where a cable with friction slides in a hole or is about to, [`MotionError::Unsupported`] where one that sticks does not stretch.
     pub fn linearize(&mut self) -> Result<Linearized, MotionError> {
-        self.refuse_friction("the linearisation of a motion with friction of cables")?;
         self.take_stage();
+        let locked = self.locked(None, "the linearisation of a motion")?;
+        if locked.iter().any(|of| of.yielding == 0.0) {
+            return Err(MotionError::Unsupported {
+                path: "cables.axial_stiffness".to_owned(),
+                what: "the linearisation of a motion with rigid cables that stick in their holes: the tension of a piece has no rate",
+                advice: "give the cables their axial stiffness",
+            });
+        }
         let contacts = self.touching();
         let Self { rod, loads, solver, state, .. } = self;
         let tensions: Vec<f64> = state.cables.iter().map(|cable| cable.tension).collect();
-        let mut rates = Rates::new(rod, loads, solver, contacts);
+        let mut rates = Rates::new(rod, loads, solver, contacts).with_locked(locked);
         Ok(rates.linearized(&state.velocities, &state.strains, &tensions))
     }
 
-    fn refuse_friction(&self, what: &'static str) -> Result<(), MotionError> {
-        if self.solver.friction.is_none() {
-            return Ok(());
+    /// The passages that keep their pieces of cable about the state, in the stage; none where no cable has friction. Without commands what holds each cable below the base is its
+    /// tension there.
+    fn locked(
+        &mut self,
+        commands: Option<&Commands>,
+        what: &str,
+    ) -> Result<Vec<Locked>, MotionError> {
+        let Some(mut friction) = self.solver.friction.take() else { return Ok(Vec::new()) };
+        let time = self.state.time;
+        match commands {
+            Some(commands) => self.command_holes(commands, &mut friction, (time, time)),
+            None => {
+                friction.holes.go_back_to(&self.state.holes);
+                for (i, tension) in self.state.holes.base.iter().enumerate() {
+                    friction.holes.command_tension(i, *tension);
+                }
+            }
         }
-        let advice = "leave the friction out: whether cables stick or slide decides";
-        Err(MotionError::Unsupported { path: "cables.friction".to_owned(), what, advice })
+        let locked = friction.locked(&self.rod, &self.solver.stage);
+        self.solver.friction = Some(friction);
+        locked.ok_or_else(|| MotionError::Sliding { what: what.to_owned() })
     }
 
     /// The contacts of the state, with their forces.
@@ -106,7 +145,7 @@ impl Simulation {
 
     /// Puts the state into the stage of the solver.
     fn take_stage(&mut self) {
-        let Self { loads, solver, state, .. } = self;
+        let Self { rod, loads, solver, state, .. } = self;
         let stage = &mut solver.stage;
         stage.strains.copy_from_slice(&state.strains);
         stage.velocities.copy_from_slice(&state.velocities);
@@ -115,6 +154,7 @@ impl Simulation {
             *tension = cable.tension;
         }
         stage.passages.clone_from(&state.holes.tensions);
+        pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
         loads.at(state.time, &mut stage.loads);
     }
 

@@ -105,6 +105,11 @@ impl Contact {
         weighted.fold(Twist::default(), |sum, (velocity, f)| sum + *velocity * f)
     }
 
+    /// Has it slide without friction.
+    pub const fn leave_friction_out(&mut self) {
+        (self.coefficient, self.traction, self.sticks) = (0.0, Vec3::ZERO, false);
+    }
+
     /// Lines of the complementarity problem: of the normal, and of both tangents with friction.
     pub const fn lines(&self) -> usize {
         if self.coefficient > 0.0 { 3 } else { 1 }

@@ -18,6 +18,8 @@ use crate::surroundings::{Near, Posed, Station, Surroundings};
 pub(crate) struct Contacts {
     pub surroundings: Option<Surroundings>,
     pub list: Vec<Contact>,
+    /// Whether friction is left out: of a part of a step that has no answer with it.
+    pub is_frictionless: bool,
     /// Pose of the base at the end of the step.
     pub base: Pose,
     strains: Vec<Twist>,
@@ -100,6 +102,16 @@ impl Contacts {
         }
         self.list.sort_by(|a, b| a.nearest.gap.total_cmp(&b.nearest.gap));
         self.list.truncate(MOST);
+        if self.is_frictionless {
+            self.list.iter_mut().for_each(Contact::leave_friction_out);
+        }
+    }
+
+    /// Whether what may touch has friction.
+    pub fn have_friction(&self) -> bool {
+        self.surroundings
+            .as_ref()
+            .is_some_and(|of| of.obstacles.iter().any(|obstacle| obstacle.friction > 0.0))
     }
 
     /// Forgets all contacts.
@@ -306,7 +318,11 @@ impl Contacts {
             }
             let at_start = Posed { rod, strains: start, poses: &self.start_poses };
             let obstacle = &surroundings.obstacles[near.obstacle];
-            self.list.push(Contact::new(near, obstacle, &at_start));
+            let mut contact = Contact::new(near, obstacle, &at_start);
+            if self.is_frictionless {
+                contact.leave_friction_out();
+            }
+            self.list.push(contact);
         }
         self.list.len() > before
     }

@@ -148,6 +148,15 @@ pub enum MotionError {
         time: f64,
     },
 
+    /// A cable with friction that slides in a hole or is about to: what it does to small motions differs from side to side.
+    #[error(
+        "no {what}: a cable slides in a hole or is about to, so that what it does depends on the direction of the motion; let the robot come to rest after a disturbance, or leave the friction out"
+    )]
+    Sliding {
+        /// What was asked for.
+        what: String,
+    },
+
     /// No natural vibrations were found.
     #[error(
         "no natural vibrations: the stiffness of the robot in this state is singular; use another state or give the cables other tensions"

@@ -38,6 +38,18 @@ pub(crate) struct Friction {
     by_turns: Vec<f64>,
 }
 
+/// A passage whose piece of cable stays in it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Locked {
+    pub passage: usize,
+    pub cable: usize,
+    /// How far the piece gives in m/N.
+    pub yielding: f64,
+    /// Tension in N and length in m where it stays.
+    pub tension: f64,
+    pub length: f64,
+}
+
 /// The equations of the holes have no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SingularHoles;
@@ -132,6 +144,12 @@ impl Friction {
             *end = scheme.end(*start, *strain);
         }
         pose::nodes(rod, stage.base, &self.strains, &mut self.poses);
+        self.measure_shape(rod);
+        self.holes.assess(&self.lengths, &self.turns)
+    }
+
+    /// Measures lengths and angles of the shape at hand.
+    fn measure_shape(&mut self, rod: &Rod) {
         for p in 0..self.cables.len() {
             let cable = self.cables[p];
             self.lengths[p] = length(rod, p, cable, &self.strains, &self.poses);
@@ -142,11 +160,38 @@ impl Friction {
                 self.turn(rod, p, cable, &self.strains)
             };
         }
-        self.holes.assess(&self.lengths, &self.turns)
+    }
+
+    /// The passages whose pieces of cable stay in them however the robot moves a little from the shape of a stage, where the holes are as they remember; `None` where a cable slides
+    /// or is about to.
+    pub fn locked(&mut self, rod: &Rod, stage: &Stage) -> Option<Vec<Locked>> {
+        self.strains.copy_from_slice(&stage.strains);
+        self.poses.copy_from_slice(&stage.poses);
+        self.measure_shape(rod);
+        let of = |(passage, yielding): (usize, f64)| Locked {
+            passage,
+            cable: self.cables[passage],
+            yielding,
+            tension: self.holes.tensions()[passage],
+            length: self.lengths[passage],
+        };
+        Some(self.holes.locked(&self.turns)?.into_iter().map(of).collect())
+    }
+
+    /// What a tension of 1 N in a passage exerts on the nodes.
+    pub fn pull(&mut self, rod: &Rod, stage: &Stage, passage: usize) -> Vec<Twist> {
+        self.add_pull(rod, &Scheme::STATICS, stage, passage, self.cables[passage]);
+        self.columns[passage].clone()
     }
 
     /// What a tension of 1 N in a passage does to the velocities, against its pull.
     fn find_column(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize, cable: usize) {
+        self.add_pull(rod, scheme, stage, p, cable);
+        stage.matrix.solve(&mut self.columns[p]);
+    }
+
+    /// Writes what a tension of 1 N in a passage exerts on the nodes.
+    fn add_pull(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize, cable: usize) {
         let Self { pulls, gradient, columns, .. } = self;
         let column = &mut columns[p];
         column.fill(Twist::default());
@@ -168,7 +213,6 @@ impl Friction {
             let weight = rod.points[q].weight;
             add_to_nodes(&mut column[2 * e..], &pull, &across, weight, k, rod.lengths[e]);
         }
-        stage.matrix.solve(column);
     }
 
     /// Writes how a quantity of the shape at the end of the step, with the gradient at hand, responds to the tensions and to the step that they leave.
@@ -303,7 +347,7 @@ fn angle(a: Vec3, b: Vec3) -> f64 {
 }
 
 /// Length in m of a passage.
-fn length(rod: &Rod, p: usize, cable: usize, strains: &[Twist], poses: &[Pose]) -> f64 {
+pub(crate) fn length(rod: &Rod, p: usize, cable: usize, strains: &[Twist], poses: &[Pose]) -> f64 {
     if rod.has_chords() {
         return rod.chords[p].way(poses).norm();
     }

@@ -63,6 +63,8 @@ const MOST: usize = 25;
 const MOST_REUSES: usize = 6;
 /// A linearisation that leaves more than this part of the change is not used again.
 const SLOW: f64 = 0.3;
+/// A change below which rounding is all that is left.
+const SETTLED: f64 = 1e-11;
 /// A change below which rounding may be all that is left.
 const ROUNDING: f64 = 1e-9;
 
@@ -131,7 +133,8 @@ impl Solver {
             }
             before = size;
         }
-        Err(Stalled(before))
+        // What so many iterations do not make smaller is rounding: of short parts, whose tolerance is less.
+        if before < SETTLED { Ok(()) } else { Err(Stalled(before)) }
     }
 
     /// Whether cables are driven by their lengths or obstacles are near.

@@ -6,6 +6,7 @@ use crate::block::dot;
 use crate::contacts::Contacts;
 use crate::element::POINTS;
 use crate::free_base::exponent_rate;
+use crate::friction::{Locked, length};
 use crate::iteration::Solver;
 use crate::loads::NodeLoads;
 use crate::pose;
@@ -39,6 +40,8 @@ pub(crate) struct Rates<'a> {
     stage: Stage,
     /// What touches goes on to touch.
     held: Held,
+    /// Pieces of cables that stay in their passages.
+    locked: Vec<Locked>,
 }
 
 /// A state, in whose neighbourhood the rates are wanted.
@@ -115,7 +118,12 @@ impl<'a> Rates<'a> {
         // Without a linearisation the residual is that of the equations alone.
         stage.tangents.fill(PointTangent::default());
         let held = Held { contacts, ..Held::default() };
-        Self { rod, loads, drag: solver.drag, stage, held }
+        Self { rod, loads, drag: solver.drag, stage, held, locked: Vec::new() }
+    }
+
+    /// With pieces of elastic cables that stay in their passages.
+    pub fn with_locked(self, locked: Vec<Locked>) -> Self {
+        Self { locked, ..self }
     }
 
     /// The first node whose velocity is in the state, and the number of the first component of a velocity.
@@ -127,7 +135,7 @@ impl<'a> Rates<'a> {
     /// Writes the rates of a state, eq. (1), (2) and (29) of the page on motion.
     fn evaluate(&mut self, base: Pose, at: &Point, out: &mut [f64]) {
         let (first, start) = self.first();
-        let Self { rod, loads, drag, stage, held } = self;
+        let Self { rod, loads, drag, stage, held, locked } = self;
         let Point { moved, velocities, strains, tensions } = at;
         stage.velocities.copy_from_slice(velocities);
         stage.velocity_history.copy_from_slice(velocities);
@@ -153,6 +161,16 @@ impl<'a> Rates<'a> {
             }
         }
         pose::nodes(rod, stage.base, strains, &mut stage.poses);
+        if !stage.passages.is_empty() {
+            // Cables without friction have their own tension everywhere.
+            for (tension, cable) in stage.passages.iter_mut().zip(rod.cables_of_passages()) {
+                *tension = tensions[cable];
+            }
+            for of in &*locked {
+                let now = length(rod, of.passage, of.cable, strains, &stage.poses);
+                stage.passages[of.passage] = of.tension + (now - of.length) / of.yielding;
+            }
+        }
         let scheme = Scheme { g: 0.0, inertia: 1.0, damping: 1.0, place: 1.0, conserves: false };
         stage.assemble(rod, &scheme, loads.gravity, *drag, false);
         let mut accelerations = vec![Twist::default(); rod.nodes.len()];

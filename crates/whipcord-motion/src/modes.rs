@@ -8,7 +8,6 @@ use crate::block::dot;
 use crate::contacts::Contacts;
 use crate::element::POINTS;
 use crate::iteration::Solver;
-use crate::lengths::Lengths;
 use crate::loads::NodeLoads;
 use crate::pose;
 use crate::rod::Rod;
@@ -109,17 +108,17 @@ fn product(a: &[Twist], b: &[Twist]) -> f64 {
     a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
 }
 
-/// The lowest modes about the strains and tensions in a solver, by subspace iteration; `held` are the cables whose lengths are held and that are
-/// taut, and what `contacts` has touches and stays where it does. `None` where the stiffness is singular or the iteration does not converge.
+/// The lowest modes about the strains and tensions in a solver, by subspace iteration; `held` are the cables and pieces of cables whose lengths are held and that are
+/// taut, each with what a tension of 1 N exerts and with its compliance, and what `contacts` has touches and stays where it does. `None` where the stiffness is singular or the iteration does not converge.
 pub(crate) fn find(
     rod: &Rod,
     loads: &NodeLoads,
     solver: &Solver,
-    held: &[usize],
+    held: Vec<(Vec<Twist>, f64)>,
     mut contacts: Contacts,
     count: usize,
 ) -> Option<Vec<Mode>> {
-    /// What a held contact yields of itself, as a part of what the robot does: several of one disk may depend on one another.
+    /// What a held contact, or a rigid cable, yields of itself, as a part of what the robot does: several of one disk may depend on one another.
     const SHARING: f64 = 1e-9;
     /// A squared frequency of a free robot that counts as 0, as a part of the shift.
     const ROUNDING: f64 = 1e-6;
@@ -142,8 +141,7 @@ pub(crate) fn find(
     contacts.refresh(rod, &scheme, stage);
     contacts.add_stiffness(rod, stage);
     stage.matrix.factor().ok()?;
-    let mut columns: Vec<Vec<Twist>> =
-        held.iter().map(|&cable| Lengths::pull(rod, &system.stage, cable)).collect();
+    let (mut columns, compliances): (Vec<Vec<Twist>>, Vec<f64>) = held.into_iter().unzip();
     for (k, contact) in contacts.list.iter().enumerate() {
         for line in 0..contact.lines() {
             let list = || vec![Twist::default(); rod.nodes.len()];
@@ -164,7 +162,8 @@ pub(crate) fn find(
             matrix[i * n + j] = product(&system.held[i].0, &system.held[j].1);
         }
         let own = &mut matrix[i * n + i];
-        *own += held.get(i).map_or(SHARING * *own, |&cable| rod.cables[cable].compliance);
+        // Pieces of rigid cables may hold the robot as contacts do.
+        *own += compliances.get(i).copied().filter(|of| *of > 0.0).unwrap_or(SHARING * *own);
     }
     system.lu.factor(n, &matrix).ok()?;
     let modes = iterate(&system, count)?;

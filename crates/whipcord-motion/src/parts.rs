@@ -5,6 +5,7 @@ use crate::commands::{CableDrive, Commands};
 use crate::drives::MotorWork;
 use crate::energy::{Power, energies};
 use crate::error::MotionError;
+use crate::friction::Friction;
 use crate::impact::PARTS;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::lengths::Lengths;
@@ -25,6 +26,8 @@ const HALVINGS_FOR_ENERGY: i32 = 3;
 const AFTER_IMPACT: usize = 2;
 /// So often a step is repeated with contacts that were not looked for before.
 const MOST_ROUNDS: usize = 6;
+/// Halvings from which on a part without an answer is taken without friction at its contacts.
+const HALVINGS_WITH_FRICTION: i32 = 8;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
 
@@ -48,6 +51,7 @@ impl Simulation {
         taken: &mut dyn FnMut(&State, f64, bool),
     ) -> Result<(), MotionError> {
         let total = goal - self.state.time;
+        self.solver.contacts.is_frictionless = false;
         if self.has_jumped(commands) {
             self.state.has_rates = false;
             self.state.without_rates = 0;
@@ -75,6 +79,8 @@ impl Simulation {
                     taken(&self.state, h, !cold);
                     self.next.diagnostics.error += error;
                     self.next.diagnostics.parts += 1;
+                    let slid = core::mem::take(&mut self.solver.contacts.is_frictionless);
+                    self.next.diagnostics.frictionless_parts += usize::from(slid);
                     core::mem::swap(&mut self.state, &mut self.next);
                     cold = false;
                     // A longer part next, where this one was much better than needed.
@@ -85,6 +91,15 @@ impl Simulation {
                 }
                 Err(_) if !cold => {
                     cold = true;
+                    continue;
+                }
+                Err(_)
+                    if halvings >= HALVINGS_WITH_FRICTION
+                        && !self.solver.contacts.is_frictionless
+                        && self.solver.contacts.have_friction() =>
+                {
+                    self.solver.contacts.is_frictionless = true;
+                    cold = false;
                     continue;
                 }
                 Ok(Attempt { error, .. }) if halvings >= MOST_HALVINGS => {
@@ -105,6 +120,7 @@ impl Simulation {
                 }
                 _ => {}
             }
+            self.solver.contacts.is_frictionless = false;
             cold = false;
             halvings += 1;
         }
@@ -309,6 +325,19 @@ impl Simulation {
     /// Puts the holes where the state before a step has them, and gives them their commands.
     fn begin_friction(&mut self, commands: &Commands, time: f64, end: f64) {
         let Some(mut friction) = self.solver.friction.take() else { return };
+        self.command_holes(commands, &mut friction, (time, end));
+        self.solver.stage.passages.clear();
+        self.solver.stage.passages.extend_from_slice(friction.holes.tensions());
+        self.solver.friction = Some(friction);
+    }
+
+    /// Puts holes where the state has them, with tensions as they are at one time and lengths as they are at another.
+    pub(crate) fn command_holes(
+        &self,
+        commands: &Commands,
+        friction: &mut Friction,
+        (time, end): (f64, f64),
+    ) {
         friction.holes.go_back_to(&self.state.holes);
         for i in 0..self.rod.cables.len() {
             if self.is_by_length(commands, i) {
@@ -321,9 +350,6 @@ impl Simulation {
                 friction.holes.command_tension(i, tension);
             }
         }
-        self.solver.stage.passages.clear();
-        self.solver.stage.passages.extend_from_slice(friction.holes.tensions());
-        self.solver.friction = Some(friction);
     }
 
     /// Writes what the holes remember of a step that is solved, and counts what friction took: the drives have given it beside what the rod got.

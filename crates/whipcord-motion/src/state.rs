@@ -63,6 +63,8 @@ pub struct StepDiagnostics {
     pub method: Method,
     /// Parts into which the step was divided.
     pub parts: usize,
+    /// Parts of these, of a few millionths of a second, in which contacts slid without friction since the part had no answer with it: several contacts can jam.
+    pub frictionless_parts: usize,
     /// Iterations of all stages.
     pub iterations: usize,
     /// Factorisations of the linear system.

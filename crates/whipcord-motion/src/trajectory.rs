@@ -20,6 +20,8 @@ pub struct Trajectory {
     pub iterations: usize,
     /// Parts into which all steps together were divided; as many as there were steps where none had to be.
     pub parts: usize,
+    /// Parts of these in which contacts slid without friction, since the part had no answer with it.
+    pub frictionless_parts: usize,
     /// Steps that were asked for.
     pub steps: usize,
     /// The greatest error in m of a step, as estimated; zero where no tolerance is given.
@@ -71,6 +73,7 @@ impl Simulation {
                 let diagnostics = self.step(commands, dt)?.diagnostics;
                 trajectory.iterations += diagnostics.iterations;
                 trajectory.parts += diagnostics.parts;
+                trajectory.frictionless_parts += diagnostics.frictionless_parts;
                 trajectory.steps += 1;
                 trajectory.greatest_error = trajectory.greatest_error.max(diagnostics.error);
             }

@@ -406,6 +406,7 @@ pub fn motion(py: Python<'_>, error: &MotionError) -> PyErr {
         | MotionError::Tolerance { time, .. } => failed(Some(*time)),
         MotionError::Unbalanced { .. }
         | MotionError::NoModes
+        | MotionError::Sliding { .. }
         | MotionError::Overlap { .. }
         | MotionError::MotorOverload { .. } => failed(None),
     }

@@ -31,6 +31,7 @@ pub fn motion_json(
         "version": env!("CARGO_PKG_VERSION"),
         "steps": trajectory.steps,
         "parts": trajectory.parts,
+        "frictionless_parts": trajectory.frictionless_parts,
         "iterations": trajectory.iterations,
         "estimated_error": number(|| "estimated_error".to_owned(), trajectory.greatest_error)?,
         "states": states,

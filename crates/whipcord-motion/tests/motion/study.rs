@@ -225,6 +225,8 @@ struct Tally {
     depth: (f64, u64, f64),
     /// Steps that ended in contact.
     touching: usize,
+    /// Parts of steps in which contacts slid without friction.
+    frictionless: usize,
 }
 
 fn run(seed: u64, is_obstructed: bool, tally: &mut Tally) {
@@ -251,6 +253,7 @@ fn run(seed: u64, is_obstructed: bool, tally: &mut Tally) {
                 Ok(state) => {
                     tally.steps += 1;
                     parts += state.diagnostics.parts - 1;
+                    tally.frictionless += state.diagnostics.frictionless_parts;
                     let energy = state.energy;
                     given +=
                         (energy.cables - before.cables).abs() + (energy.loads - before.loads).abs();
@@ -300,8 +303,8 @@ fn report(count: u64, first: u64, is_obstructed: bool) -> Tally {
         tally.gain.2
     );
     println!(
-        "{} steps in contact; deepest overlap {:.1e} of the length (robot {}, {} s)",
-        tally.touching, tally.depth.0, tally.depth.1, tally.depth.2
+        "{} steps in contact, {} parts without friction; deepest overlap {:.1e} of the length (robot {}, {} s)",
+        tally.touching, tally.frictionless, tally.depth.0, tally.depth.1, tally.depth.2
     );
     for (seed, dt, kind, error) in tally.failed.iter().take(30) {
         println!("robot {seed}, {dt} s, {kind}: {error}");
@@ -329,6 +332,17 @@ fn random_robots_move_among_obstacles() {
     let tally = report(16, 1, true);
     assert!(tally.failed.is_empty());
     assert!(tally.touching > 100 && tally.depth.0 < 1e-3 && tally.gain.0 < 0.3);
+}
+
+/// Robots of the study whose contacts have no answer with friction in some part of a step: it is taken without friction there, and no step fails.
+#[test]
+fn jammed_contacts_slide_for_a_moment() {
+    let mut tally = Tally::default();
+    for seed in [1246, 1666, 1749] {
+        run(seed, true, &mut tally);
+    }
+    println!("{} parts without friction", tally.frictionless);
+    assert!(tally.failed.is_empty(), "{:?}", tally.failed);
 }
 
 /// `COUNT=1000 cargo test --release -p whipcord-motion --test motion -- --ignored --nocapture study_among_obstacles`

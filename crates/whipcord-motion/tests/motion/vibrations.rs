@@ -1,9 +1,9 @@
 //! Natural vibrations and linearisation.
 
-use core::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use whipcord::{Case, Form, Loads, Obstacle, PointMass, Pose, UnitQuaternion, Vec3};
-use whipcord_motion::{Commands, Damping, Initial, MotionOptions, Simulation};
+use whipcord::{Cable, Case, Form, Loads, Obstacle, PointMass, Pose, UnitQuaternion, Vec3};
+use whipcord_motion::{Commands, Damping, Initial, MotionError, MotionOptions, Simulation};
 
 use super::robots::{helix, paper, rod, straight};
 
@@ -291,5 +291,60 @@ fn predicts(case: &Case, options: MotionOptions, told: f64) {
             case.obstacles.first().map(|of| of.friction),
             d[tip + k]
         );
+    }
+}
+
+/// Cables that stick in their holes hold their pieces: the vibrations are those that the steps of the motion have, and the linearisation is that of the equations.
+#[test]
+fn vibrations_with_cables_that_stick_are_those_of_the_motion() {
+    let rubs = |cable: Cable| Cable { friction: Some(0.4), axial_stiffness: Some(300.0), ..cable };
+    let robot = paper(vec![rubs(helix()), rubs(straight("side", 2.0, 0.008))]);
+    let gravity = Some(Vec3::new(9.81, 0.0, 0.0));
+    for model in MotionOptions::MODELS {
+        let case = Case {
+            loads: Loads { gravity, ..Loads::default() },
+            ..Case::with_tensions(&[0.0, 0.0])
+        };
+        let options =
+            MotionOptions { model, damping: Damping::Time(4e-3), ..MotionOptions::default() };
+        let mut damped = Simulation::new(&robot, &case, options.clone()).unwrap();
+        // While they are pulled the cables slide.
+        let commands = Commands::tensions(&[3.0, 2.0]);
+        damped.step(&commands, 1e-2).unwrap();
+        assert!(matches!(damped.modes(&commands, 1), Err(MotionError::Sliding { .. })));
+        assert!(matches!(damped.linearize(), Err(MotionError::Sliding { .. })));
+        for _ in 0..400 {
+            damped.step(&commands, 1e-2).unwrap();
+        }
+        let options = MotionOptions { damping: Damping::None, ..options };
+        let mut simulation = Simulation::new(&robot, &case, options).unwrap();
+        simulation.set_state(damped.state()).unwrap();
+        let mode = simulation.modes(&commands, 1).unwrap().remove(0);
+        let omega = mode.angular_frequency().unwrap();
+        let free = {
+            let slides = paper(vec![helix(), straight("side", 2.0, 0.008)]);
+            let case = Case { loads: case.loads.clone(), ..Case::with_tensions(&[3.0, 2.0]) };
+            let options = MotionOptions { model, ..MotionOptions::default() };
+            let mut free = Simulation::new(&slides, &case, options).unwrap();
+            free.modes(&commands, 1).unwrap().remove(0).angular_frequency().unwrap()
+        };
+        println!("{model}: {omega} rad/s, sliding without friction {free}");
+        assert!(omega > 1.02 * free, "{omega} {free}");
+        let linear = simulation.linearize().unwrap();
+        assert!(linear.b.iter().all(|entry| entry.abs() < 1e-6), "what sticks has no drive");
+        let mut state = simulation.state().clone();
+        for (velocity, shape) in state.velocities.iter_mut().zip(&mode.shape) {
+            *velocity = *shape * 1e-5;
+        }
+        simulation.set_state(&state).unwrap();
+        let period = TAU / omega;
+        for _ in 0..1600 {
+            simulation.step(&commands, period / 1600.0).unwrap();
+        }
+        let (start, end) =
+            (state.velocities.last().unwrap(), simulation.state().velocities.last().unwrap());
+        let change = (end.linear - start.linear).norm() / start.linear.norm();
+        println!("{model}: {change:e}");
+        assert!(change < 2e-3, "{model}: {change:e}");
     }
 }

@@ -86,6 +86,16 @@ impl HoleFriction {
         self.state.set_base(base);
     }
 
+    /// The passages whose pieces of cable stay in them however the robot moves a little, each with how far it gives in m/N, at these angles in rad in the near holes of all passages
+    /// and the tensions that are remembered. `None` where a cable slides in a hole or is about to: its tensions then change with the angles, on one side alone.
+    #[must_use]
+    pub fn locked(&self, turns: &[f64]) -> Option<Vec<(usize, f64)>> {
+        let mut locked = Vec::new();
+        let lock = |passage: usize, yielding: f64| locked.push((passage, yielding));
+        self.holes.lock(&self.commands, turns, self.state.history(), lock).ok()?;
+        Some(locked)
+    }
+
     /// Takes over lengths in m and angles in rad of the passages, where the cables turn in the near holes of these: what the equations of the holes leave, as a part of the
     /// length of the robot.
     pub fn assess(&mut self, lengths: &[f64], turns: &[f64]) -> f64 {
