@@ -210,3 +210,27 @@ def test_motions_have_the_gradients_of_their_steps() -> None:
     expected = plain.pull_back(commands, **seeds).command
     for gradient in (jax.grad(number), jax.jit(jax.grad(number)), jax.vmap(jax.grad(number))):
         np.testing.assert_allclose(gradient(commands), expected, rtol=1e-12, atol=1e-14)
+
+
+def test_motions_have_changes_along_a_direction() -> None:
+    plain = whipcord.Motions(whipcord.load("examples/released-arm.toml"), "5 ms", initial="rest")
+    motions = whipcord.jax.Motions(plain)
+    random = np.random.default_rng(6)
+    commands, along = random.uniform(0.5, 1.5, (2, 3, 4, 2))
+    expected = plain.push_forward(commands, command=along)
+    for push in (jax.jvp, jax.jit(jax.jvp, static_argnums=0)):
+        motion, change = push(motions, (commands,), (along,))
+        assert np.array_equal(motion.position, plain(commands).position)
+        for name in ("position", "velocity", "strain"):
+            np.testing.assert_allclose(getattr(change, name), getattr(expected, name), rtol=1e-12, atol=1e-15)
+        assert not change.tension.any() and not change.length.any()
+    forward = jax.jacfwd(lambda given: motions(given).tip[-1])(commands[0])
+    reverse = jax.jacrev(lambda given: motions(given).tip[-1])(commands[0])
+    np.testing.assert_allclose(forward, reverse, rtol=1e-9, atol=1e-14)
+    # Where one of both is not mapped.
+    for of in (jax.vmap(motions.__call__), motions):
+        _, change = jax.jvp(lambda given: of(given).position, (commands,), (along,))
+        np.testing.assert_allclose(change, expected.position, rtol=1e-12, atol=1e-15)
+    one = jax.vmap(lambda given: jax.jvp(motions, (jnp.asarray(commands[0]),), (given,))[1].position)(along)
+    many = plain.push_forward(np.broadcast_to(commands[0], along.shape), command=along).position
+    np.testing.assert_allclose(one, many, rtol=1e-12, atol=1e-15)

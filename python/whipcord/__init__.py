@@ -72,7 +72,7 @@ from .robot import (
     SectionStiffness,
 )
 from .scoring import CaseScore, Measures, ModelScore, RowScore, Score, score
-from .motions import MotionBatch, MotionGradient, Motions
+from .motions import MotionBatch, MotionChange, MotionGradient, Motions
 from .simulating import Linearized, Modes, Motion, Simulation, State
 from .solution import (
     Branches,
@@ -169,6 +169,7 @@ __all__ = [
     "Motion",
     "MotionBatch",
     "MotionError",
+    "MotionChange",
     "MotionGradient",
     "Motions",
     "Motor",

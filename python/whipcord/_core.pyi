@@ -261,6 +261,14 @@ class Motions:
         strain: _Array,
         threads: int | None = None,
     ) -> tuple[dict[str, Any], _FailedRows]: ...
+    def tangent(
+        self,
+        actuation: str,
+        commands: _Array,
+        changes: _Array,
+        factors: _Array,
+        threads: int | None = None,
+    ) -> tuple[dict[str, Any], _FailedRows]: ...
 
 @final
 class Board:

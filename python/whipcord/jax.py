@@ -1,7 +1,7 @@
 """The solve as a differentiable function for JAX.
 
 Its gradients are the exact derivatives of the answer, not differences. It goes through ``jax.jit``, ``jax.vmap`` and
-reverse differentiation of first order (``jax.grad``, ``jax.vjp``, ``jax.jacrev``); the mechanics run on the processor. Needs
+reverse differentiation of first order (``jax.grad``, ``jax.vjp``, ``jax.jacrev``), motions through forward differentiation as well (``jax.jvp``, ``jax.jacfwd``); the mechanics run on the processor. Needs
 the package jax (``pip install "whipcord[jax]"``) and its 64-bit mode.
 
 >>> import jax
@@ -29,6 +29,8 @@ import numpy.typing as npt
 try:
     import jax
     import jax.numpy as jnp
+    from jax.extend.core import Primitive
+    from jax.interpreters import ad, batching, mlir
 except ImportError as error:
     raise ImportError('whipcord.jax needs the package jax: pip install "whipcord[jax]"') from error
 
@@ -151,6 +153,13 @@ class Motions:
     >>> slope = jax.grad(lambda tension: motions(tension).tip[-1, 0])(jnp.full((10, 2), 1.0))
     >>> slope.shape
     (10, 2)
+
+    Along one direction, here of the second cable, by forward differentiation:
+
+    >>> tension, direction = jnp.full((10, 2), 1.0), jnp.zeros((10, 2)).at[:, 1].set(1.0)
+    >>> motion, change = jax.jvp(motions, (tension,), (direction,))
+    >>> change.tip.shape
+    (11, 3)
     """
 
     def __init__(self, motions: whipcord.Motions) -> None:
@@ -178,7 +187,7 @@ def _commands(commands: Any) -> jax.Array:
     return jnp.asarray(commands, dtype=jnp.float64)
 
 
-@partial(jax.custom_vjp, nondiff_argnums=(0,))
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
 def _move(motions: whipcord.Motions, commands: jax.Array) -> Any:
     def simulate(given: Any) -> Any:
         found = motions(given)
@@ -187,23 +196,71 @@ def _move(motions: whipcord.Motions, commands: jax.Array) -> Any:
     return _ask(simulate, tuple(map(_floats, motions.shapes(commands.shape[-2]))), commands)
 
 
-def _forward_motion(motions: whipcord.Motions, commands: jax.Array) -> Any:
-    return _move(motions, commands), commands
+@_move.defjvp
+def _change_of_motion(motions: whipcord.Motions, commands: Any, changes: Any) -> Any:
+    answer = _move(motions, *commands)
+    # Tensions and lengths have no derivatives.
+    still = [jnp.zeros_like(of) for of in answer[3:]]
+    return answer, (*_push_p.bind(*commands, *changes, motions=motions), *still)
 
 
-def _backward_motion(motions: whipcord.Motions, commands: jax.Array, weights: Any) -> Any:
-    def pull_back(given: Any, position: Any, velocity: Any, strain: Any) -> Any:
-        arrays = [np.asarray(array) for array in (given, position, velocity, strain)]
-        # What is not mapped has one row where the others have many.
-        inner = (2, 3, 3, 3)
-        lead = np.broadcast_shapes(*(array.shape[: array.ndim - k] for array, k in zip(arrays, inner)))
-        whole = [np.broadcast_to(a, (*lead, *a.shape[a.ndim - k :])) for a, k in zip(arrays, inner)]
-        return motions.pull_back(whole[0], position=whole[1], velocity=whole[2], strain=whole[3]).command
-
-    return (_ask(pull_back, _floats(commands.shape), commands, *weights[:3]),)
+# What a motion changes by, for commands and their changes, and its transpose: derivatives by the commands, for these and the derivatives by the motion. Both are primitives,
+# linear in what follows the commands, and take any leading dimensions; so forward and reverse differentiation go through the same rule.
+_push_p = Primitive("whipcord_motion_push_forward")
+_push_p.multiple_results = True
+_pull_p = Primitive("whipcord_motion_pull_back")
 
 
-_move.defvjp(_forward_motion, _backward_motion)
+def _push(commands: jax.Array, changes: jax.Array, *, motions: whipcord.Motions) -> Any:
+    def push(given: Any, along: Any) -> Any:
+        found = motions.push_forward(np.asarray(given), command=np.asarray(along))
+        return found.position, found.velocity, found.strain
+
+    return jax.pure_callback(push, _of_motion(motions, commands.shape), commands, changes)
+
+
+def _pull(commands: jax.Array, *weights: jax.Array, motions: whipcord.Motions) -> jax.Array:
+    def pull(given: Any, *by: Any) -> Any:
+        position, velocity, strain = (np.asarray(of) for of in by)
+        return motions.pull_back(np.asarray(given), position=position, velocity=velocity, strain=strain).command
+
+    found: jax.Array = jax.pure_callback(pull, _floats(commands.shape), commands, *weights)
+    return found
+
+
+def _of_motion(motions: whipcord.Motions, shape: tuple[int, ...]) -> list[Any]:
+    """Position, velocity and strain of a motion under commands of this shape."""
+    *lead, steps, _ = shape
+    return [_floats((*lead, *of)) for of in motions.shapes(steps)[:3]]
+
+
+def _batched(primitive: Any, args: Any, dims: Any, **parameters: Any) -> Any:
+    size = next(of.shape[dim] for of, dim in zip(args, dims) if dim is not None)
+
+    def moved(of: Any, dim: Any) -> Any:
+        return jnp.broadcast_to(of, (size, *of.shape)) if dim is None else jnp.moveaxis(of, dim, 0)
+
+    found = primitive.bind(*map(moved, args, dims), **parameters)
+    return found, [0] * len(found) if primitive.multiple_results else 0
+
+
+def _abstract(of: Any) -> Any:
+    return jax.core.ShapedArray(of.shape, of.dtype)
+
+
+def _push_transposed(weights: Any, commands: Any, changes: Any, *, motions: whipcord.Motions) -> Any:
+    shapes = _of_motion(motions, commands.shape)
+    whole = [jnp.zeros(of.shape) if isinstance(by, ad.Zero) else by for of, by in zip(shapes, weights)]
+    return None, _pull_p.bind(commands, *whole, motions=motions)
+
+
+for _primitive, _work in ((_push_p, _push), (_pull_p, _pull)):
+    _primitive.def_impl(_work)
+    batching.primitive_batchers[_primitive] = partial(_batched, _primitive)
+    mlir.register_lowering(_primitive, mlir.lower_fun(_work, multiple_results=_primitive.multiple_results))
+_push_p.def_abstract_eval(lambda commands, _, *, motions: [*map(_abstract, _of_motion(motions, commands.shape))])
+_pull_p.def_abstract_eval(lambda commands, *_, motions: _abstract(commands))
+ad.primitive_transposes[_push_p] = _push_transposed
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))

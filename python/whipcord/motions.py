@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .case import Case
     from .robot import Damping
 
-__all__ = ["MotionBatch", "MotionGradient", "Motions"]
+__all__ = ["MotionBatch", "MotionChange", "MotionGradient", "Motions"]
 
 Array = npt.NDArray[np.float64]
 Actuation = Literal["tension", "shortening", "motors"]
@@ -77,10 +77,33 @@ class MotionGradient:
         return f"<MotionGradient by commands {self.command.shape}>"
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionChange:
+    """What each motion changes by along a direction, with a row for each state."""
+
+    position: Array
+    """(..., N + 1, n, 3) of the positions of the nodes in m, in the world."""
+    turn: Array
+    """(..., N + 1, n, 3) turns of the nodes in rad about the axes of the world."""
+    velocity: Array
+    """(..., N + 1, n, 6) of the velocities of the nodes in their own frames."""
+    strain: Array
+    """(..., N + 1, q, 6) of the strains."""
+
+    @property
+    def tip(self) -> Array:
+        """(..., N + 1, 3) of the position of the tip in m."""
+        return self.position[..., -1, :]
+
+    def __repr__(self) -> str:
+        return f"<MotionChange of positions {self.position.shape}>"
+
+
 class Motions:
     """How a robot moves as a function of its commands, which are constant in each step: many motions at once, on all cores, and their gradients.
 
-    Gradients are those of the computed motion, by the transposed equations of its steps, not by differences (:doc:`/theory/motion`).
+    Gradients are those of the computed motion, by the transposed equations of its steps, not by differences (:doc:`/theory/motion`):
+    :meth:`pull_back` for one number and all commands, :meth:`push_forward` for one direction and all that moves.
     :class:`whipcord.jax.Motions` and ``whipcord.torch.Motions`` are the same as differentiable functions.
 
     Parameters
@@ -92,8 +115,7 @@ class Motions:
     actuation
         ``"tension"`` in N, ``"shortening"`` in m, or ``"motors"`` in rad or m: what the commands are.
     method
-        ``"accurate"`` or ``"robust"``; steps with cables that are driven by their lengths are taken by ``"robust"``. ``"energy"`` has
-        motions but no gradients.
+        ``"accurate"``, ``"energy"`` or ``"robust"``; steps with cables that are driven by their lengths are taken by ``"robust"``.
     model, initial, elements, damping, drag, base, loads
         As for :meth:`whipcord.Case.simulate`; courses over time are values or rows.
 
@@ -240,6 +262,51 @@ class Motions:
         if failed and on_failure == "raise":
             raise failed[0][1]
         return MotionGradient(**{name: value.reshape((*lead, *value.shape[1:])) for name, value in found.items()})
+
+    def push_forward(
+        self,
+        commands: npt.ArrayLike,
+        *,
+        command: npt.ArrayLike | None = None,
+        stiffness: npt.ArrayLike = 0.0,
+        damping: npt.ArrayLike = 0.0,
+        mass: npt.ArrayLike = 0.0,
+        threads: int | None = None,
+        on_failure: Literal["raise", "flag"] = "raise",
+    ) -> MotionChange:
+        """What each motion changes by along a direction: the Jacobian-vector product, of which :meth:`pull_back` is the transpose.
+
+        Parameters
+        ----------
+        commands
+            As for a call.
+        command
+            (..., N, c) or (..., N, m) changes of the commands; zero by default.
+        stiffness
+            (...) change of a factor on the stiffness of the backbone.
+        damping
+            (...) change of a factor on its damping.
+        mass
+            (...) change of a factor on all masses.
+        threads
+            How many threads; by default as many as there are cores.
+        on_failure
+            ``"raise"`` the error of the first motion that fails, or give it zeros where it is ``"flag"``.
+        """
+        values, lead = self._flat(commands)
+        changes = np.zeros_like(values)
+        if command is not None:
+            given = np.asarray(command, dtype=np.float64)
+            shape = (*lead, *values.shape[1:])
+            if given.shape != shape:
+                raise InputError(f"command must have the shape {shape}, but has {given.shape}", path="command")
+            changes = np.ascontiguousarray(given.reshape(values.shape))
+        factors = [np.broadcast_to(np.asarray(of, dtype=np.float64), lead).ravel() for of in (stiffness, damping, mass)]
+        direction = np.ascontiguousarray(np.stack(factors, axis=-1))
+        found, failed = self._inner.tangent(self._actuation, values, changes, direction, _threads(threads))
+        if failed and on_failure == "raise":
+            raise failed[0][1]
+        return MotionChange(**{name: value.reshape((*lead, *value.shape[1:])) for name, value in found.items()})
 
     def _flat(self, commands: npt.ArrayLike) -> tuple[Array, tuple[int, ...]]:
         """Commands as rows of motions, and the leading dimensions."""

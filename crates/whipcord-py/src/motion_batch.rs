@@ -3,11 +3,13 @@
 use core::num::NonZero;
 use std::sync::Arc;
 
-use numpy::{PyReadonlyArray3, PyReadonlyArray4};
+use numpy::{PyReadonlyArray2, PyReadonlyArray3, PyReadonlyArray4};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::{Twist, Vec3, jobs};
-use whipcord_motion::{CableDrive, Commands, Course, Gradient, MotionError, Seed, Simulation};
+use whipcord_motion::{
+    CableDrive, Commands, Course, Factors, Gradient, MotionError, Seed, Simulation,
+};
 
 use crate::convert::{array, flat, twist};
 use crate::errors;
@@ -74,6 +76,13 @@ impl Actuation {
         match self {
             Self::Tension | Self::Shortening => &gradient.cables,
             Self::Motors => &gradient.motors,
+        }
+    }
+
+    fn of_mut(self, direction: &mut Gradient) -> &mut Vec<Vec<f64>> {
+        match self {
+            Self::Tension | Self::Shortening => &mut direction.cables,
+            Self::Motors => &mut direction.motors,
         }
     }
 }
@@ -333,6 +342,73 @@ impl Motions {
         for (name, of) in ["stiffness", "damping", "mass"].into_iter().zip(factors) {
             values.set_item(name, array(py, of, [rows])?)?;
         }
+        Ok((values, failed))
+    }
+    /// What positions, turns, velocities and strains change by, for changes (rows, steps, cables or motors) of the commands and (rows, 3) of factors on stiffness, damping and
+    /// mass. Rows that fail have zeros.
+    #[pyo3(signature = (actuation, commands, changes, factors, threads = None))]
+    fn tangent<'py>(
+        &self,
+        py: Python<'py>,
+        actuation: &str,
+        commands: Given<'py>,
+        changes: Given<'py>,
+        factors: PyReadonlyArray2<'py, f64>,
+        threads: Option<usize>,
+    ) -> PyResult<Found<'py>> {
+        let asked = self.asked(py, actuation, &commands, threads)?;
+        let (rows, steps, width, actuation) =
+            (asked.rows, asked.steps, asked.width, asked.actuation);
+        let (changes, factors) = (changes.as_array().to_owned(), factors.as_array().to_owned());
+        for (name, shape, expected) in [
+            ("command", changes.shape(), &[rows, steps, width][..]),
+            ("factors", factors.shape(), &[rows, 3]),
+        ] {
+            if shape != expected {
+                let message = format!("{name} must have the shape {expected:?}, but has {shape:?}");
+                return Err(errors::input(py, name, message));
+            }
+        }
+        let start = self.start.state();
+        let (nodes, points) = (start.poses.len(), start.strains.len());
+        let dt = self.dt;
+        let found = self.each(py, asked, move |simulation, commands, row| {
+            let record = simulation.record(commands, dt)?;
+            let step = |k: usize| (0..width).map(|i| changes[[row, k, i]]).collect();
+            let told: Vec<Vec<f64>> = (0..steps).map(step).collect();
+            let [stiffness, damping, mass] = [0, 1, 2].map(|k| factors[[row, k]]);
+            let mut direction =
+                Gradient { factors: Factors { stiffness, damping, mass }, ..Gradient::default() };
+            *actuation.of_mut(&mut direction) = told;
+            simulation.tangent(&record, &direction)
+        })?;
+        if found.len() < rows {
+            return Err(errors::timed_out(py, "the changes were ended".to_owned(), None));
+        }
+        let states = steps + 1;
+        let widths = [3 * nodes, 3 * nodes, 6 * nodes, 6 * points];
+        let (mut failed, mut of): (_, [Vec<f64>; 4]) = (Vec::new(), Default::default());
+        for (row, result) in found.into_iter().enumerate() {
+            let all = result.unwrap_or_else(|error| {
+                failed.push((row, errors::motion(py, &error)));
+                Vec::new()
+            });
+            for change in all {
+                of[0].extend(flat(change.positions.into_iter()));
+                of[1].extend(flat(change.turns.into_iter()));
+                of[2].extend(change.velocities.iter().flat_map(|of| twist(*of)));
+                of[3].extend(change.strains.iter().flat_map(|of| twist(*of)));
+            }
+            for (of, width) in of.iter_mut().zip(widths) {
+                of.resize((row + 1) * states * width, 0.0);
+            }
+        }
+        let [position, turn, velocity, strain] = of;
+        let values = PyDict::new(py);
+        values.set_item("position", array(py, position, [rows, states, nodes, 3])?)?;
+        values.set_item("turn", array(py, turn, [rows, states, nodes, 3])?)?;
+        values.set_item("velocity", array(py, velocity, [rows, states, nodes, 6])?)?;
+        values.set_item("strain", array(py, strain, [rows, states, points, 6])?)?;
         Ok((values, failed))
     }
 }

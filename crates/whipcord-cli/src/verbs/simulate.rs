@@ -155,6 +155,10 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
     let (divided, steps) = (trajectory.parts > trajectory.steps, trajectory.steps);
     let parts = if divided { format!(" in {} parts", trajectory.parts) } else { String::new() };
     line("time", format!("{} s, {steps} steps{parts}", number(last.time, 4)));
+    if trajectory.frictionless_parts > 0 {
+        let number = trajectory.frictionless_parts;
+        line("contact", format!("{number} parts without friction, which had no answer with it"));
+    }
     line("start", vector(first.tip().position));
     line("end", vector(last.tip().position));
     let farthest = trajectory
