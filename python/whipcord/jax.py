@@ -1,7 +1,8 @@
 """The solve as a differentiable function for JAX.
 
 Its gradients are the exact derivatives of the answer, not differences. It goes through ``jax.jit``, ``jax.vmap`` and
-reverse differentiation of first order (``jax.grad``, ``jax.vjp``, ``jax.jacrev``), motions through forward differentiation as well (``jax.jvp``, ``jax.jacfwd``); the mechanics run on the processor. Needs
+reverse differentiation of first order (``jax.grad``, ``jax.vjp``, ``jax.jacrev``), motions through forward
+differentiation as well (``jax.jvp``, ``jax.jacfwd``); the mechanics run on the processor. Needs
 the package jax (``pip install "whipcord[jax]"``) and its 64-bit mode.
 
 >>> import jax
@@ -201,11 +202,12 @@ def _change_of_motion(motions: whipcord.Motions, commands: Any, changes: Any) ->
     answer = _move(motions, *commands)
     # Tensions and lengths have no derivatives.
     still = [jnp.zeros_like(of) for of in answer[3:]]
-    return answer, (*_push_p.bind(*commands, *changes, motions=motions), *still)
+    return answer, (*_push_p.bind(*commands, *changes, motions=motions), *still)  # type: ignore[no-untyped-call]
 
 
-# What a motion changes by, for commands and their changes, and its transpose: derivatives by the commands, for these and the derivatives by the motion. Both are primitives,
-# linear in what follows the commands, and take any leading dimensions; so forward and reverse differentiation go through the same rule.
+# What a motion changes by, for commands and their changes, and its transpose: derivatives by the commands, for these
+# and the derivatives by the motion. Both are primitives, linear in what follows the commands, and take any leading
+# dimensions; so forward and reverse differentiation go through the same rule.
 _push_p = Primitive("whipcord_motion_push_forward")
 _push_p.multiple_results = True
 _pull_p = Primitive("whipcord_motion_pull_back")
@@ -251,15 +253,17 @@ def _abstract(of: Any) -> Any:
 def _push_transposed(weights: Any, commands: Any, changes: Any, *, motions: whipcord.Motions) -> Any:
     shapes = _of_motion(motions, commands.shape)
     whole = [jnp.zeros(of.shape) if isinstance(by, ad.Zero) else by for of, by in zip(shapes, weights)]
-    return None, _pull_p.bind(commands, *whole, motions=motions)
+    return None, _pull_p.bind(commands, *whole, motions=motions)  # type: ignore[no-untyped-call]
 
 
 for _primitive, _work in ((_push_p, _push), (_pull_p, _pull)):
-    _primitive.def_impl(_work)
+    _primitive.def_impl(_work)  # type: ignore[no-untyped-call]
     batching.primitive_batchers[_primitive] = partial(_batched, _primitive)
     mlir.register_lowering(_primitive, mlir.lower_fun(_work, multiple_results=_primitive.multiple_results))
-_push_p.def_abstract_eval(lambda commands, _, *, motions: [*map(_abstract, _of_motion(motions, commands.shape))])
-_pull_p.def_abstract_eval(lambda commands, *_, motions: _abstract(commands))
+_push_p.def_abstract_eval(  # type: ignore[no-untyped-call]
+    lambda commands, _, *, motions: [*map(_abstract, _of_motion(motions, commands.shape))]
+)
+_pull_p.def_abstract_eval(lambda commands, *_, motions: _abstract(commands))  # type: ignore[no-untyped-call]
 ad.primitive_transposes[_push_p] = _push_transposed
 
 
