@@ -10,6 +10,7 @@ use whipcord_numerics::least_squares::{
     NoResiduals, Options, Residuals, Status, Workspace, minimise,
 };
 
+use crate::budget::Budget;
 use crate::chebyshev;
 use crate::criteria::{Criteria, Terms};
 use crate::error::DesignError;
@@ -36,6 +37,8 @@ pub(crate) struct RefineOptions<'a> {
     pub rim: f64,
     /// What counts beside the distances.
     pub criteria: Option<&'a Criteria>,
+    /// What may be spent; the first residuals are those of an answer in any case.
+    pub budget: &'a Budget,
 }
 
 /// The first penalty of a cable beyond the rim, by its distance from there as a part of the rim: small, because the way along a rim is a circle, and a
@@ -47,6 +50,9 @@ const RIM: f64 = 1e-4;
 const ROUNDS: usize = 12;
 const FIRST_PENALTY: f64 = 10.0;
 const STEEPER: f64 = 5.0;
+
+/// Solves that a derivative by differences takes.
+const SOLVES_OF_A_DIFFERENCE: usize = 4;
 
 /// A problem of least squares from one start.
 pub(crate) struct Problem<'a> {
@@ -60,6 +66,7 @@ pub(crate) struct Problem<'a> {
     rim: f64,
     length: f64,
     criteria: Option<&'a Criteria>,
+    budget: &'a Budget,
     /// Of each constraint its multiplier by the penalty, in the method of multipliers, and the penalty.
     shifts: Vec<f64>,
     penalty: f64,
@@ -74,6 +81,8 @@ pub(crate) struct Problem<'a> {
     last: Option<Moved>,
     /// Cables with a course of so many nodes.
     courses: Vec<(usize, usize)>,
+    /// Whether the residuals of the present minimisation were asked for.
+    is_begun: bool,
 }
 
 /// How a minimisation ended.
@@ -89,6 +98,8 @@ pub enum Ending {
     Refused,
     /// A constraint could not be kept.
     Constraints,
+    /// The budget was spent.
+    Budget,
 }
 
 /// The robot and the cases with some values of the unknowns, and a model of each that is ready to be solved.
@@ -127,6 +138,7 @@ impl<'a> Problem<'a> {
             rim: options.rim,
             length: robot.backbone().length,
             criteria: options.criteria.filter(|criteria| !criteria.is_empty()),
+            budget: options.budget,
             shifts: Vec::new(),
             penalty: FIRST_PENALTY,
             rim_shifts: vec![0.0; courses.iter().map(|(_, nodes)| Self::stations(*nodes)).sum()],
@@ -135,6 +147,7 @@ impl<'a> Problem<'a> {
             answers: vec![None; goals.len()],
             last: None,
             courses,
+            is_begun: false,
         };
         if problem.criteria.is_some() {
             let start: Vec<f64> =
@@ -155,6 +168,7 @@ impl<'a> Problem<'a> {
         let mut before = [f64::INFINITY; 2];
         let mut workspace = Workspace::default();
         for round in 0..ROUNDS {
+            self.is_begun = false;
             let outcome = minimise(self, values, minimiser, &mut workspace)?;
             let terms = self.terms(values).map_err(NoResiduals::Refused)?;
             let beyond = self.beyond(values);
@@ -162,7 +176,11 @@ impl<'a> Problem<'a> {
                 terms.worst_violation(),
                 beyond.iter().copied().fold(f64::NEG_INFINITY, f64::max) - RIM,
             ];
-            if worst.iter().all(|worst| *worst <= 0.0) {
+            let is_kept = worst.iter().all(|worst| *worst <= 0.0);
+            if !outcome.status.is_converged() && self.budget.is_over() {
+                return Ok(Ending::Budget);
+            }
+            if is_kept {
                 return Ok(match outcome.status {
                     Status::IterationLimit => Ending::Steps,
                     Status::Stalled => Ending::Stalled,
@@ -172,6 +190,9 @@ impl<'a> Problem<'a> {
             }
             if round + 1 == ROUNDS {
                 break;
+            }
+            if self.budget.is_over() {
+                return Ok(Ending::Budget);
             }
             let kinds = [
                 (&mut self.shifts, &terms.violations, &mut self.penalty),
@@ -290,6 +311,8 @@ impl<'a> Problem<'a> {
             };
             solutions.push(solution?);
         }
+        let of_criteria = self.criteria.map_or(0, Criteria::effort);
+        self.budget.spend(solutions.len() + of_criteria);
         Ok(solutions)
     }
 
@@ -317,6 +340,10 @@ impl<'a> Problem<'a> {
             let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, &values)?;
             self.model.solve(&robot, &cases[goal])
         };
+        if self.budget.is_over() {
+            return Err(DesignError::Ended);
+        }
+        self.budget.spend(SOLVES_OF_A_DIFFERENCE);
         let difference = differentiate(moved, self.steps[unknown])?;
         Ok(self.goals[goal].points.iter().map(|(disk, _)| difference.disks[*disk].linear).collect())
     }
@@ -340,7 +367,7 @@ impl Problem<'_> {
         };
         // An answer whose derivatives do not exist, as where it buckles, may have differences.
         let rates = match criteria.rates(varied) {
-            Err(error @ DesignError::Solve(SolveError::Cancelled { .. })) => return Err(error),
+            Err(error) if error.is_cancelled() => return Err(error),
             rates => rates.unwrap_or_default(),
         };
         if let Some(rates) = &rates {
@@ -361,6 +388,9 @@ impl Problem<'_> {
             }
             if is_of_commands && !matches!(self.unknowns[column], Unknown::Tension { .. }) {
                 continue;
+            }
+            if self.budget.is_over() {
+                return Err(DesignError::Ended);
             }
             let step = self.steps[column];
             let mut side = |by: f64| -> Result<Vec<f64>, DesignError> {
@@ -393,6 +423,10 @@ impl Residuals for Problem<'_> {
     }
 
     fn residuals(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
+        if self.is_begun && self.budget.is_over() {
+            return Err(DesignError::Ended);
+        }
+        self.is_begun = true;
         let mut moved = self.prepared(unknowns)?;
         let solutions = self.solved(&mut moved)?;
         let mut row = 0;
@@ -419,6 +453,9 @@ impl Residuals for Problem<'_> {
     }
 
     fn jacobian(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
+        if self.budget.is_over() {
+            return Err(DesignError::Ended);
+        }
         let columns = self.unknowns.len();
         into.fill(0.0);
         // Those of the residuals, which were asked for these unknowns before.
@@ -434,6 +471,7 @@ impl Residuals for Problem<'_> {
                 goal.points.iter().map(|(disk, _)| Place::Disk(*disk)).collect();
             let derivatives: Option<Linearization> = match is_exact {
                 true => {
+                    self.budget.spend(1);
                     let (model, case) = (&mut moved.prepared[number], &moved.cases[number]);
                     let warm = self.answers[number].as_ref();
                     Some(model.solve_with_derivatives(case, warm, &self.parameters)?.1)

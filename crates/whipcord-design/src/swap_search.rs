@@ -2,6 +2,7 @@
 
 use whipcord::{Model, Robot, SolveError};
 
+use crate::budget::Budget;
 use crate::candidates::costs;
 use crate::choices::Choices;
 use crate::criteria::Criteria;
@@ -19,6 +20,7 @@ pub(crate) struct SwapSearch<'a> {
     pub criteria: Option<&'a Criteria>,
     /// Solves that may be spent on each goal.
     pub most_solves: usize,
+    pub budget: &'a Budget,
 }
 
 /// Where criteria are estimated first, so many of the best lists by the estimate are tried.
@@ -35,15 +37,17 @@ impl SwapSearch<'_> {
         let mut spent = 0;
         let mut best: Option<Found> = None;
         let mut refusal: Option<SolveError> = None;
-        for start in starts {
-            let (first, reason) =
-                self.costs(core::slice::from_ref(start), f64::INFINITY, &mut spent)?;
-            refusal = refusal.or(reason);
-            let found = self.descend(start.clone(), first[0], &mut spent)?;
+        // The nearest first, as the budget may not suffice for all.
+        let (firsts, reason) = self.costs(starts, f64::INFINITY, &mut spent)?;
+        refusal = refusal.or(reason);
+        let mut order: Vec<usize> = (0..starts.len()).collect();
+        order.sort_by(|a, b| firsts[*a].total_cmp(&firsts[*b]));
+        for start in order {
+            let found = self.descend(starts[start].clone(), firsts[start], &mut spent)?;
             if best.as_ref().is_none_or(|best| found.cost < best.cost) {
                 best = Some(found);
             }
-            if spent >= self.most_solves {
+            if spent >= self.most_solves || self.budget.is_over() {
                 break;
             }
         }
@@ -71,7 +75,8 @@ impl SwapSearch<'_> {
         spent: &mut usize,
     ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
         *spent += lists.len() * effort(criteria);
-        costs(self.model, self.robot, self.choices, (self.goals, criteria), lists, known)
+        let by = (known, self.budget);
+        costs(self.model, self.robot, self.choices, (self.goals, criteria), lists, by)
     }
 
     /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.
@@ -84,7 +89,7 @@ impl SwapSearch<'_> {
         let estimate = self.criteria.and_then(Criteria::estimate);
         // Whether every change was tried of the list that is left.
         let mut is_local = false;
-        while !is_local && *spent < self.most_solves {
+        while !is_local && *spent < self.most_solves && !self.budget.is_over() {
             let mut is_better = false;
             let mut is_complete = true;
             for width in [1, 2] {
@@ -105,6 +110,7 @@ impl SwapSearch<'_> {
                     is_complete = false;
                 }
                 let (costs, _) = self.costs(&changed, cost, spent)?;
+                is_complete &= !self.budget.is_over();
                 let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
                 if let Some((number, &lower)) = best
                     && lower < cost * (1.0 - 1e-9)

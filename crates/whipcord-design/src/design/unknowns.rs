@@ -84,6 +84,7 @@ impl Work<'_> {
             seed: self.options.seed,
             rim: rim(&self.robot),
             criteria: Some(&self.criteria),
+            budget: self.budget,
         };
         refine(&self.model, &self.robot, &goals, &unknowns, &options)
     }
@@ -218,6 +219,7 @@ pub(super) fn known_of(refined: &Refined, iterations: usize) -> Known {
         Ending::Stalled => Unconverged::Stalled,
         Ending::Refused => Unconverged::Refused,
         Ending::Constraints => Unconverged::Constraints,
+        Ending::Budget => Unconverged::Budget,
     };
     Known::Unconverged { starts, reason }
 }
