@@ -105,6 +105,7 @@ fn needed(
         seed: options.seed,
         rim,
         criteria: None,
+        on_curves: None,
         budget,
     };
     let refined = refine(&model, &bare, core::slice::from_ref(&goal), &unknowns, &control)?;

@@ -34,6 +34,9 @@ const AGREE: f64 = 0.01;
 /// Starts but the first are each the best of so many, as these are compared by a solve each.
 const DRAWN: usize = 8;
 
+/// Steps by which tensions of several goals are fitted to what else was drawn before draws are compared.
+const TENSION_STEPS: usize = 4;
+
 /// A rest curvature bends the backbone by no more than this over its length, in rad.
 const LARGEST_TURN: f64 = 30.0;
 
@@ -159,9 +162,12 @@ fn start_values(
     let Some(other) = start.checked_sub(1) else { return given_values(unknowns) };
     let mut best: Option<(f64, Vec<f64>)> = None;
     for draw in 0..DRAWN {
-        let values = drawn_values(unknowns, other * DRAWN + draw, options);
+        let mut values = drawn_values(unknowns, other * DRAWN + draw, options);
         if draw > 0 && options.budget.is_over() {
             break;
+        }
+        if problem.cases().len() > 1 {
+            problem.fit_tensions(&mut values, unknowns, options, TENSION_STEPS);
         }
         let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {

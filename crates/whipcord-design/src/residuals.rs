@@ -1,5 +1,7 @@
 //! What least squares make small: distances of disks, cables beyond the rims, and criteria.
 
+use std::borrow::Cow;
+
 use whipcord::derivatives::Place;
 use whipcord::differences::differentiate;
 use whipcord::{
@@ -15,6 +17,7 @@ use crate::chebyshev;
 use crate::criteria::{Criteria, Terms};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
+use crate::problem::DesignGoal;
 use crate::unknown::{Unknown, Varied, applied, parameters};
 
 /// An unknown with its start and bounds.
@@ -37,6 +40,8 @@ pub(crate) struct RefineOptions<'a> {
     pub rim: f64,
     /// What counts beside the distances.
     pub criteria: Option<&'a Criteria>,
+    /// The goals where disks vary and some are curves: a disk that moves along the backbone is wanted elsewhere on the curve.
+    pub on_curves: Option<&'a [DesignGoal]>,
     /// What may be spent; the first residuals are those of an answer in any case.
     pub budget: &'a Budget,
 }
@@ -67,6 +72,7 @@ pub(crate) struct Problem<'a> {
     length: f64,
     criteria: Option<&'a Criteria>,
     budget: &'a Budget,
+    on_curves: Option<&'a [DesignGoal]>,
     /// Of each constraint its multiplier by the penalty, in the method of multipliers, and the penalty.
     shifts: Vec<f64>,
     penalty: f64,
@@ -139,6 +145,7 @@ impl<'a> Problem<'a> {
             length: robot.backbone().length,
             criteria: options.criteria.filter(|criteria| !criteria.is_empty()),
             budget: options.budget,
+            on_curves: options.on_curves,
             shifts: Vec::new(),
             penalty: FIRST_PENALTY,
             rim_shifts: vec![0.0; courses.iter().map(|(_, nodes)| Self::stations(*nodes)).sum()],
@@ -210,6 +217,50 @@ impl<'a> Problem<'a> {
             }
         }
         Ok(Ending::Constraints)
+    }
+
+    pub const fn cases(&self) -> &[Case] {
+        self.cases.as_slice()
+    }
+
+    /// Fits the tensions of all goals by so many steps, all else held; they stay as they are where the model has no answer.
+    pub fn fit_tensions(
+        &self,
+        values: &mut [f64],
+        unknowns: &[Bounded],
+        options: &RefineOptions<'a>,
+        steps: usize,
+    ) {
+        let is_tension = |of: &Bounded| matches!(of.unknown, Unknown::Tension { .. });
+        let places: Vec<usize> =
+            (0..unknowns.len()).filter(|k| is_tension(&unknowns[*k])).collect();
+        if places.is_empty() || places.len() == unknowns.len() {
+            return;
+        }
+        let Ok((robot, cases)) = applied(self.robot, &self.cases, &self.unknowns, values) else {
+            return;
+        };
+        let goals: Vec<ShapeGoal> = self
+            .goals
+            .iter()
+            .zip(cases)
+            .map(|(goal, case)| ShapeGoal { case, ..goal.clone() })
+            .collect();
+        let own: Vec<Bounded> = places.iter().map(|&k| unknowns[k]).collect();
+        let minimiser = Options {
+            lower: own.iter().map(|of| of.range[0]).collect(),
+            upper: own.iter().map(|of| of.range[1]).collect(),
+            iterations: steps,
+            ..Options::default()
+        };
+        let mut fitted: Vec<f64> = places.iter().map(|&k| values[k]).collect();
+        let options = RefineOptions { criteria: None, ..*options };
+        let Ok(mut problem) = Problem::new(&self.model, &robot, &goals, &own, &options) else {
+            return;
+        };
+        if minimise(&mut problem, &mut fitted, &minimiser, &mut Workspace::default()).is_ok() {
+            places.iter().zip(fitted).for_each(|(&k, value)| values[k] = value);
+        }
     }
 
     /// How far beyond the rim each station of the varied cables is, as a part of the rim; negative within.
@@ -321,7 +372,8 @@ impl<'a> Problem<'a> {
         self.answers.fill(None);
         let mut moved = self.prepared(values).ok()?;
         let solutions = self.solved(&mut moved).ok()?;
-        let goals = self.goals.iter().zip(&solutions);
+        let goals = self.wanted(&moved.robot).ok()?;
+        let goals = goals.iter().zip(&solutions);
         let cost = goals.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
         let Some(criteria) = self.criteria else { return Some(cost) };
         let more = criteria.cost(&moved.robot, &moved.cases, &solutions, f64::INFINITY).ok()?;
@@ -344,8 +396,33 @@ impl<'a> Problem<'a> {
             return Err(DesignError::Ended);
         }
         self.budget.spend(SOLVES_OF_A_DIFFERENCE);
-        let difference = differentiate(moved, self.steps[unknown])?;
-        Ok(self.goals[goal].points.iter().map(|(disk, _)| difference.disks[*disk].linear).collect())
+        let step = self.steps[unknown];
+        let difference = differentiate(moved, step)?;
+        let points = &self.goals[goal].points;
+        let mut rates: Vec<Vec3> =
+            points.iter().map(|(disk, _)| difference.disks[*disk].linear).collect();
+        if let (Some(goals), Unknown::DiskPosition { .. }) =
+            (self.on_curves, self.unknowns[unknown])
+        {
+            let side = |by: f64| -> Result<Vec<(usize, Vec3)>, DesignError> {
+                let mut values = values.to_vec();
+                values[unknown] += by;
+                let (robot, _) = applied(self.robot, &self.cases, &self.unknowns, &values)?;
+                goals[goal].points(&robot)
+            };
+            let (from, to) = (side(-step)?, side(step)?);
+            for (rate, ((_, from), (_, to))) in rates.iter_mut().zip(from.iter().zip(&to)) {
+                *rate = *rate - (*to - *from) * (0.5 / step);
+            }
+        }
+        Ok(rates)
+    }
+
+    /// The goals with the places that the disks of a robot are wanted at.
+    fn wanted(&self, robot: &Robot) -> Result<Cow<'a, [ShapeGoal]>, DesignError> {
+        let Some(goals) = self.on_curves else { return Ok(Cow::Borrowed(self.goals)) };
+        let goals = goals.iter().map(|goal| goal.shape_goal(robot));
+        Ok(Cow::Owned(goals.collect::<Result<_, _>>()?))
     }
 }
 
@@ -430,7 +507,7 @@ impl Residuals for Problem<'_> {
         let mut moved = self.prepared(unknowns)?;
         let solutions = self.solved(&mut moved)?;
         let mut row = 0;
-        for (goal, solution) in self.goals.iter().zip(&solutions) {
+        for (goal, solution) in self.wanted(&moved.robot)?.iter().zip(&solutions) {
             let factor = goal.weight.sqrt() / self.length;
             for (disk, point) in &goal.points {
                 let off = (solution.disks.poses[*disk].position - *point) * factor;

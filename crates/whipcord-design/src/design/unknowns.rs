@@ -9,7 +9,7 @@ use super::work::Work;
 use crate::chebyshev;
 use crate::criteria::by_tension;
 use crate::error::DesignError;
-use crate::problem::{DesignOptions, Known, Unconverged};
+use crate::problem::{DesignGoal, DesignOptions, Known, TargetShape, Unconverged};
 use crate::refine::{Refined, refine, rest_curvature_at};
 use crate::residuals::{Bounded, Ending, RefineOptions};
 use crate::route::largest_radius;
@@ -78,12 +78,15 @@ impl Work<'_> {
             self.unknowns(*of, &mut unknowns)?;
         }
         let goals = self.shape_goals()?;
+        let is_curve = |of: &DesignGoal| matches!(of.target, TargetShape::Curve(_));
+        let has_moving = vary.contains(&Vary::DiskPositions) && self.goals.iter().any(is_curve);
         let options = RefineOptions {
             starts,
             iterations: self.options.iterations,
             seed: self.options.seed,
             rim: rim(&self.robot),
             criteria: Some(&self.criteria),
+            on_curves: has_moving.then_some(self.goals),
             budget: self.budget,
         };
         refine(&self.model, &self.robot, &goals, &unknowns, &options)

@@ -288,7 +288,9 @@ fn faults(asked: &Asked, found: &Design) -> Vec<String> {
         faults.push(format!("solved again {error:.3e}, told {:.3e}", found.error));
     }
     let options = &asked.options;
-    let is_free = options.criteria.is_empty()
+    // Fewer cables may be farther off, within the tolerance.
+    let is_free = !asked.vary.contains(&Vary::Cables)
+        && options.criteria.is_empty()
         && options.tensions.is_empty()
         && options.rules == HoleRules::default();
     if let Some([before, _]) = found.before
@@ -361,7 +363,7 @@ fn faults(asked: &Asked, found: &Design) -> Vec<String> {
     faults
 }
 
-/// `COUNT` targets from the seed `FIRST` on, each with `SECONDS` at most.
+/// `COUNT` targets from the seed `FIRST` on, each with `SECONDS` and `SOLVES` at most.
 #[test]
 #[ignore = "minutes"]
 fn study_of_random_targets() {
@@ -376,6 +378,7 @@ fn study_of_random_targets() {
         let Some(mut asked) = asked(seed) else { continue };
         let stop = Cancel::new();
         asked.options.stop = stop.clone();
+        asked.options.solves = usize::try_from(number("SOLVES", 40_000)).unwrap();
         let (done, waits) = std::sync::mpsc::channel::<()>();
         let watch = std::thread::spawn(move || {
             if waits.recv_timeout(limit).is_err() {
