@@ -25,6 +25,8 @@ pub(crate) struct SwapSearch<'a> {
 
 /// Where criteria are estimated first, so many of the best lists by the estimate are tried.
 const EXACT: usize = 4;
+/// Changes of two holes that are compared before the best of them is taken.
+const PART: usize = 128;
 
 /// Solves that each list takes under each goal.
 fn effort(criteria: Option<&Criteria>) -> usize {
@@ -79,7 +81,7 @@ impl SwapSearch<'_> {
         costs(self.model, self.robot, self.choices, (self.goals, criteria), lists, by)
     }
 
-    /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.
+    /// Takes the best change of one hole while there is one that helps, then one of two neighbouring holes.
     fn descend(
         &self,
         mut list: Vec<usize>,
@@ -109,14 +111,24 @@ impl SwapSearch<'_> {
                     changed = order[..EXACT].iter().map(|of| changed[*of].clone()).collect();
                     is_complete = false;
                 }
-                let (costs, _) = self.costs(&changed, cost, spent)?;
-                is_complete &= !self.budget.is_over();
-                let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-                if let Some((number, &lower)) = best
-                    && lower < cost * (1.0 - 1e-9)
-                {
-                    (cost, is_better) = (lower, true);
-                    list.clone_from(&changed[number]);
+                // Of changes of two holes there are many: the first part of them that has a better list is enough to go on.
+                let part = if width == 1 { changed.len() } else { PART };
+                for changed in changed.chunks(part.max(1)) {
+                    let (costs, _) = self.costs(changed, cost, spent)?;
+                    let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+                    if let Some((number, &lower)) = best
+                        && lower < cost * (1.0 - 1e-9)
+                    {
+                        (cost, is_better) = (lower, true);
+                        list.clone_from(&changed[number]);
+                        break;
+                    }
+                    if self.budget.is_over() {
+                        is_complete = false;
+                        break;
+                    }
+                }
+                if is_better {
                     break;
                 }
             }

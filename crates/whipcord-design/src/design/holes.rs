@@ -64,7 +64,28 @@ impl Work<'_> {
             }
         }
         // Of each trial the tensions and what the holes make of them.
-        let mut trials = vec![(self.cases.clone(), search(self, trial))];
+        let mut trials = Vec::new();
+        let mut starts = vec![self.cases.clone()];
+        if !is_scanned
+            && !tensions.is_empty()
+            && let Ok(refined) = self.refined(&unknowns(tensions), 1)
+        {
+            // The best tensions of the lists that the robot has lead further than those that happen to be given.
+            starts.insert(0, refined.cases);
+        }
+        for cases in starts {
+            if !trials.is_empty() && self.budget.is_over() {
+                break;
+            }
+            self.cases = cases;
+            let most = match tensions.is_empty() {
+                true => trial.0.solves,
+                false => trial.0.solves.min(self.budget.left() / COMPARED),
+            };
+            let part = HoleSearchOptions { solves: most, ..*trial.0 };
+            let found = search(self, (&part, trial.1));
+            trials.push((self.cases.clone(), found));
+        }
         if let ([cable], [_]) = (tensions, &self.cases[..]) {
             let [least, greatest] = self.tension_range(*cable)?;
             // The first trial tells what one takes: of tables of many cables there are fewer.
@@ -163,7 +184,7 @@ impl Work<'_> {
         search: &impl Fn(&Self) -> Result<HoleDesign, DesignError>,
     ) -> Result<(HoleDesign, Option<Known>), DesignError> {
         let mut known = None;
-        let unknowns: Vec<Vary> = tensions.iter().map(|&cable| Vary::Tension { cable }).collect();
+        let unknowns = unknowns(tensions);
         for _ in 0..ROUNDS {
             if unknowns.is_empty() || self.budget.is_over() {
                 break;
@@ -198,4 +219,8 @@ impl Work<'_> {
         });
         Ok(HoleRules { fixed: fixed.collect::<Result<_, DesignError>>()?, ..rules.clone() })
     }
+}
+
+fn unknowns(tensions: &[usize]) -> Vec<Vary> {
+    tensions.iter().map(|&cable| Vary::Tension { cable }).collect()
 }
