@@ -102,16 +102,18 @@ def test_what_is_no_design_says_why(finger: whipcord.Case) -> None:
 
 
 def test_a_search_ends_with_the_best_so_far(finger: whipcord.Case) -> None:
-    wanted = np.array([0.03, 0.0, 0.1])
-    ask = {"vary": ["holes", "tension"], "model": "cosserat"}
-    few = [finger.design(wanted, **ask, solves=200) for _ in range(2)]
+    def search(solves: int | None = None, timeout: float | None = 60.0) -> whipcord.Designed:
+        wanted = np.array([0.03, 0.0, 0.1])
+        return finger.design(wanted, vary=["holes", "tension"], model="cosserat", solves=solves, timeout=timeout)
+
+    few = [search(solves=200) for _ in range(2)]
     assert few[0].ended == "solves" and not few[0].proven
     # The budget counts solves: the same robot again.
     assert few[0].solves == few[1].solves >= 200 and few[0].error == few[1].error
-    more = finger.design(wanted, **ask, solves=1000)
+    more = search(solves=1000)
     assert more.error <= few[0].error and few[0].before is not None
     assert few[0].error <= few[0].before["error"] * (1 + 1e-9)
-    late = finger.design(wanted, **ask, timeout=1e-3)
+    late = search(timeout=1e-3)
     assert late.ended == "time" and late.solves < few[0].solves
     assert {finding["known"] for finding in late.findings} == {"budget_spent"}
     # Nothing ends a search that is done.

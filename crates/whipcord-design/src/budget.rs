@@ -66,6 +66,11 @@ impl Budget {
         now.is_some()
     }
 
+    /// The flag that ends a search from outside.
+    pub const fn stop(&self) -> &Cancel {
+        &self.stop
+    }
+
     /// What ended a search, if anything did.
     pub const fn ended(&self) -> Option<Ended> {
         self.ended.get()

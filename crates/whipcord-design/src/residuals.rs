@@ -71,6 +71,8 @@ pub(crate) struct Problem<'a> {
     rim: f64,
     length: f64,
     criteria: Option<&'a Criteria>,
+    /// The same with solves that end where the time of the design is over.
+    stopped: Option<Criteria>,
     budget: &'a Budget,
     on_curves: Option<&'a [DesignGoal]>,
     /// Of each constraint its multiplier by the penalty, in the method of multipliers, and the penalty.
@@ -144,6 +146,7 @@ impl<'a> Problem<'a> {
             rim: options.rim,
             length: robot.backbone().length,
             criteria: options.criteria.filter(|criteria| !criteria.is_empty()),
+            stopped: None,
             budget: options.budget,
             on_curves: options.on_curves,
             shifts: Vec::new(),
@@ -156,7 +159,8 @@ impl<'a> Problem<'a> {
             courses,
             is_begun: false,
         };
-        if problem.criteria.is_some() {
+        if let Some(criteria) = problem.criteria {
+            problem.stopped = Some(criteria.until(options.budget.stop()));
             let start: Vec<f64> =
                 unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect();
             let terms = problem.terms(&start)?;
@@ -443,7 +447,8 @@ impl Problem<'_> {
             parameters: &self.parameters,
         };
         // An answer whose derivatives do not exist, as where it buckles, may have differences.
-        let rates = match criteria.rates(varied) {
+        let rates = match self.stopped.as_ref().unwrap_or(criteria).rates(varied) {
+            _ if self.budget.stop().is_cancelled() => return Err(DesignError::Ended),
             Err(error) if error.is_cancelled() => return Err(error),
             rates => rates.unwrap_or_default(),
         };
@@ -500,7 +505,8 @@ impl Residuals for Problem<'_> {
     }
 
     fn residuals(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
-        if self.is_begun && self.budget.is_over() {
+        let is_first = !self.is_begun;
+        if !is_first && self.budget.is_over() {
             return Err(DesignError::Ended);
         }
         self.is_begun = true;
@@ -520,8 +526,13 @@ impl Residuals for Problem<'_> {
             into[row] = root * (beyond + shift).max(0.0);
             row += 1;
         }
-        if let Some(criteria) = self.criteria {
-            let terms = criteria.terms(&moved.robot, &moved.cases, &solutions)?;
+        let criteria = if is_first { self.criteria } else { self.stopped.as_ref() };
+        if let Some(criteria) = criteria {
+            let terms = criteria.terms(&moved.robot, &moved.cases, &solutions);
+            if !is_first && self.budget.stop().is_cancelled() {
+                return Err(DesignError::Ended);
+            }
+            let terms = terms?;
             into[row..].copy_from_slice(&self.of_criteria(&terms));
         }
         self.last = Some(moved);

@@ -61,10 +61,18 @@ impl Work<'_> {
         {
             self.cases = first.cases;
         }
+        let given = (self.robot.clone(), self.cases.clone(), self.cost());
         let refined = self.refined(vary, self.options.starts)?;
         let known = known_of(&refined, self.options.iterations);
         self.robot = refined.robot;
         self.cases = refined.cases;
+        // A start near which the model has no other answer is left behind, and may be the best all the same.
+        if self.criteria.is_empty()
+            && let (Some(before), Some(now)) = (given.2, self.cost())
+            && before < now
+        {
+            (self.robot, self.cases) = (given.0, given.1);
+        }
         for of in vary {
             self.find(*of, known);
         }

@@ -4,7 +4,8 @@ use core::f64::consts::{PI, TAU};
 
 use whipcord::batch::BatchOptions;
 use whipcord::{
-    Actuation, Case, Disks, Loads, Model, ModelKind, Robot, Routing, Statics as _, Stations, Vec3,
+    Actuation, CableCommand, Case, Disks, Loads, Model, ModelKind, Robot, Routing, Shortening,
+    Statics as _, Stations, Vec3,
 };
 use whipcord_design::{
     CurveKind, Design, DesignError, DesignGoal, DesignOptions, FixedHole, HoleRules, Known,
@@ -423,4 +424,19 @@ fn disks_that_move_are_wanted_elsewhere_on_a_curve() {
         }
     }
     assert!(found.error <= best * 1.001 && best < found.before.unwrap()[0], "{best}");
+}
+
+/// A cable that is driven by its length has no closed form, but a routing by least squares.
+#[test]
+fn a_cable_that_is_driven_by_its_length_is_routed_as_well() {
+    let robot = straight(&[0.3], 0.006);
+    let mut case = Case::with_tensions(&[0.0]);
+    case.commands[0] = CableCommand { tension: None, shortening: Some(Shortening::Length(0.004)) };
+    let goals = [goal(case, curve(CurveKind::Arc { angle: 0.6 }, 0.8))];
+    let model = model(ModelKind::Cosserat);
+    let options = DesignOptions { degree: 1, ..DesignOptions::default() };
+    let vary = [Vary::Routing { cable: 0 }];
+    let found = design(&model, &robot, &goals, &vary, &options).unwrap();
+    assert!(matches!(known(&found, vary[0]), Known::LeastSquares { .. } | Known::Met));
+    assert!(found.largest < 1e-3 * LENGTH, "{:e}", found.largest);
 }
