@@ -181,6 +181,10 @@ impl<'a> Problem<'a> {
         for round in 0..ROUNDS {
             self.is_begun = false;
             let outcome = minimise(self, values, minimiser, &mut workspace)?;
+            if !outcome.status.is_converged() && self.budget.is_over() {
+                // Whether constraints are kept is asked of the design that is left.
+                return Ok(Ending::Budget);
+            }
             let terms = self.terms(values).map_err(NoResiduals::Refused)?;
             let beyond = self.beyond(values);
             let worst = [
@@ -188,9 +192,6 @@ impl<'a> Problem<'a> {
                 beyond.iter().copied().fold(f64::NEG_INFINITY, f64::max) - RIM,
             ];
             let is_kept = worst.iter().all(|worst| *worst <= 0.0);
-            if !outcome.status.is_converged() && self.budget.is_over() {
-                return Ok(Ending::Budget);
-            }
             if is_kept {
                 return Ok(match outcome.status {
                     Status::IterationLimit => Ending::Steps,

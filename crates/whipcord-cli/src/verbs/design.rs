@@ -306,7 +306,11 @@ fn check_note(found: &Design) -> Option<&'static str> {
 
 fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     let mut text = format!("{}\n{}\n\n", style.heading(&file.title), found.model);
-    let distance = |metres: f64| format!("{} mm", number(1e3 * metres, 3));
+    let distance = |metres: f64| {
+        // What rounding leaves is no distance.
+        let metres = if metres < 1e-12 { 0.0 } else { metres };
+        format!("{} mm", number(1e3 * metres, 3))
+    };
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<12}")));
     };
