@@ -1,5 +1,8 @@
 //! What least squares make small: distances of disks, cables beyond the rims, and criteria.
 
+mod criteria_rates;
+mod fit_tensions;
+
 use std::borrow::Cow;
 
 use whipcord::derivatives::Place;
@@ -18,7 +21,7 @@ use crate::criteria::{Criteria, Terms};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
 use crate::problem::DesignGoal;
-use crate::unknown::{Unknown, Varied, applied, parameters};
+use crate::unknown::{Unknown, applied, parameters};
 
 /// An unknown with its start and bounds.
 #[derive(Clone, Copy, Debug)]
@@ -228,46 +231,6 @@ impl<'a> Problem<'a> {
         self.cases.as_slice()
     }
 
-    /// Fits the tensions of all goals by so many steps, all else held; they stay as they are where the model has no answer.
-    pub fn fit_tensions(
-        &self,
-        values: &mut [f64],
-        unknowns: &[Bounded],
-        options: &RefineOptions<'a>,
-        steps: usize,
-    ) {
-        let is_tension = |of: &Bounded| matches!(of.unknown, Unknown::Tension { .. });
-        let places: Vec<usize> =
-            (0..unknowns.len()).filter(|k| is_tension(&unknowns[*k])).collect();
-        if places.is_empty() || places.len() == unknowns.len() {
-            return;
-        }
-        let Ok((robot, cases)) = applied(self.robot, &self.cases, &self.unknowns, values) else {
-            return;
-        };
-        let goals: Vec<ShapeGoal> = self
-            .goals
-            .iter()
-            .zip(cases)
-            .map(|(goal, case)| ShapeGoal { case, ..goal.clone() })
-            .collect();
-        let own: Vec<Bounded> = places.iter().map(|&k| unknowns[k]).collect();
-        let minimiser = Options {
-            lower: own.iter().map(|of| of.range[0]).collect(),
-            upper: own.iter().map(|of| of.range[1]).collect(),
-            iterations: steps,
-            ..Options::default()
-        };
-        let mut fitted: Vec<f64> = places.iter().map(|&k| values[k]).collect();
-        let options = RefineOptions { criteria: None, ..*options };
-        let Ok(mut problem) = Problem::new(&self.model, &robot, &goals, &own, &options) else {
-            return;
-        };
-        if minimise(&mut problem, &mut fitted, &minimiser, &mut Workspace::default()).is_ok() {
-            places.iter().zip(fitted).for_each(|(&k, value)| values[k] = value);
-        }
-    }
-
     /// How far beyond the rim each station of the varied cables is, as a part of the rim; negative within.
     fn beyond(&self, values: &[f64]) -> Vec<f64> {
         let offsets =
@@ -428,72 +391,6 @@ impl<'a> Problem<'a> {
         let Some(goals) = self.on_curves else { return Ok(Cow::Borrowed(self.goals)) };
         let goals = goals.iter().map(|goal| goal.shape_goal(robot));
         Ok(Cow::Owned(goals.collect::<Result<_, _>>()?))
-    }
-}
-
-impl Problem<'_> {
-    /// Derivatives of the residuals of criteria: those of the core, and differences where it has none.
-    fn criteria_jacobian(
-        &mut self,
-        moved: &Moved,
-        unknowns: &[f64],
-        into: &mut [f64],
-    ) -> Result<(), DesignError> {
-        let columns = unknowns.len();
-        let Some(criteria) = self.criteria else { return Ok(()) };
-        let varied = Varied {
-            robot: &moved.robot,
-            cases: &moved.cases,
-            unknowns: &self.unknowns,
-            parameters: &self.parameters,
-        };
-        // An answer whose derivatives do not exist, as where it buckles, may have differences.
-        let rates = match self.stopped.as_ref().unwrap_or(criteria).rates(varied) {
-            _ if self.budget.stop().is_cancelled() => return Err(DesignError::Ended),
-            Err(error) if error.is_cancelled() => return Err(error),
-            rates => rates.unwrap_or_default(),
-        };
-        if let Some(rates) = &rates {
-            let terms = self.terms(unknowns)?;
-            let root = self.penalty.sqrt();
-            let violated = terms.violations.iter().zip(&self.shifts).zip(&rates.violations);
-            let violated = violated
-                .map(|((of, shift), rates)| (rates, if of + shift > 0.0 { root } else { 0.0 }));
-            let rows = rates.objectives.iter().map(|rates| (rates, 1.0)).chain(violated);
-            for (row, (rates, factor)) in into.chunks_exact_mut(columns).zip(rows) {
-                row.iter_mut().zip(rates).for_each(|(into, rate)| *into = factor * rate);
-            }
-        }
-        let is_of_commands = criteria.are_of_commands(&self.cases);
-        for column in 0..columns {
-            if rates.is_some() && self.unknowns[column].has_derivative() {
-                continue;
-            }
-            if is_of_commands && !matches!(self.unknowns[column], Unknown::Tension { .. }) {
-                continue;
-            }
-            if self.budget.is_over() {
-                return Err(DesignError::Ended);
-            }
-            let step = self.steps[column];
-            let mut side = |by: f64| -> Result<Vec<f64>, DesignError> {
-                let mut moved = unknowns.to_vec();
-                moved[column] += by;
-                let terms = self.terms(&moved)?;
-                Ok(self.of_criteria(&terms))
-            };
-            // At a bound that is one of physics, such as no tension, there is but one side.
-            let (from, to, width) = match (side(-step), side(step)) {
-                (Ok(from), Ok(to)) => (from, to, 2.0 * step),
-                (Err(_), Ok(to)) => (side(0.0)?, to, step),
-                (Ok(from), Err(_)) => (from, side(0.0)?, step),
-                (Err(error), Err(_)) => return Err(error),
-            };
-            for (row, (from, to)) in from.iter().zip(&to).enumerate() {
-                into[row * columns + column] = (to - from) / width;
-            }
-        }
-        Ok(())
     }
 }
 
