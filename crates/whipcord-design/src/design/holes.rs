@@ -166,9 +166,11 @@ impl Work<'_> {
         }
         // Least squares of the tensions alone know nothing of other holes.
         let known = known.filter(|known| !matches!(known, Known::LeastSquares { .. }));
-        let known = match self.budget.ended() {
-            Some(_) => Known::Budget,
-            None => known.unwrap_or(in_turn),
+        let known = match (known, self.budget.ended()) {
+            // Nothing comes nearer, whatever was not tried.
+            (Some(Known::Met), _) => Known::Met,
+            (_, Some(_)) => Known::Budget,
+            (known, None) => known.unwrap_or(in_turn),
         };
         for cable in tensions {
             self.find(Vary::Tension { cable: *cable }, known);
