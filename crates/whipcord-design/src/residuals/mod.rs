@@ -380,7 +380,7 @@ impl<'a> Problem<'a> {
             };
             let (from, to) = (side(-step)?, side(step)?);
             for (rate, ((_, from), (_, to))) in rates.iter_mut().zip(from.iter().zip(&to)) {
-                *rate = *rate - (*to - *from) * (0.5 / step);
+                *rate -= (*to - *from) * (0.5 / step);
             }
         }
         Ok(rates)

@@ -199,7 +199,7 @@ fn asked(seed: u64) -> Option<Asked> {
     let goal = |case: &Case, target| DesignGoal { case: case.clone(), target, weight: 1.0 };
     let noisy = |mut places: Vec<(usize, Vec3)>, random: &mut Random, off: f64| {
         for (_, place) in &mut places {
-            *place = *place + normal(random) * (off * length);
+            *place += normal(random) * (off * length);
         }
         TargetShape::Points(places)
     };
