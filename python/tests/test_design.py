@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import whipcord
-from whipcord.errors import InputError, WhipcordTimeout
+from whipcord.errors import InputError
 
 
 @pytest.fixture(scope="module")
@@ -99,8 +99,25 @@ def test_what_is_no_design_says_why(finger: whipcord.Case) -> None:
         finger.design("arc, angle = 30 deg", vary="colour")
     with pytest.raises(InputError, match="measured"):
         finger.design("measured", vary="holes")
-    with pytest.raises(WhipcordTimeout):
-        finger.design(np.array([0.03, 0.0, 0.1]), vary=["holes", "tension"], model="cosserat", timeout=1e-3)
+
+
+def test_a_search_ends_with_the_best_so_far(finger: whipcord.Case) -> None:
+    def search(solves: int | None = None, timeout: float | None = 60.0) -> whipcord.Designed:
+        wanted = np.array([0.03, 0.0, 0.1])
+        return finger.design(wanted, vary=["holes", "tension"], model="cosserat", solves=solves, timeout=timeout)
+
+    few = [search(solves=200) for _ in range(2)]
+    assert few[0].ended == "solves" and not few[0].proven
+    # The budget counts solves: the same robot again.
+    assert few[0].solves == few[1].solves >= 200 and few[0].error == few[1].error
+    more = search(solves=1000)
+    assert more.error <= few[0].error and few[0].before is not None
+    assert few[0].error <= few[0].before["error"] * (1 + 1e-9)
+    late = search(timeout=1e-3)
+    assert late.ended == "time" and late.solves < few[0].solves
+    assert {finding["known"] for finding in late.findings} == {"budget_spent"}
+    # Nothing ends a search that is done.
+    assert finger.design("s, angle = 20 deg", vary="cables[0].tension").ended is None
 
 
 def test_the_function_takes_files_weights_and_budgets(finger: whipcord.Case) -> None:

@@ -752,10 +752,11 @@ class Case(Description):
         places: int | None = None,
         starts: int | None = None,
         iterations: int | None = None,
+        solves: int | None = None,
         limits: Limits | Mapping[str, Any] | None = None,
         tolerances: bool | Mapping[str, Any] = False,
         model: ModelLike | None = None,
-        timeout: float | None = None,
+        timeout: float | None = 60.0,
     ) -> Designed:
         """Change the robot so that it takes target shapes.
 
@@ -796,6 +797,9 @@ class Case(Description):
             Starts of least squares; 6 by default.
         iterations
             Steps of least squares from each start; 200 by default.
+        solves
+            Solves of whole shapes that the search may take, after which it ends with the best so far; 40000 by default. The same number
+            gives the same robot on every computer.
         limits
             Limits of the tensions, as for :meth:`reach`.
         tolerances
@@ -803,7 +807,8 @@ class Case(Description):
         model
             By default ``cosserat-disks`` where holes or disks are varied, else ``cosserat``.
         timeout
-            Seconds after which the search is ended; by default as long as it takes.
+            Seconds after which the search ends with the best so far, which :attr:`Designed.ended` tells; 60 by default, None for as long as
+            it takes. What is left to do, such as the tolerances, may take as long again.
 
         Returns
         -------
@@ -836,6 +841,7 @@ class Case(Description):
             "places": places,
             "starts": starts,
             "iterations": iterations,
+            "solves": solves,
         }
         if not isinstance(tolerances, bool):
             given["tolerances"] = dict(tolerances)

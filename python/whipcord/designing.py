@@ -105,6 +105,17 @@ class Designed:
         return found
 
     @property
+    def ended(self) -> str | None:
+        """What ended the search before it came to its end, ``"solves"`` or ``"time"``; then the robot is the best until then. None where nothing did."""
+        found: str | None = self.values["ended"]
+        return found
+
+    @property
+    def solves(self) -> int:
+        """Solves of whole shapes that the search took."""
+        return int(self.values["solves"])
+
+    @property
     def criteria(self) -> list[dict[str, Any]]:
         """Of each criterion ``quantity``, ``weight``, ``limit``, ``value``, ``before`` and whether it is ``met``, in SI units."""
         found: list[dict[str, Any]] = self.values["criteria"]

@@ -2,6 +2,7 @@
 //!
 //! The library reads no clock: a thread of its own sets the flag that its solves look at when the time is over. What looks at no
 //! flag, such as the decoding of a photograph, is ended with the process shortly after. Either way nothing goes to standard output.
+//! A verb whose searches have a best answer at any time is told to take that first, and has as long again for what is left to do with it.
 
 use std::io::{self, Write as _};
 use std::process;
@@ -15,11 +16,15 @@ use whipcord_study::failure::Failure;
 
 /// What ends a verb that does not answer the flag: so long after it.
 const GRACE: Duration = Duration::from_secs(1);
+/// What a verb that is told to take its best answer has for the rest beside as long again.
+const REST: Duration = Duration::from_secs(10);
 /// Exit status of a verb whose time is over.
 const EXPIRED: i32 = 1;
 
 /// The flag of the verb that runs.
 static CURRENT: Mutex<Option<Cancel>> = Mutex::new(None);
+/// The flag by which its searches are told to take the best so far.
+static SEARCH: Mutex<Option<Cancel>> = Mutex::new(None);
 
 /// How long a verb may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +65,20 @@ pub fn cancel() -> Cancel {
     lock(&CURRENT).clone().unwrap_or_default()
 }
 
+/// The flag that ends the searches of the verb that runs with the best so far, when its time is over.
+pub fn end_of_search() -> Cancel {
+    lock(&SEARCH).clone().unwrap_or_default()
+}
+
+/// What happens to a verb whose time is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Over {
+    /// It has no answer.
+    NoAnswer,
+    /// Its searches take the best so far.
+    BestSoFar,
+}
+
 /// How far a verb is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Progress {
@@ -78,7 +97,7 @@ pub struct Deadline {
 
 impl Deadline {
     /// Begins the time of a verb.
-    pub fn start(verb: &'static str, limit: Limit) -> Self {
+    pub fn start(verb: &'static str, limit: Limit, over: Over) -> Self {
         let progress = Arc::new((Mutex::new(Progress::Running), Condvar::new()));
         let after = match limit {
             Limit::None => None,
@@ -86,12 +105,28 @@ impl Deadline {
         };
         let flag = Cancel::new();
         *lock(&CURRENT) = Some(flag.clone());
-        if let Some(after) = after {
+        let search = Cancel::new();
+        *lock(&SEARCH) = Some(search.clone());
+        // Until the search ends, and until the verb does.
+        let times = after.map(|after| match over {
+            Over::NoAnswer => (None, after),
+            Over::BestSoFar => (Some(after), after.saturating_mul(2).saturating_add(REST)),
+        });
+        if let Some((first, last)) = times {
             let shared = Arc::clone(&progress);
             // Without the thread there is no limit; the verb does its work all the same.
-            let _ = thread::Builder::new().spawn(move || watch(verb, after, &flag, &shared));
+            let _ = thread::Builder::new().spawn(move || {
+                if let Some(first) = first {
+                    let (progress, told) = &*shared;
+                    if *wait(progress, told, first, Progress::Running) != Progress::Running {
+                        return;
+                    }
+                    search.cancel();
+                }
+                watch(verb, last.saturating_sub(first.unwrap_or_default()), last, &flag, &shared);
+            });
         }
-        Self { verb, after, progress }
+        Self { verb, after: times.map(|(_, last)| last), progress }
     }
 
     /// What came of the verb; that its time was over, if it was.
@@ -112,10 +147,16 @@ impl Deadline {
     }
 }
 
-/// Waits until the verb is done or its time is over.
-fn watch(verb: &str, after: Duration, flag: &Cancel, shared: &(Mutex<Progress>, Condvar)) {
+/// Waits until the verb is done or what is left of its time is over.
+fn watch(
+    verb: &str,
+    left: Duration,
+    after: Duration,
+    flag: &Cancel,
+    shared: &(Mutex<Progress>, Condvar),
+) {
     let (progress, told) = shared;
-    let mut now = wait(progress, told, after, Progress::Running);
+    let mut now = wait(progress, told, left, Progress::Running);
     if *now != Progress::Running {
         return;
     }

@@ -31,7 +31,7 @@ use std::time::Duration;
 
 use clap::{Parser, Subcommand};
 
-use crate::deadline::{Deadline, Limit};
+use crate::deadline::{Deadline, Limit, Over};
 use crate::verbs::{
     bench, camera, check, compare, completions, design, examples as examples_verb, export, fit,
     man, measure, measure_stereo, modes, new, overlay, reach, schema, score, simulate, solve,
@@ -47,7 +47,8 @@ struct Cli {
     #[command(subcommand)]
     verb: Verb,
     /// Stop after this time, such as 30 s, 500 ms or 2 min (a bare number is in seconds), with exit status 1; 0 or none for
-    /// no limit. By default 60 s for solve, reach, stiffness, export and check, and no limit for the others
+    /// no limit. By default 60 s for solve, reach, design, stiffness, export and check, and no limit for the others. The search
+    /// of design ends then with the best so far, which is the answer
     #[arg(long, global = true, value_name = "TIME", value_parser = deadline::limit, allow_negative_numbers = true)]
     timeout: Option<Limit>,
 }
@@ -89,7 +90,7 @@ impl Verb {
             Self::Solve(_) => ("solve", INTERACTIVE),
             Self::Reach(_) => ("reach", INTERACTIVE),
             Self::Workspace(_) => ("workspace", Limit::None),
-            Self::Design(_) => ("design", Limit::None),
+            Self::Design(_) => ("design", INTERACTIVE),
             Self::Stiffness(_) => ("stiffness", INTERACTIVE),
             Self::Check(_) => ("check", INTERACTIVE),
             Self::Simulate(_) => ("simulate", Limit::None),
@@ -144,7 +145,11 @@ where
     };
     let style = Style::for_stdout();
     let (name, limit) = verb.name_and_limit();
-    let deadline = Deadline::start(name, timeout.unwrap_or(limit));
+    let over = match verb {
+        Verb::Design(_) => Over::BestSoFar,
+        _ => Over::NoAnswer,
+    };
+    let deadline = Deadline::start(name, timeout.unwrap_or(limit), over);
     let outcome = match verb {
         Verb::Solve(args) => solve::run(&args, style),
         Verb::Reach(args) => reach::run(&args, style),

@@ -1,7 +1,8 @@
 //! Lists of holes of more cables than can be compared at once: those of one cable after the other, with the lists of the others held.
 
-use whipcord::{Robot, SolveError};
+use whipcord::Robot;
 
+use crate::budget::Budget;
 use crate::choices::{Apart, Choices, FixedHole, HoleRules};
 use crate::error::DesignError;
 
@@ -21,7 +22,8 @@ pub(crate) struct CableByCable<'a, C> {
     pub cables: &'a [usize],
     pub rules: &'a HoleRules,
     /// Spans or solves that may be spent.
-    pub budget: usize,
+    pub most: usize,
+    pub budget: &'a Budget,
     /// The best of some choices, by so much effort.
     pub choose: &'a C,
 }
@@ -51,12 +53,12 @@ impl<C: Fn(&Robot, &Choices, usize) -> Result<Step, DesignError>> CableByCable<'
                         best = Some(found);
                     }
                 }
-                Err(error @ DesignError::Solve(SolveError::Cancelled { .. })) => return Err(error),
+                Err(error) if error.is_cancelled() => return Err(error),
                 Err(error) => {
                     refusal.get_or_insert(error);
                 }
             }
-            if spent >= self.budget {
+            if spent >= self.most || self.budget.is_over() {
                 break;
             }
         }
@@ -102,11 +104,16 @@ impl<C: Fn(&Robot, &Choices, usize) -> Result<Step, DesignError>> CableByCable<'
         let mut robot = robot.clone();
         for (place, &cable) in order.iter().enumerate() {
             let choices = self.choices(&robot, cable, &order[place + 1..])?;
-            let step = (self.choose)(&robot, &choices, self.budget.saturating_sub(*spent).max(1))?;
+            let step = (self.choose)(&robot, &choices, self.most.saturating_sub(*spent).max(1))?;
             *spent += step.effort;
             robot = step.robot;
         }
         Ok(robot)
+    }
+
+    /// Whether the budget is spent and there is a robot that was compared.
+    fn is_interrupted(&self, best: &Step) -> bool {
+        best.merit.is_finite() && self.budget.is_over()
     }
 
     /// Takes better lists of single cables while there are any.
@@ -115,9 +122,10 @@ impl<C: Fn(&Robot, &Choices, usize) -> Result<Step, DesignError>> CableByCable<'
         // How many cables have no better list, one after the other, and whether each of their searches came to its end.
         let mut settled = 0;
         for &cable in self.cables.iter().cycle() {
-            let left = self.budget.saturating_sub(*spent);
-            if settled == self.cables.len() || left == 0 {
-                best.is_best &= settled == self.cables.len();
+            let left = self.most.saturating_sub(*spent);
+            let is_settled = settled == self.cables.len();
+            if is_settled || left == 0 || self.is_interrupted(&best) {
+                best.is_best &= is_settled;
                 break;
             }
             let choices = self.choices(&best.robot, cable, &[])?;

@@ -8,6 +8,7 @@ use whipcord::{Cable, CableCommand, Case, Model, ModelKind, Robot, Routing, Stat
 use whipcord_numerics::random::SplitMix64;
 use whipcord_numerics::{BoundedQuadratic, SingularValues};
 
+use crate::budget::Budget;
 use crate::chebyshev;
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
@@ -37,9 +38,8 @@ const OUT: f64 = 0.7;
 pub(crate) fn found(
     robot: &Robot,
     cancel: &Model,
-    goals: &[ShapeGoal],
-    rim: f64,
-    options: &DesignOptions,
+    (goals, rim): (&[ShapeGoal], f64),
+    (options, budget): (&DesignOptions, &Budget),
 ) -> Result<FoundCables, DesignError> {
     if !robot.motors().is_empty() {
         return Err(DesignError::Motors);
@@ -48,7 +48,8 @@ pub(crate) fn found(
     let columns = goals.len();
     let mut moments = vec![0.0; 2 * SECTIONS * columns];
     for (number, goal) in goals.iter().enumerate() {
-        for (k, moment) in needed(robot, cancel, goal, rim, options)?.iter().enumerate() {
+        for (k, moment) in needed(robot, cancel, (goal, rim), (options, budget))?.iter().enumerate()
+        {
             moments[(2 * k) * columns + number] = moment[0];
             moments[(2 * k + 1) * columns + number] = moment[1];
         }
@@ -83,9 +84,8 @@ pub(crate) fn found(
 fn needed(
     robot: &Robot,
     cancel: &Model,
-    goal: &ShapeGoal,
-    rim: f64,
-    options: &DesignOptions,
+    (goal, rim): (&ShapeGoal, f64),
+    (options, budget): (&DesignOptions, &Budget),
 ) -> Result<Vec<[f64; 2]>, DesignError> {
     let length = robot.backbone().length;
     let (backbone, disks) = (robot.backbone(), robot.disks());
@@ -105,6 +105,8 @@ fn needed(
         seed: options.seed,
         rim,
         criteria: None,
+        on_curves: None,
+        budget,
     };
     let refined = refine(&model, &bare, core::slice::from_ref(&goal), &unknowns, &control)?;
     sections(length)

@@ -3,6 +3,7 @@
 use whipcord::batch::{BatchOptions, solve_robots};
 use whipcord::{Case, Model, Robot, Routing, Solution, SolveError};
 
+use crate::budget::Budget;
 use crate::choices::Choices;
 use crate::criteria::Criteria;
 use crate::error::DesignError;
@@ -29,19 +30,22 @@ pub(crate) fn with_holes(
     Ok(changed.with_motors(robot.motors().to_vec())?)
 }
 
-/// How many robots are solved at a time.
-const PIECE: usize = 512;
+/// How many robots are solved at a time: so many are done soon where a search is ended.
+const PIECE: usize = 256;
 
-/// Solves each list under a case; `take` gets the number of the list and its answer.
+/// Solves each list under a case, the first ones in any case and the others until the budget is spent; `take` gets the number of the list and its answer. How many were solved.
 pub(crate) fn solve_lists(
     model: &Model,
     robot: &Robot,
     choices: &Choices,
-    case: &Case,
+    (case, budget): (&Case, &Budget),
     lists: &[Vec<usize>],
     mut take: impl FnMut(usize, Result<&Solution, &SolveError>),
-) -> Result<(), DesignError> {
+) -> Result<usize, DesignError> {
     for (piece, lists) in lists.chunks(PIECE).enumerate() {
+        if piece > 0 && budget.is_over() {
+            return Ok(piece * PIECE);
+        }
         let robots = lists
             .iter()
             .map(|list| Ok((with_holes(robot, choices, list)?, case.clone())))
@@ -51,10 +55,10 @@ pub(crate) fn solve_lists(
             take(piece * PIECE + number, answer.as_ref());
         }
     }
-    Ok(())
+    Ok(lists.len())
 }
 
-/// The cost of each list, with what criteria add to it; infinite where the model has no answer. Of a list that costs no less than `known`, or than the
+/// The cost of each list, with what criteria add to it; infinite where the model has no answer, or the budget is spent. Of a list that costs no less than `known`, or than the
 /// best of these lists, it may be a lower bound only. The first reason why there is none, if none has one.
 pub(crate) fn costs(
     model: &Model,
@@ -62,13 +66,16 @@ pub(crate) fn costs(
     choices: &Choices,
     (goals, criteria): (&[ShapeGoal], Option<&Criteria>),
     lists: &[Vec<usize>],
-    known: f64,
+    (known, budget): (f64, &Budget),
 ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
     let mut costs = vec![0.0; lists.len()];
     let mut refusal = None;
     let mut kept: Vec<Vec<Solution>> = vec![Vec::new(); lists.len()];
+    let mut solved = lists.len();
     for goal in goals {
-        solve_lists(model, robot, choices, &goal.case, lists, |number, answer| match answer {
+        let by = (&goal.case, budget);
+        let lists = &lists[..solved];
+        solved = solve_lists(model, robot, choices, by, lists, |number, answer| match answer {
             Ok(solution) => {
                 costs[number] += goal.cost(&solution.disks.poses);
                 if criteria.is_some() {
@@ -80,17 +87,24 @@ pub(crate) fn costs(
                 refusal.get_or_insert_with(|| error.clone());
             }
         })?;
+        budget.spend(solved);
     }
+    costs[solved..].fill(f64::INFINITY);
     let Some(criteria) = criteria else { return Ok((costs, refusal)) };
     let cases: Vec<Case> = goals.iter().map(|goal| goal.case.clone()).collect();
     // The nearest lists first, so that most of the others are too far off for criteria to matter.
     let mut order: Vec<usize> = (0..lists.len()).collect();
     order.sort_by(|a, b| costs[*a].total_cmp(&costs[*b]));
     let mut least = known;
-    for number in order {
+    for (place, number) in order.into_iter().enumerate() {
         if costs[number] >= least {
             break;
         }
+        if place > 0 && budget.is_over() {
+            costs[number] = f64::INFINITY;
+            continue;
+        }
+        budget.spend(criteria.effort());
         let changed = with_holes(robot, choices, &lists[number])?;
         match criteria.cost(&changed, &cases, &kept[number], least - costs[number]) {
             Ok(more) => costs[number] += more,

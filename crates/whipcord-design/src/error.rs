@@ -115,6 +115,11 @@ pub enum DesignError {
     /// The model has no answer for any of the lists that were tried.
     #[error("the model has no answer for any list of holes that was tried; the first: {0}")]
     NoAnswer(SolveError),
+    /// The budget was spent before there was any design.
+    #[error(
+        "the budget of the design was spent before any robot was found that could be one: give it more time or solves, or vary less"
+    )]
+    Ended,
     /// The batch of trials was stopped.
     #[error("the trials were stopped: {0}")]
     Stopped(String),
@@ -176,6 +181,13 @@ pub enum DesignError {
         /// What to try.
         advice: &'static str,
     },
+}
+
+impl DesignError {
+    /// Whether a flag has ended the solves, so that no other of them has an answer.
+    pub(crate) const fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Solve(SolveError::Cancelled { .. }))
+    }
 }
 
 /// What constraints that are not met have for values.

@@ -1,9 +1,11 @@
 //! The holes with which a robot comes nearest to target shapes.
 
 use whipcord::{
-    Actuation, Case, Loads, Model, ModelKind, Robot, Routing, Solution, Statics as _, Stations,
+    Actuation, Cancel, Case, Loads, Model, ModelKind, Robot, Routing, Solution, Statics as _,
+    Stations,
 };
 
+use crate::budget::Budget;
 use crate::cable_by_cable::{CableByCable, Step};
 use crate::candidates::with_holes;
 use crate::choices::{Choices, HoleRules};
@@ -115,7 +117,8 @@ pub fn design_holes(
     options: &HoleSearchOptions,
 ) -> Result<HoleDesign, DesignError> {
     goal::check_points(goals)?;
-    search(model, robot, cables, goals, (rules, None), (options, Starts::All))
+    let budget = Budget::new(usize::MAX, Cancel::default());
+    search(model, robot, cables, (goals, &budget), (rules, None), (options, Starts::All))
 }
 
 /// From which lists single changes are tried.
@@ -133,7 +136,7 @@ pub(crate) fn search(
     model: &Model,
     robot: &Robot,
     cables: &[usize],
-    goals: &[ShapeGoal],
+    (goals, budget): (&[ShapeGoal], &Budget),
     (rules, criteria): (&HoleRules, Option<&Criteria>),
     (options, from): (&HoleSearchOptions, Starts),
 ) -> Result<HoleDesign, DesignError> {
@@ -144,6 +147,7 @@ pub(crate) fn search(
         goals,
         cases: goals.iter().map(|goal| goal.case.clone()).collect(),
         criteria: criteria.filter(|criteria| !criteria.is_empty()),
+        budget,
     };
     let choices = match Choices::new(robot, cables, rules) {
         Ok(choices) => Some(choices),
@@ -172,6 +176,7 @@ struct Asked<'a> {
     goals: &'a [ShapeGoal],
     cases: Vec<Case>,
     criteria: Option<&'a Criteria>,
+    budget: &'a Budget,
 }
 
 impl Asked<'_> {
@@ -192,26 +197,29 @@ impl Asked<'_> {
         choices: &Choices,
         (options, from): (&HoleSearchOptions, Starts),
     ) -> Result<HoleDesign, DesignError> {
-        let Self { model, goals, cases, criteria, .. } = self;
+        let Self { model, goals, cases, criteria, budget, .. } = self;
         let criteria = *criteria;
         if let Some(disk) = choices.dead_end() {
             return Err(DesignError::NoChoice { disk });
         }
         let mut found = None;
         if self.is_tabulated(robot) {
-            let nearest = sequential(model, robot, choices, goals, options)?;
-            let proof = if nearest.is_proven { Proof::Optimal } else { Proof::Budget };
-            let is_all = match criteria {
-                None => true,
-                Some(criteria) => {
-                    let robot = with_holes(robot, choices, &nearest.list)?;
-                    let solutions = cases.iter().map(|case| model.solve(&robot, case));
-                    let solutions = solutions.collect::<Result<Vec<_>, _>>()?;
-                    criteria.terms(&robot, cases, &solutions)?.worst_violation() <= 0.0
-                }
+            let nearest = match sequential(model, robot, choices, (goals, budget), options) {
+                // Without a table the given list, or one that the rules allow, is all that is known.
+                Err(DesignError::Ended) => None,
+                nearest => Some(nearest?),
             };
-            if is_all {
-                found = Some((nearest, proof));
+            found = nearest.map(|of| {
+                let proof = if of.is_proven { Proof::Optimal } else { Proof::Budget };
+                (of, proof)
+            });
+            if let (Some((nearest, _)), Some(criteria)) = (&found, criteria) {
+                let robot = with_holes(robot, choices, &nearest.list)?;
+                let solutions = cases.iter().map(|case| model.solve(&robot, case));
+                let solutions = solutions.collect::<Result<Vec<_>, _>>()?;
+                if criteria.terms(&robot, cases, &solutions)?.worst_violation() > 0.0 {
+                    found = None;
+                }
             }
         }
         let (found, proof) = match found {
@@ -224,11 +232,12 @@ impl Asked<'_> {
                     goals,
                     criteria,
                     most_solves: options.solves,
+                    budget,
                 };
                 let own = (from == Starts::Own).then(|| choices.own_list(robot)).flatten();
                 let starts = match own {
                     Some(own) => vec![own],
-                    None => starts(robot, choices, goals, options),
+                    None => starts(robot, choices, (goals, budget), options),
                 };
                 let found = search.run(&starts)?;
                 let proof = if found.is_proven { Proof::Local } else { Proof::Budget };
@@ -245,7 +254,7 @@ impl Asked<'_> {
         found: &Found,
         proof: Proof,
     ) -> Result<HoleDesign, DesignError> {
-        let Self { model, goals, cases, criteria, cables } = self;
+        let Self { model, goals, cases, criteria, cables, .. } = self;
         let solutions = goals
             .iter()
             .map(|goal| model.solve(&robot, &goal.case))
@@ -291,7 +300,7 @@ impl Asked<'_> {
         rules: &HoleRules,
         (options, from): (&HoleSearchOptions, Starts),
     ) -> Result<HoleDesign, DesignError> {
-        let budget = if self.is_tabulated(robot) { options.nodes } else { options.solves };
+        let most = if self.is_tabulated(robot) { options.nodes } else { options.solves };
         let own = HoleSearchOptions { nodes: options.nodes.min(QUICK), starts: 1, ..*options };
         let choose = |robot: &Robot, choices: &Choices, left: usize| {
             let own = HoleSearchOptions { solves: own.solves.min(left), ..own };
@@ -309,13 +318,14 @@ impl Asked<'_> {
             // Each is done in a moment, beside a search for all at once.
             added = STARTS_OF_CABLES * options.starts;
             if let Some(choices) = choices.filter(|_| !self.is_tabulated(robot)) {
-                let all = starts(robot, choices, self.goals, options);
+                let all = starts(robot, choices, (self.goals, self.budget), options);
                 for list in all.iter().take(1) {
                     robots.insert(0, with_holes(robot, choices, list)?);
                 }
             }
         }
-        let search = CableByCable { cables: self.cables, rules, budget, choose: &choose };
+        let search =
+            CableByCable { cables: self.cables, rules, most, budget: self.budget, choose: &choose };
         let (robot, effort, is_best) = search.run(&robots, added)?;
         let proof = if is_best { Proof::InTurn } else { Proof::Budget };
         let found =
@@ -331,7 +341,7 @@ impl Asked<'_> {
         options: &HoleSearchOptions,
     ) -> Result<HoleDesign, DesignError> {
         let left = options.solves.saturating_sub(found.effort);
-        if left < choices.count * found.robot.disks().count() {
+        if left < choices.count * found.robot.disks().count() || self.budget.is_over() {
             return Ok(found);
         }
         let options = HoleSearchOptions { solves: left, ..*options };
@@ -352,10 +362,10 @@ fn sequential(
     model: &Model,
     robot: &Robot,
     choices: &Choices,
-    goals: &[ShapeGoal],
+    (goals, budget): (&[ShapeGoal], &Budget),
     options: &HoleSearchOptions,
 ) -> Result<Found, DesignError> {
-    let table = SpanTable::new(model, robot, choices, goals)?;
+    let table = SpanTable::new(model, robot, choices, (goals, budget))?;
     let disks = robot.disks().count();
     let points = || goals.iter().flat_map(|goal| &goal.points);
     let last = points().map(|(disk, _)| disk + 1).max().unwrap_or(disks);
@@ -370,7 +380,7 @@ fn sequential(
         _ => None,
     };
     if found.is_none() {
-        found = ShapeSearch::new(choices, &table, goals, last).run(options.nodes);
+        found = ShapeSearch::new(choices, &table, (goals, budget), last).run(options.nodes);
     }
     let mut found = found.ok_or(DesignError::NoChoice { disk: last - 1 })?;
     // What is behind the last point is free: as straight on as the rules allow.
@@ -393,11 +403,11 @@ fn sequential(
     Ok(found)
 }
 
-/// Lists to start from: the best without loads where that is known, then lists straight on.
+/// Lists to start from: the best without loads where that is known, the one that the robot has where the rules allow it, then lists straight on.
 fn starts(
     robot: &Robot,
     choices: &Choices,
-    goals: &[ShapeGoal],
+    (goals, budget): (&[ShapeGoal], &Budget),
     options: &HoleSearchOptions,
 ) -> Vec<Vec<usize>> {
     let model = Model::new(ModelKind::CosseratDisks, Stations::Disks, Actuation::Tension);
@@ -414,8 +424,12 @@ fn starts(
     let mut starts = Vec::new();
     let has_points = goals.iter().any(|goal| !goal.points.is_empty());
     if has_points && is_sequential(&model, robot, &free) {
-        starts.extend(sequential(&model, robot, choices, &free, options).ok().map(|of| of.list));
+        starts.extend(
+            sequential(&model, robot, choices, (&free, budget), options).ok().map(|of| of.list),
+        );
     }
+    starts.extend(choices.own_list(robot));
+    starts.dedup();
     let disks = robot.disks().count();
     let firsts = choices.at(0);
     let wanted = options.starts.max(1);
@@ -434,7 +448,7 @@ fn starts(
                 None => break,
             }
         }
-        if list.len() == disks {
+        if list.len() == disks && !starts.contains(&list) {
             starts.push(list);
         }
     }

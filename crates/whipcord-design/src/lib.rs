@@ -6,6 +6,7 @@
 //! curve, in closed form; [`rest_curvature_for_curve`] the pre-bend, and [`taper_for_curve`] the diameters, with which a robot takes a curve
 //! under its loads. This crate opens no files and reads no clocks. The equations are those of `docs/theory/design.md`.
 
+mod budget;
 mod cable_by_cable;
 mod cable_count;
 mod candidates;
@@ -35,6 +36,7 @@ mod tolerances;
 mod unknown;
 mod vary;
 
+pub use budget::Ended;
 pub use choices::{FixedHole, HoleRules};
 pub use criterion::{Criterion, CriterionResult, Quantity, WORKSPACE_RADIUS};
 pub use curve::Curve;

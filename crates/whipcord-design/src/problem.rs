@@ -2,8 +2,9 @@
 
 use core::fmt;
 
-use whipcord::{Case, ModelKind, Robot, Solution, SolveError, Vec3};
+use whipcord::{Cancel, Case, ModelKind, Robot, Solution, SolveError, Vec3};
 
+use crate::budget::Ended;
 use crate::choices::HoleRules;
 use crate::criterion::{Criterion, CriterionResult};
 use crate::error::DesignError;
@@ -61,7 +62,12 @@ pub struct DesignOptions {
     pub criteria: Vec<Criterion>,
     /// What can be manufactured. Fixed holes are those of the cables of the robot by their numbers.
     pub rules: HoleRules,
-    /// What the search for holes may spend.
+    /// Solves of whole shapes that all searches may spend together, those of least squares included; without loads ten of a table count as one. Where they are spent the best robot so far is
+    /// the answer, and says so ([`Design::ended`]).
+    pub solves: usize,
+    /// A flag that ends all searches likewise, as where a time is over: this crate reads no clock. Whereas the flag of the model ends them without an answer.
+    pub stop: Cancel,
+    /// What one search for holes may spend.
     pub search: HoleSearchOptions,
     /// Least and greatest diameter of the backbone in m; by default a quarter and four times of what it has.
     pub diameters: Option<[f64; 2]>,
@@ -88,6 +94,8 @@ impl Default for DesignOptions {
         Self {
             criteria: Vec::new(),
             rules: HoleRules::default(),
+            solves: 40_000,
+            stop: Cancel::default(),
             search: HoleSearchOptions::default(),
             diameters: None,
             tensions: Vec::new(),
@@ -135,6 +143,8 @@ pub enum Known {
         /// Why not.
         reason: Unconverged,
     },
+    /// The best that was found until the budget of the whole design was spent.
+    Budget,
     /// The number of cables: this many at least, by the rank of the bending moments.
     AtLeast {
         /// The bound.
@@ -153,6 +163,8 @@ pub enum Unconverged {
     Refused,
     /// A constraint could not be kept.
     Constraints,
+    /// The budget of the whole design was spent.
+    Budget,
 }
 
 impl Unconverged {
@@ -166,6 +178,9 @@ impl Unconverged {
             Self::Stalled => "no step lowers the error, although the derivatives promise it, as at a slack cable or a contact".to_owned(),
             Self::Refused => "the model has no answer for what comes nearer".to_owned(),
             Self::Constraints => "not all constraints could be kept".to_owned(),
+            Self::Budget => {
+                "the budget of the design was spent while the error still fell".to_owned()
+            }
         }
     }
 }
@@ -190,6 +205,7 @@ impl Known {
             Self::Met => "targets_met",
             Self::LeastSquares { .. } => "least_squares",
             Self::InTurn { .. } => "in_turn",
+            Self::Budget => "budget_spent",
             Self::Unconverged { .. } => "not_converged",
             Self::AtLeast { .. } => "lower_bound",
         }
@@ -225,6 +241,9 @@ impl fmt::Display for Known {
             Self::InTurn { compared, improved } => write!(
                 f,
                 "not proven: the best of {compared} tensions that were compared by the holes that suit them, of which {improved} were improved with their holes in turn until neither came nearer; another may be better"
+            ),
+            Self::Budget => f.write_str(
+                "not proven: the best found until the budget of the design was spent, which may not be the best of all",
             ),
             Self::Unconverged { starts, reason } => {
                 let from = if *starts == 1 { "one start" } else { &format!("{starts} starts") };
@@ -274,6 +293,10 @@ pub struct Design {
     pub goals: Vec<GoalResult>,
     /// What is known of what was varied.
     pub findings: Vec<Finding>,
+    /// What ended the searches before they came to their ends, if anything did.
+    pub ended: Option<Ended>,
+    /// Solves that the searches took, as [`DesignOptions::solves`] counts them.
+    pub solves: usize,
     /// What became of the criteria; constraints are met.
     pub criteria: Vec<CriterionResult>,
     /// Limits of tension in N that were assumed because none were given.

@@ -3,7 +3,7 @@
 
 use core::f64::consts::TAU;
 
-use whipcord::{Along, Backbone, Case, Model, Parameter, Robot, SolveError, Vec3};
+use whipcord::{Along, Backbone, Case, Model, Parameter, Robot, Vec3};
 use whipcord_numerics::least_squares::{NoResiduals, Options};
 use whipcord_numerics::random::SplitMix64;
 
@@ -33,6 +33,9 @@ const AGREE: f64 = 0.01;
 
 /// Starts but the first are each the best of so many, as these are compared by a solve each.
 const DRAWN: usize = 8;
+
+/// Steps by which tensions of several goals are fitted to what else was drawn before draws are compared.
+const TENSION_STEPS: usize = 4;
 
 /// A rest curvature bends the backbone by no more than this over its length, in rad.
 const LARGEST_TURN: f64 = 30.0;
@@ -77,6 +80,9 @@ pub(crate) fn refine(
     let mut ends: Vec<(f64, Ending, Vec<f64>)> = Vec::new();
     let mut refusal = None;
     for start in 0..options.starts.max(1) {
+        if !ends.is_empty() && options.budget.is_over() {
+            break;
+        }
         let mut problem = Problem::new(model, robot, goals, unknowns, options)?;
         let mut values = start_values(&mut problem, unknowns, start, options);
         match problem.constrained(&mut values, &minimiser) {
@@ -95,8 +101,13 @@ pub(crate) fn refine(
                     break;
                 }
             }
-            Err(NoResiduals::Refused(DesignError::Solve(error @ SolveError::Cancelled { .. }))) => {
-                return Err(error.into());
+            Err(NoResiduals::Refused(error)) if error.is_cancelled() => return Err(error),
+            Err(NoResiduals::Refused(DesignError::Ended)) => {
+                let given = problem.within_rim(&values);
+                if let Some(cost) = problem.cost(&given) {
+                    ends.push((cost, Ending::Budget, given));
+                }
+                refusal.get_or_insert(DesignError::Ended);
             }
             Err(NoResiduals::Refused(error)) => {
                 refusal.get_or_insert(error);
@@ -151,7 +162,13 @@ fn start_values(
     let Some(other) = start.checked_sub(1) else { return given_values(unknowns) };
     let mut best: Option<(f64, Vec<f64>)> = None;
     for draw in 0..DRAWN {
-        let values = drawn_values(unknowns, other * DRAWN + draw, options);
+        let mut values = drawn_values(unknowns, other * DRAWN + draw, options);
+        if draw > 0 && options.budget.is_over() {
+            break;
+        }
+        if problem.cases().len() > 1 {
+            problem.fit_tensions(&mut values, unknowns, options, TENSION_STEPS);
+        }
         let cost = problem.cost(&values).unwrap_or(f64::INFINITY);
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
             best = Some((cost, values));

@@ -9,6 +9,7 @@ use std::collections::BinaryHeap;
 
 use whipcord::{Pose, Vec3};
 
+use crate::budget::Budget;
 use crate::choices::Choices;
 use crate::goal::ShapeGoal;
 use crate::span_table::SpanTable;
@@ -32,6 +33,7 @@ pub(crate) struct ShapeSearch<'a> {
     choices: &'a Choices,
     table: &'a SpanTable,
     goals: &'a [ShapeGoal],
+    budget: &'a Budget,
     /// What each goal wants of each disk, one disk after the other.
     wanted: Vec<Vec<(usize, Vec3)>>,
     disks: usize,
@@ -45,11 +47,14 @@ const WORTH: f64 = 0.02;
 const MOST_KEPT: usize = 1_000_000;
 const LEAST_FIRST: usize = 4;
 
+/// Spans after which the budget is looked at.
+const LOOK: usize = 10_000;
+
 impl<'a> ShapeSearch<'a> {
     pub fn new(
         choices: &'a Choices,
         table: &'a SpanTable,
-        goals: &'a [ShapeGoal],
+        (goals, budget): (&'a [ShapeGoal], &'a Budget),
         disks: usize,
     ) -> Self {
         let of_disk = |disk: usize| {
@@ -61,7 +66,8 @@ impl<'a> ShapeSearch<'a> {
             });
             points.collect()
         };
-        Self { choices, table, goals, wanted: (0..disks).map(of_disk).collect(), disks }
+        let wanted = (0..disks).map(of_disk).collect();
+        Self { choices, table, goals, budget, wanted, disks }
     }
 
     /// Searches within so many spans; without any the best of the beam.
@@ -133,7 +139,7 @@ impl<'a> ShapeSearch<'a> {
             depth_first.list.pop();
         }
         let nodes = depth_first.nodes;
-        let is_proven = nodes < most_nodes;
+        let is_proven = nodes < depth_first.most_nodes;
         let best = depth_first.best;
         let least = if is_proven { best.cost } else { best.least };
         Found { nodes, is_proven, least, ..best }
@@ -271,7 +277,12 @@ impl<'a> ShapeSearch<'a> {
             let (first, followers) = self.choices.followers(choice);
             let pairs = first..first + followers.len();
             self.table.distances(disk - 1, pairs.clone(), &wanted, &mut sums);
+            let before = nodes;
             nodes += followers.len();
+            if before / LOOK != nodes / LOOK && self.budget.is_over() {
+                open.push(partial);
+                break;
+            }
             for ((more, pair), &choice) in sums.iter().zip(pairs).zip(followers) {
                 let cost = partial.cost + more;
                 if cost >= found.cost {
@@ -377,7 +388,11 @@ impl DepthFirst<'_> {
         let (first, followers) = search.choices.followers(from);
         let pairs = first..first + followers.len();
         search.table.distances(disk - 1, pairs.clone(), &self.wanted, &mut self.sums);
+        let nodes = self.nodes;
         self.nodes += followers.len();
+        if nodes / LOOK != self.nodes / LOOK && self.search.budget.is_over() {
+            self.most_nodes = 0;
+        }
         let room = self.best.cost - cost;
         for ((&more, pair), &choice) in self.sums.iter().zip(pairs).zip(followers) {
             if more >= room {

@@ -7,6 +7,7 @@ use core::f64::consts::TAU;
 
 use whipcord::{Model, ModelKind, Pose, Robot, StabilityAnalysis, Stations, UnitQuaternion, Vec3};
 
+use crate::budget::Budget;
 use crate::candidates::solve_lists;
 use crate::choices::Choices;
 use crate::error::DesignError;
@@ -32,6 +33,9 @@ pub(crate) struct SpanTable {
 const MOST: usize = 30_000;
 /// Poses that a table may have.
 const MOST_POSES: usize = 8_000_000;
+
+/// Solves without load that take as long as one of a robot under loads.
+const CHEAPER: usize = 10;
 
 /// Whether the spans of a robot are independent of one another.
 pub(crate) fn is_sequential(model: &Model, robot: &Robot, goals: &[ShapeGoal]) -> bool {
@@ -64,7 +68,7 @@ impl SpanTable {
         model: &Model,
         robot: &Robot,
         choices: &Choices,
-        goals: &[ShapeGoal],
+        (goals, budget): (&[ShapeGoal], &Budget),
     ) -> Result<Self, DesignError> {
         let model = model.at(Stations::Disks).with_stability(StabilityAnalysis::Off);
         let disks = robot.disks().count();
@@ -93,16 +97,22 @@ impl SpanTable {
             let mut base = None;
             let mut refusal = None;
             let mut failed = Vec::new();
-            solve_lists(&model, robot, choices, &goal.case, lists, |of, answer| match answer {
-                Ok(solution) => {
-                    base = Some(solution.disks.poses[0]);
-                    table.take(number, choices, turns, &lists[of], &solution.disks.poses);
-                }
-                Err(error) => {
-                    refusal.get_or_insert_with(|| error.clone());
-                    failed.push(of);
-                }
-            })?;
+            let by = (&goal.case, budget);
+            let solved =
+                solve_lists(&model, robot, choices, by, lists, |of, answer| match answer {
+                    Ok(solution) => {
+                        base = Some(solution.disks.poses[0]);
+                        table.take(number, choices, turns, &lists[of], &solution.disks.poses);
+                    }
+                    Err(error) => {
+                        refusal.get_or_insert_with(|| error.clone());
+                        failed.push(of);
+                    }
+                })?;
+            budget.spend(solved.div_ceil(CHEAPER));
+            if solved < lists.len() {
+                return Err(DesignError::Ended);
+            }
             // A list fails with one of its spans: each pair once more among spans that are straight on.
             let single: Vec<Vec<usize>> = failed
                 .iter()
@@ -116,12 +126,16 @@ impl SpanTable {
                 })
                 .take(MOST)
                 .collect();
-            solve_lists(&model, robot, choices, &goal.case, &single, |of, answer| {
+            let solved = solve_lists(&model, robot, choices, by, &single, |of, answer| {
                 if let Ok(solution) = answer {
                     base = Some(solution.disks.poses[0]);
                     table.take(number, choices, turns, &single[of], &solution.disks.poses);
                 }
             })?;
+            budget.spend(solved.div_ceil(CHEAPER));
+            if solved < single.len() {
+                return Err(DesignError::Ended);
+            }
             match (base, refusal) {
                 (Some(base), _) => table.bases.push(base),
                 (None, Some(error)) => return Err(DesignError::NoAnswer(error)),

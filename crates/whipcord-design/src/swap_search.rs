@@ -2,6 +2,7 @@
 
 use whipcord::{Model, Robot, SolveError};
 
+use crate::budget::Budget;
 use crate::candidates::costs;
 use crate::choices::Choices;
 use crate::criteria::Criteria;
@@ -19,10 +20,13 @@ pub(crate) struct SwapSearch<'a> {
     pub criteria: Option<&'a Criteria>,
     /// Solves that may be spent on each goal.
     pub most_solves: usize,
+    pub budget: &'a Budget,
 }
 
 /// Where criteria are estimated first, so many of the best lists by the estimate are tried.
 const EXACT: usize = 4;
+/// Changes of two holes that are compared before the best of them is taken.
+const PART: usize = 128;
 
 /// Solves that each list takes under each goal.
 fn effort(criteria: Option<&Criteria>) -> usize {
@@ -35,15 +39,17 @@ impl SwapSearch<'_> {
         let mut spent = 0;
         let mut best: Option<Found> = None;
         let mut refusal: Option<SolveError> = None;
-        for start in starts {
-            let (first, reason) =
-                self.costs(core::slice::from_ref(start), f64::INFINITY, &mut spent)?;
-            refusal = refusal.or(reason);
-            let found = self.descend(start.clone(), first[0], &mut spent)?;
+        // The nearest first, as the budget may not suffice for all.
+        let (firsts, reason) = self.costs(starts, f64::INFINITY, &mut spent)?;
+        refusal = refusal.or(reason);
+        let mut order: Vec<usize> = (0..starts.len()).collect();
+        order.sort_by(|a, b| firsts[*a].total_cmp(&firsts[*b]));
+        for start in order {
+            let found = self.descend(starts[start].clone(), firsts[start], &mut spent)?;
             if best.as_ref().is_none_or(|best| found.cost < best.cost) {
                 best = Some(found);
             }
-            if spent >= self.most_solves {
+            if spent >= self.most_solves || self.budget.is_over() {
                 break;
             }
         }
@@ -71,10 +77,11 @@ impl SwapSearch<'_> {
         spent: &mut usize,
     ) -> Result<(Vec<f64>, Option<SolveError>), DesignError> {
         *spent += lists.len() * effort(criteria);
-        costs(self.model, self.robot, self.choices, (self.goals, criteria), lists, known)
+        let by = (known, self.budget);
+        costs(self.model, self.robot, self.choices, (self.goals, criteria), lists, by)
     }
 
-    /// Takes the best change of one hole while there is one that helps, then of two neighbouring ones.
+    /// Takes the best change of one hole while there is one that helps, then one of two neighbouring holes.
     fn descend(
         &self,
         mut list: Vec<usize>,
@@ -84,7 +91,7 @@ impl SwapSearch<'_> {
         let estimate = self.criteria.and_then(Criteria::estimate);
         // Whether every change was tried of the list that is left.
         let mut is_local = false;
-        while !is_local && *spent < self.most_solves {
+        while !is_local && *spent < self.most_solves && !self.budget.is_over() {
             let mut is_better = false;
             let mut is_complete = true;
             for width in [1, 2] {
@@ -104,13 +111,24 @@ impl SwapSearch<'_> {
                     changed = order[..EXACT].iter().map(|of| changed[*of].clone()).collect();
                     is_complete = false;
                 }
-                let (costs, _) = self.costs(&changed, cost, spent)?;
-                let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-                if let Some((number, &lower)) = best
-                    && lower < cost * (1.0 - 1e-9)
-                {
-                    (cost, is_better) = (lower, true);
-                    list.clone_from(&changed[number]);
+                // Of changes of two holes there are many: the first part of them that has a better list is enough to go on.
+                let part = if width == 1 { changed.len() } else { PART };
+                for changed in changed.chunks(part.max(1)) {
+                    let (costs, _) = self.costs(changed, cost, spent)?;
+                    let best = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+                    if let Some((number, &lower)) = best
+                        && lower < cost * (1.0 - 1e-9)
+                    {
+                        (cost, is_better) = (lower, true);
+                        list.clone_from(&changed[number]);
+                        break;
+                    }
+                    if self.budget.is_over() {
+                        is_complete = false;
+                        break;
+                    }
+                }
+                if is_better {
                     break;
                 }
             }

@@ -136,6 +136,7 @@ impl DesignTable {
             places: self.places.unwrap_or(usual.places),
             starts: self.starts.unwrap_or(usual.starts),
             iterations: self.iterations.unwrap_or(usual.iterations),
+            solves: self.solves.unwrap_or(usual.solves),
             ..usual
         };
         Ok(DesignProblem { goals, vary, options, tolerances: self.tolerances(robot) })

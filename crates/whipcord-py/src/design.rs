@@ -72,8 +72,9 @@ pub fn design<'py>(
     }
     let measured = data.measured.as_deref();
     let problem = table.problem(&setup.robot, &setup.case, &data.goal, measured);
-    let problem = problem.map_err(|error| errors::input(py, "target", error.to_string()))?;
-    let (given, limit) = model.begin();
+    let mut problem = problem.map_err(|error| errors::input(py, "target", error.to_string()))?;
+    let (given, limit, stop) = model.begin_search();
+    problem.options.stop = stop;
     // Where no model was chosen, what is varied decides.
     let given = match chosen {
         true => given,
@@ -102,6 +103,8 @@ pub fn design<'py>(
             errors::solve(py, &SolveError::Cancelled { last_load: None })
         }
         DesignError::Solve(error) => errors::solve(py, &error),
+        // What has to be done before there is any robot took the whole time.
+        DesignError::Ended => errors::solve(py, &SolveError::Cancelled { last_load: None }),
         error @ DesignError::Criterion { .. } => errors::input(py, "criteria", error.to_string()),
         error => errors::input(py, "vary", error.to_string()),
     })?;

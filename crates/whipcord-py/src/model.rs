@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use whipcord::Cancel;
 use whipcord::cosserat::{self, Accuracy};
 use whipcord::{
     Actuation, Budget, ModelKind, StabilityAnalysis, Stations, four_bar, linkage, pseudo_rigid_body,
@@ -179,6 +180,12 @@ impl Model {
     pub fn begin(&self) -> (whipcord::Model, Limit) {
         let limit = Limit::starting_now(self.timeout);
         (self.inner.cancelled_by(&limit.cancel), limit)
+    }
+
+    /// The same of a search that takes the best so far when its time is over, and the flag that tells it so.
+    pub fn begin_search(&self) -> (whipcord::Model, Limit, Cancel) {
+        let (limit, stop) = Limit::of_search(self.timeout);
+        (self.inner.cancelled_by(&limit.cancel), limit, stop)
     }
 
     /// What drives all cables, where that was chosen.

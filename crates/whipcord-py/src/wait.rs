@@ -16,6 +16,9 @@ use crate::errors;
 /// How often signals are looked for, and progress is reported.
 pub const PERIOD: Duration = Duration::from_millis(50);
 
+/// What a search that is over leaves for the rest beside as long again.
+const REST: Duration = Duration::from_secs(10);
+
 /// What ends work before it is done: a signal, or a time that is over.
 #[derive(Clone, Debug, Default)]
 pub struct Limit {
@@ -23,13 +26,25 @@ pub struct Limit {
     pub cancel: Cancel,
     /// When the time is over.
     until: Option<Instant>,
+    /// Before that: when a search takes the best so far, and the flag that tells it so.
+    search: Option<(Instant, Cancel)>,
 }
 
 impl Limit {
     /// The time begins now.
     pub fn starting_now(timeout: Option<Duration>) -> Self {
         let until = timeout.and_then(|timeout| Instant::now().checked_add(timeout));
-        Self { cancel: Cancel::new(), until }
+        Self { cancel: Cancel::new(), until, search: None }
+    }
+
+    /// The time of a search that takes the best so far when it is over; as long again and some seconds are left for what is done with that.
+    pub fn of_search(timeout: Option<Duration>) -> (Self, Cancel) {
+        let stop = Cancel::new();
+        let rest = |time: Duration| time.saturating_mul(2).saturating_add(REST);
+        let mut limit = Self::starting_now(timeout.map(rest));
+        let end = timeout.and_then(|timeout| Instant::now().checked_add(timeout));
+        limit.search = end.map(|end| (end, stop.clone()));
+        (limit, stop)
     }
 
     /// Whether there is a time limit.
@@ -51,6 +66,11 @@ impl Limit {
 
     /// Ends the work where the time is over.
     fn look_at_time(&self) {
+        if let Some((end, stop)) = &self.search
+            && *end <= Instant::now()
+        {
+            stop.cancel();
+        }
         if self.is_over() {
             self.cancel.cancel();
         }

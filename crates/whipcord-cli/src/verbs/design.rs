@@ -6,7 +6,7 @@ use clap::Args;
 use whipcord::warning::of_case;
 use whipcord::{Actuation, Model, ModelKind, Stations, Vec3, Warning};
 use whipcord_design::{
-    CriterionResult, Design, DesignError, GoalResult, Quantity, Vary, design, spread,
+    CriterionResult, Design, DesignError, Ended, GoalResult, Quantity, Vary, design, spread,
 };
 use whipcord_io::{
     CaseFile, DesignShape, DesignTable, DesignTarget, FittedFile, design_json, designed_case,
@@ -59,6 +59,9 @@ pub struct DesignArgs {
     /// Cables must not cross between two disks
     #[arg(long)]
     no_crossing: bool,
+    /// Solves that the search may take; what is found by then is the answer. 40000 by default
+    #[arg(long, value_name = "N")]
+    solves: Option<usize>,
     /// Model; by default cosserat-disks where holes or disks vary, else cosserat
     #[arg(long, value_name = "NAME", value_parser = model_parser())]
     model: Option<ModelKind>,
@@ -90,7 +93,8 @@ pub fn run(args: &DesignArgs, style: Style) -> Result<String, Failure> {
     let input = |words: String| Failure::Input(format!("error: {}: {words}", file.path.display()));
     let table = asked(args, &file)?;
     let problem = table.problem(&file.robot, &file.case, &file.goal, file.measured.as_ref());
-    let problem = problem.map_err(|error| input(error.to_string()))?;
+    let mut problem = problem.map_err(|error| input(error.to_string()))?;
+    problem.options.stop = deadline::end_of_search();
     let kind = args.model.unwrap_or_else(|| Vary::usual_model(&problem.vary));
     let model = Model::new(kind, Stations::Disks, Actuation::Natural);
     let model = model.cancelled_by(&deadline::cancel());
@@ -195,6 +199,7 @@ fn asked(args: &DesignArgs, file: &CaseFile) -> Result<DesignTable, Failure> {
         table.criteria = criteria.collect::<Result<_, _>>()?;
     }
     table.max_jump = args.max_jump.or(table.max_jump);
+    table.solves = args.solves.or(table.solves);
     table.distinct |= args.distinct;
     if args.no_crossing {
         table.crossing = Some(false);
@@ -247,6 +252,7 @@ fn failure(file: &CaseFile, error: &DesignError) -> Failure {
         DesignError::NotAttainable { .. }
         | DesignError::NotMet(_)
         | DesignError::NotConverged { .. }
+        | DesignError::Ended
         | DesignError::Stopped(_) => Failure::Solve(message),
         _ => Failure::Input(message),
     }
@@ -300,7 +306,11 @@ fn check_note(found: &Design) -> Option<&'static str> {
 
 fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
     let mut text = format!("{}\n{}\n\n", style.heading(&file.title), found.model);
-    let distance = |metres: f64| format!("{} mm", number(1e3 * metres, 3));
+    let distance = |metres: f64| {
+        // What rounding leaves is no distance.
+        let metres = if metres < 1e-12 { 0.0 } else { metres };
+        format!("{} mm", number(1e3 * metres, 3))
+    };
     let mut line = |name: &str, value: String| {
         text += &format!("{}  {value}\n", style.faint(format!("{name:<12}")));
     };
@@ -358,6 +368,9 @@ fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
             distance(bound)
         );
     }
+    if let Some(ended) = found.ended {
+        text += &format!("{}\n", ended_words(ended, found.solves));
+    }
     if let Some([_, greatest]) = found.assumed_tension {
         text += &format!(
             "tensions up to {} are assumed to be allowed, as [limits] gives none\n",
@@ -368,6 +381,19 @@ fn summary(file: &CaseFile, found: &Design, style: Style) -> String {
         text += note;
     }
     text + &far_note(found)
+}
+
+/// What ended the search, and how it may go on.
+fn ended_words(ended: Ended, solves: usize) -> String {
+    match ended {
+        Ended::Solves => format!(
+            "the search took its {solves} solves and found this until then: --solves {} looks on",
+            10 * solves
+        ),
+        Ended::Stopped => format!(
+            "the time of the search was over after {solves} solves, and this was found until then: a longer --timeout looks on"
+        ),
+    }
 }
 
 /// Of a shape that is far from its target, why that may be.

@@ -277,3 +277,42 @@ fn what_is_no_design_is_refused() {
         ["design", THREE, "--target", ARC, "--vary", "backbone.rest_curvature", "--prove"];
     assert!(fail(1, &unproven).contains("not proven to be the best"));
 }
+
+/// A search that is ended by its budget or its time answers with the best so far, and says so.
+#[test]
+fn a_search_ends_with_the_best_so_far() {
+    // Under a load lists are solved as a whole.
+    let asked = [
+        "design",
+        THREE,
+        "--target",
+        ARC,
+        "--vary",
+        "holes",
+        "--vary",
+        "tension",
+        "--set",
+        "loads.tip_force=[0, 0.05, 0]",
+    ];
+    let run = |more: &[&str]| json(&succeed(&[&asked[..], more, &["--json"][..]].concat()));
+    let few = run(&["--solves", "100"]);
+    assert_eq!(few["ended"], "solves");
+    assert_eq!(few["proven"], false);
+    let by_key = run(&["--set", "design.solves=100"]);
+    assert_eq!(few, by_key);
+    let some = run(&["--solves", "2000"]);
+    let [error, better] = [&few, &some].map(|of| of["error"].as_f64().unwrap());
+    assert!(better <= error && error <= few["before"]["error"].as_f64().unwrap());
+    let late = run(&["--timeout", "1 ms"]);
+    assert_eq!(late["ended"], "time");
+    for finding in late["findings"].as_array().unwrap() {
+        assert_eq!(finding["known"], "budget_spent");
+    }
+    let words = succeed(&[&asked[..], &["--solves", "100"][..]].concat());
+    assert!(words.contains("--solves 1") && words.contains("found this until then"), "{words}");
+    let words = succeed(&[&asked[..], &["--timeout", "1 ms"][..]].concat());
+    assert!(words.contains("a longer --timeout looks on"), "{words}");
+    // Nothing ends what is done.
+    let done = json(&succeed(&["design", THREE, "--target", ARC, "--max-jump", "2", "--json"]));
+    assert_eq!(done["ended"], Value::Null);
+}

@@ -6,7 +6,8 @@ mod stiffness;
 mod workspace;
 
 use whipcord::{
-    Actuation, Case, Model, ModelKind, Robot, Solution, StabilityAnalysis, Statics as _, Stations,
+    Actuation, Cancel, Case, Model, ModelKind, Robot, Solution, StabilityAnalysis, Statics as _,
+    Stations,
 };
 
 use crate::criterion::{Criterion, CriterionResult, Quantity};
@@ -128,6 +129,11 @@ impl Criteria {
     pub fn estimate(&self) -> Option<Self> {
         let is_estimated = self.list.iter().any(|of| matches!(of.quantity, Quantity::Workspace));
         is_estimated.then(|| Self { commands: FEW_COMMANDS, ..self.clone() })
+    }
+
+    /// The same with solves that a flag ends: what comes of them then is of no use.
+    pub fn until(&self, stop: &Cancel) -> Self {
+        Self { model: self.model.cancelled_by(stop), ..self.clone() }
     }
 
     /// How many solves the values of a robot are worth, beside those of its shapes.

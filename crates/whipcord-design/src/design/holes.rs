@@ -1,14 +1,12 @@
 //! Lists of holes, in turn with tensions where these are varied too.
 
-use core::cell::Cell;
-
 use whipcord::Case;
 
 use super::unknowns::known_of;
 use super::work::Work;
 use crate::choices::{FixedHole, HoleRules};
 use crate::error::DesignError;
-use crate::hole_design::{self, HoleDesign, HoleSearchOptions, Starts};
+use crate::hole_design::{self, HoleDesign, HoleSearchOptions, Proof, Starts};
 use crate::problem::Known;
 use crate::span_table::is_sequential;
 use crate::vary::Vary;
@@ -23,8 +21,8 @@ const KEPT: usize = 4;
 const KEPT_OF_WHOLE: usize = 2;
 /// Spans that may be looked at for each tension that is compared.
 const QUICK: usize = 200_000;
-/// Solves of all searches together where every list must be solved as a whole, as a multiple of those of one search.
-const SHARED: usize = 2;
+/// The part of the budget that the comparison of tensions may take.
+const COMPARED: usize = 2;
 /// How often a list that is proven to be the best, and better than that of the beam, gets tensions of its own.
 const PROOFS: usize = 3;
 /// How much nearer a round must come to go on, as a part of what lists are compared by.
@@ -40,18 +38,12 @@ impl Work<'_> {
         let all = &self.options.search;
         // Where every list must be solved as a whole, tensions are compared by the first list of each alone.
         let is_sequential = is_sequential(&self.model, &self.robot, &self.shape_goals()?);
-        // All searches share these, so that no number of cables and rounds takes for ever.
-        let left = Cell::new(all.solves.saturating_mul(SHARED));
         let search = |work: &Self, (by, starts): (&HoleSearchOptions, Starts)| {
             let goals = work.shape_goals()?;
             let within = (&rules, Some(&work.criteria));
-            let by = HoleSearchOptions { solves: by.solves.min(left.get()), ..*by };
-            let by = (&by, starts);
-            let found = hole_design::search(&work.model, &work.robot, cables, &goals, within, by);
-            if let (Ok(found), false) = (&found, is_sequential) {
-                left.set(left.get().saturating_sub(found.effort));
-            }
-            found
+            let by = HoleSearchOptions { solves: by.solves.min(work.budget.left()), ..*by };
+            let goals = (&goals[..], work.budget);
+            hole_design::search(&work.model, &work.robot, cables, goals, within, (&by, starts))
         };
         let first = HoleSearchOptions { solves: 1, ..*all };
         // Where lists can be proven, tensions are compared by good lists, and only the list that is left is proven to be the best.
@@ -72,11 +64,39 @@ impl Work<'_> {
             }
         }
         // Of each trial the tensions and what the holes make of them.
-        let mut trials = vec![(self.cases.clone(), search(self, trial))];
+        let mut trials = Vec::new();
+        let mut starts = vec![self.cases.clone()];
+        if !is_scanned
+            && !tensions.is_empty()
+            && let Ok(refined) = self.refined(&unknowns(tensions), 1)
+        {
+            // The best tensions of the lists that the robot has lead further than those that happen to be given.
+            starts.insert(0, refined.cases);
+        }
+        for cases in starts {
+            if !trials.is_empty() && self.budget.is_over() {
+                break;
+            }
+            self.cases = cases;
+            let most = match tensions.is_empty() {
+                true => trial.0.solves,
+                false => trial.0.solves.min(self.budget.left() / COMPARED),
+            };
+            let part = HoleSearchOptions { solves: most, ..*trial.0 };
+            let found = search(self, (&part, trial.1));
+            trials.push((self.cases.clone(), found));
+        }
         if let ([cable], [_]) = (tensions, &self.cases[..]) {
             let [least, greatest] = self.tension_range(*cable)?;
-            for k in 1..=TENSIONS {
-                let part = f64::from(k) / f64::from(TENSIONS);
+            // The first trial tells what one takes: of tables of many cables there are fewer.
+            let each = self.budget.spent().max(1);
+            let room = self.budget.left() / COMPARED / each;
+            let count = TENSIONS.min(u32::try_from(room).unwrap_or(u32::MAX));
+            for k in 1..=count {
+                if self.budget.is_over() {
+                    break;
+                }
+                let part = f64::from(k) / f64::from(count);
                 let tension = (part * part * greatest).max(least);
                 self.cases[0].commands[*cable].tension = Some(tension);
                 trials.push((self.cases.clone(), search(self, trial)));
@@ -102,6 +122,9 @@ impl Work<'_> {
         let in_turn = Known::InTurn { compared, improved: found.len() };
         let mut best: Option<(Vec<Case>, HoleDesign, Option<Known>)> = None;
         for (cases, design) in found {
+            if best.is_some() && self.budget.is_over() {
+                break;
+            }
             self.cases = cases;
             self.robot = design.robot.clone();
             let by = if is_sequential { &quick } else { all };
@@ -117,8 +140,15 @@ impl Work<'_> {
         (self.cases, self.robot) = (cases, best.robot.clone());
         if is_sequential && !tensions.is_empty() {
             for round in 0..=PROOFS {
+                if self.budget.is_over() {
+                    break;
+                }
                 let before = best.merit;
-                best = search(self, (all, Starts::Own))?;
+                let nearest = search(self, (all, Starts::Own))?;
+                if nearest.merit > before && nearest.proof != Proof::Optimal {
+                    break;
+                }
+                best = nearest;
                 self.robot = best.robot.clone();
                 if round == PROOFS || best.merit > before * (1.0 - NEARER) {
                     break;
@@ -136,8 +166,14 @@ impl Work<'_> {
         }
         // Least squares of the tensions alone know nothing of other holes.
         let known = known.filter(|known| !matches!(known, Known::LeastSquares { .. }));
+        let known = match (known, self.budget.ended()) {
+            // Nothing comes nearer, whatever was not tried.
+            (Some(Known::Met), _) => Known::Met,
+            (_, Some(_)) => Known::Budget,
+            (known, None) => known.unwrap_or(in_turn),
+        };
         for cable in tensions {
-            self.find(Vary::Tension { cable: *cable }, known.unwrap_or(in_turn));
+            self.find(Vary::Tension { cable: *cable }, known);
         }
         Ok(())
     }
@@ -150,9 +186,9 @@ impl Work<'_> {
         search: &impl Fn(&Self) -> Result<HoleDesign, DesignError>,
     ) -> Result<(HoleDesign, Option<Known>), DesignError> {
         let mut known = None;
-        let unknowns: Vec<Vary> = tensions.iter().map(|&cable| Vary::Tension { cable }).collect();
+        let unknowns = unknowns(tensions);
         for _ in 0..ROUNDS {
-            if unknowns.is_empty() {
+            if unknowns.is_empty() || self.budget.is_over() {
                 break;
             }
             let before = best.merit;
@@ -185,4 +221,8 @@ impl Work<'_> {
         });
         Ok(HoleRules { fixed: fixed.collect::<Result<_, DesignError>>()?, ..rules.clone() })
     }
+}
+
+fn unknowns(tensions: &[usize]) -> Vec<Vary> {
+    tensions.iter().map(|&cable| Vary::Tension { cable }).collect()
 }

@@ -5,8 +5,9 @@ mod on_curve;
 mod unknowns;
 mod work;
 
-use whipcord::{Case, Model, ModelKind, Robot, Solution, SolveError, Statics as _, Stations};
+use whipcord::{Case, Model, ModelKind, Robot, Solution, Statics as _, Stations};
 
+use crate::budget::Budget;
 use crate::cable_count;
 use crate::criteria::Criteria;
 use crate::error::DesignError;
@@ -56,11 +57,13 @@ pub fn design(
         }
     };
     let before = measured(&model.at(Stations::Disks), robot, &shape_goals);
+    let budget = Budget::new(options.solves, options.stop.clone());
     let mut work = Work {
         model: model.at(Stations::Disks),
         goals,
         vary: vary.to_vec(),
         options,
+        budget: &budget,
         robot: robot.clone(),
         cases,
         criteria,
@@ -93,6 +96,8 @@ pub fn design(
         robot,
         goals: results,
         findings,
+        ended: budget.ended(),
+        solves: budget.spent(),
         criteria,
         assumed_tension: assumed,
         lower_bound: lower_bound.filter(|bound| *bound > 0.0),
@@ -180,7 +185,7 @@ impl Work<'_> {
             // What cannot be met bend by bend may be met better as a whole.
             let is_better = match self.least_squares(&rest) {
                 Ok(()) => self.cost().is_some_and(|found| found < cost),
-                Err(error @ DesignError::Solve(SolveError::Cancelled { .. })) => return Err(error),
+                Err(error) if error.is_cancelled() => return Err(error),
                 Err(_) => false,
             };
             if !is_better {
@@ -202,7 +207,12 @@ impl Work<'_> {
     fn number_of_cables(&mut self) -> Result<(), DesignError> {
         let goals = self.shape_goals()?;
         let rim = rim(&self.robot);
-        let found = cable_count::found(&self.robot, &self.model, &goals, rim, self.options)?;
+        let found = cable_count::found(
+            &self.robot,
+            &self.model,
+            (&goals, rim),
+            (self.options, self.budget),
+        )?;
         self.find(Vary::Cables, Known::AtLeast { cables: found.rank });
         let count = found.robot.cables().len();
         self.robot = found.robot;

@@ -16,6 +16,11 @@ impl Work<'_> {
     /// Takes the closed form for a cable where there is one; whether nothing is left to do for it.
     pub(super) fn closed_form(&mut self, cable: usize) -> Result<bool, DesignError> {
         let Some(curve) = self.curve()? else { return Ok(false) };
+        let command = self.cases[0].commands[cable];
+        if command.shortening.is_some() && command.tension.is_none() {
+            // The tension that a given length makes is that of the answer.
+            return Ok(false);
+        }
         let is_tension_free = self.tensions().contains(&cable);
         let [least, greatest] = self.tension_range(cable)?;
         let given = self.cases[0].commands[cable].tension.unwrap_or(0.0);

@@ -9,7 +9,7 @@ use super::work::Work;
 use crate::chebyshev;
 use crate::criteria::by_tension;
 use crate::error::DesignError;
-use crate::problem::{DesignOptions, Known, Unconverged};
+use crate::problem::{DesignGoal, DesignOptions, Known, TargetShape, Unconverged};
 use crate::refine::{Refined, refine, rest_curvature_at};
 use crate::residuals::{Bounded, Ending, RefineOptions};
 use crate::route::largest_radius;
@@ -61,10 +61,18 @@ impl Work<'_> {
         {
             self.cases = first.cases;
         }
+        let given = (self.robot.clone(), self.cases.clone(), self.cost());
         let refined = self.refined(vary, self.options.starts)?;
         let known = known_of(&refined, self.options.iterations);
         self.robot = refined.robot;
         self.cases = refined.cases;
+        // A start near which the model has no other answer is left behind, and may be the best all the same.
+        if self.criteria.is_empty()
+            && let (Some(before), Some(now)) = (given.2, self.cost())
+            && before < now
+        {
+            (self.robot, self.cases) = (given.0, given.1);
+        }
         for of in vary {
             self.find(*of, known);
         }
@@ -78,12 +86,16 @@ impl Work<'_> {
             self.unknowns(*of, &mut unknowns)?;
         }
         let goals = self.shape_goals()?;
+        let is_curve = |of: &DesignGoal| matches!(of.target, TargetShape::Curve(_));
+        let has_moving = vary.contains(&Vary::DiskPositions) && self.goals.iter().any(is_curve);
         let options = RefineOptions {
             starts,
             iterations: self.options.iterations,
             seed: self.options.seed,
             rim: rim(&self.robot),
             criteria: Some(&self.criteria),
+            on_curves: has_moving.then_some(self.goals),
+            budget: self.budget,
         };
         refine(&self.model, &self.robot, &goals, &unknowns, &options)
     }
@@ -218,6 +230,7 @@ pub(super) fn known_of(refined: &Refined, iterations: usize) -> Known {
         Ending::Stalled => Unconverged::Stalled,
         Ending::Refused => Unconverged::Refused,
         Ending::Constraints => Unconverged::Constraints,
+        Ending::Budget => Unconverged::Budget,
     };
     Known::Unconverged { starts, reason }
 }

@@ -2,6 +2,7 @@
 
 use whipcord::{Case, Model, Robot, Statics as _};
 
+use crate::budget::Budget;
 use crate::criteria::Criteria;
 use crate::curve::Curve;
 use crate::error::DesignError;
@@ -15,6 +16,7 @@ pub(super) struct Work<'a> {
     pub goals: &'a [DesignGoal],
     pub vary: Vec<Vary>,
     pub options: &'a DesignOptions,
+    pub budget: &'a Budget,
     pub robot: Robot,
     pub cases: Vec<Case>,
     pub criteria: Criteria,

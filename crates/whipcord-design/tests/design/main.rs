@@ -10,4 +10,5 @@ mod criteria;
 mod curves;
 mod holes;
 mod robots;
+mod study;
 mod whole;

@@ -4,7 +4,8 @@ use core::f64::consts::{PI, TAU};
 
 use whipcord::batch::BatchOptions;
 use whipcord::{
-    Actuation, Case, Loads, Model, ModelKind, Robot, Routing, Statics as _, Stations, Vec3,
+    Actuation, CableCommand, Case, Disks, Loads, Model, ModelKind, Robot, Routing, Shortening,
+    Statics as _, Stations, Vec3,
 };
 use whipcord_design::{
     CurveKind, Design, DesignError, DesignGoal, DesignOptions, FixedHole, HoleRules, Known,
@@ -387,4 +388,55 @@ fn a_tip_beyond_the_length_is_aimed_at() {
     // A backbone that stays straight would be 0.22 m off.
     assert!(found.error < 0.2215, "{}", found.error);
     assert!(bound <= found.error && bound > 0.2195, "{bound}");
+}
+
+/// On a curve each disk is wanted at its own arc length, so that the places move with the disks.
+#[test]
+fn disks_that_move_are_wanted_elsewhere_on_a_curve() {
+    let robot = with_holes(&holed(LENGTH, 4, 12, 1), &[vec![1, 2, 3, 4]]);
+    let mut case = Case::with_tensions(&[5.0]);
+    case.loads = Loads { tip_force: Vec3::new(0.03, -0.05, -0.02), ..Loads::default() };
+    let arc = curve(CurveKind::Arc { angle: 1.2 }, 1.7);
+    let goals = [goal(case, arc)];
+    let model = model(ModelKind::CosseratDisks);
+    let options = DesignOptions::default();
+    let found = design(&model, &robot, &goals, &[Vary::DiskPositions], &options).unwrap();
+    let error = |at: &[f64]| {
+        let disks = Disks { arc_lengths: at.to_vec(), ..robot.disks().clone() };
+        let moved = Robot::new(robot.backbone().clone(), disks, robot.cables().to_vec()).ok()?;
+        let wanted = goals[0].points(&moved).ok()?;
+        let poses = model.solve(&moved, &goals[0].case).ok()?.disks.poses;
+        let off = wanted.iter().map(|(disk, place)| (poses[*disk].position - *place).norm());
+        let square = off.map(|off| off * off).sum::<f64>();
+        Some((square / wanted.len() as f64).sqrt())
+    };
+    let at = &found.robot.disks().arc_lengths;
+    assert!((error(at).unwrap() - found.error).abs() < 1e-7);
+    // The nearest of a grid within the bounds of the search.
+    let pitch = LENGTH / 3.0;
+    let reach = (1..3).map(|disk| (at[disk] - pitch * disk as f64).abs()).fold(0.0, f64::max);
+    let half = f64::max(reach, 0.4 * pitch);
+    let mut best = f64::INFINITY;
+    for i in 0..=12 {
+        for k in 0..=12 {
+            let [a, b] = [i, k].map(|of: i32| half * (f64::from(of) / 6.0 - 1.0));
+            best = error(&[0.0, pitch + a, 2.0 * pitch + b, LENGTH]).unwrap_or(1.0).min(best);
+        }
+    }
+    assert!(found.error <= best * 1.001 && best < found.before.unwrap()[0], "{best}");
+}
+
+/// A cable that is driven by its length has no closed form, but a routing by least squares.
+#[test]
+fn a_cable_that_is_driven_by_its_length_is_routed_as_well() {
+    let robot = straight(&[0.3], 0.006);
+    let mut case = Case::with_tensions(&[0.0]);
+    case.commands[0] = CableCommand { tension: None, shortening: Some(Shortening::Length(0.004)) };
+    let goals = [goal(case, curve(CurveKind::Arc { angle: 0.6 }, 0.8))];
+    let model = model(ModelKind::Cosserat);
+    let options = DesignOptions { degree: 1, ..DesignOptions::default() };
+    let vary = [Vary::Routing { cable: 0 }];
+    let found = design(&model, &robot, &goals, &vary, &options).unwrap();
+    assert!(matches!(known(&found, vary[0]), Known::LeastSquares { .. } | Known::Met));
+    assert!(found.largest < 1e-3 * LENGTH, "{:e}", found.largest);
 }

@@ -19,6 +19,7 @@ pub(super) fn describe_design(design: &DesignTable, file: &mut Table) {
     table.insert_some("places", design.places);
     table.insert_some("starts", design.starts);
     table.insert_some("iterations", design.iterations);
+    table.insert_some("solves", design.solves);
     let fixed: Vec<Table> = design
         .fixed
         .iter()

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 use whipcord::{Robot, Routing};
 use whipcord_design::{
-    CriterionResult, Design, GoalResult, Quantity, Sampled, TolerancesResult, spread,
+    CriterionResult, Design, Ended, GoalResult, Quantity, Sampled, TolerancesResult, spread,
 };
 
 use super::NonFinite;
@@ -37,6 +37,8 @@ pub fn design_json(
     object.insert("before".to_owned(), before);
     let bound = design.lower_bound.map(|bound| number(|| "lower_bound".to_owned(), bound));
     object.insert("lower_bound".to_owned(), bound.transpose()?.unwrap_or_default());
+    object.insert("ended".to_owned(), json!(design.ended.map(Ended::name)));
+    object.insert("solves".to_owned(), json!(design.solves));
     let findings = design.findings.iter().map(|finding| {
         json!({
             "vary": finding.what,

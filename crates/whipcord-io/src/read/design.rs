@@ -43,6 +43,8 @@ pub struct DesignTable {
     pub starts: Option<usize>,
     /// Steps of least squares from each start.
     pub iterations: Option<usize>,
+    /// Solves that the search may take.
+    pub solves: Option<usize>,
     /// Shapes that the robot is to take.
     pub targets: Vec<DesignTarget>,
     /// Standard deviations of manufacture.
@@ -128,6 +130,7 @@ pub(crate) fn design(
         places: table.count("places"),
         starts: table.count("starts"),
         iterations: table.count("iterations"),
+        solves: table.count("solves"),
         ..DesignTable::default()
     };
     for (k, fixed) in table.tables("fixed").iter().enumerate() {

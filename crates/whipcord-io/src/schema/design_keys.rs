@@ -83,6 +83,12 @@ pub(super) static DESIGN: Table = Table {
             "200",
             "Steps of least squares from each start; 200 by default.",
         ),
+        key(
+            "solves",
+            Kind::Count { least: 1, greatest: 1_000_000_000 },
+            "40000",
+            "Solves of whole shapes that the search may take, after which the best so far is the answer; 40000 by default.",
+        ),
         key("targets", Kind::Tables(&TARGETS), TARGETS.title, TARGETS.doc),
         key("tolerances", Kind::Table(&TOLERANCES), TOLERANCES.title, TOLERANCES.doc),
     ],

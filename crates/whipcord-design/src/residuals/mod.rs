@@ -1,5 +1,10 @@
 //! What least squares make small: distances of disks, cables beyond the rims, and criteria.
 
+mod criteria_rates;
+mod fit_tensions;
+
+use std::borrow::Cow;
+
 use whipcord::derivatives::Place;
 use whipcord::differences::differentiate;
 use whipcord::{
@@ -10,11 +15,13 @@ use whipcord_numerics::least_squares::{
     NoResiduals, Options, Residuals, Status, Workspace, minimise,
 };
 
+use crate::budget::Budget;
 use crate::chebyshev;
 use crate::criteria::{Criteria, Terms};
 use crate::error::DesignError;
 use crate::goal::ShapeGoal;
-use crate::unknown::{Unknown, Varied, applied, parameters};
+use crate::problem::DesignGoal;
+use crate::unknown::{Unknown, applied, parameters};
 
 /// An unknown with its start and bounds.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +43,10 @@ pub(crate) struct RefineOptions<'a> {
     pub rim: f64,
     /// What counts beside the distances.
     pub criteria: Option<&'a Criteria>,
+    /// The goals where disks vary and some are curves: a disk that moves along the backbone is wanted elsewhere on the curve.
+    pub on_curves: Option<&'a [DesignGoal]>,
+    /// What may be spent; the first residuals are those of an answer in any case.
+    pub budget: &'a Budget,
 }
 
 /// The first penalty of a cable beyond the rim, by its distance from there as a part of the rim: small, because the way along a rim is a circle, and a
@@ -47,6 +58,9 @@ const RIM: f64 = 1e-4;
 const ROUNDS: usize = 12;
 const FIRST_PENALTY: f64 = 10.0;
 const STEEPER: f64 = 5.0;
+
+/// Solves that a derivative by differences takes.
+const SOLVES_OF_A_DIFFERENCE: usize = 4;
 
 /// A problem of least squares from one start.
 pub(crate) struct Problem<'a> {
@@ -60,6 +74,10 @@ pub(crate) struct Problem<'a> {
     rim: f64,
     length: f64,
     criteria: Option<&'a Criteria>,
+    /// The same with solves that end where the time of the design is over.
+    stopped: Option<Criteria>,
+    budget: &'a Budget,
+    on_curves: Option<&'a [DesignGoal]>,
     /// Of each constraint its multiplier by the penalty, in the method of multipliers, and the penalty.
     shifts: Vec<f64>,
     penalty: f64,
@@ -74,6 +92,8 @@ pub(crate) struct Problem<'a> {
     last: Option<Moved>,
     /// Cables with a course of so many nodes.
     courses: Vec<(usize, usize)>,
+    /// Whether the residuals of the present minimisation were asked for.
+    is_begun: bool,
 }
 
 /// How a minimisation ended.
@@ -89,6 +109,8 @@ pub enum Ending {
     Refused,
     /// A constraint could not be kept.
     Constraints,
+    /// The budget was spent.
+    Budget,
 }
 
 /// The robot and the cases with some values of the unknowns, and a model of each that is ready to be solved.
@@ -127,6 +149,9 @@ impl<'a> Problem<'a> {
             rim: options.rim,
             length: robot.backbone().length,
             criteria: options.criteria.filter(|criteria| !criteria.is_empty()),
+            stopped: None,
+            budget: options.budget,
+            on_curves: options.on_curves,
             shifts: Vec::new(),
             penalty: FIRST_PENALTY,
             rim_shifts: vec![0.0; courses.iter().map(|(_, nodes)| Self::stations(*nodes)).sum()],
@@ -135,8 +160,10 @@ impl<'a> Problem<'a> {
             answers: vec![None; goals.len()],
             last: None,
             courses,
+            is_begun: false,
         };
-        if problem.criteria.is_some() {
+        if let Some(criteria) = problem.criteria {
+            problem.stopped = Some(criteria.until(options.budget.stop()));
             let start: Vec<f64> =
                 unknowns.iter().map(|of| of.start.clamp(of.range[0], of.range[1])).collect();
             let terms = problem.terms(&start)?;
@@ -155,14 +182,20 @@ impl<'a> Problem<'a> {
         let mut before = [f64::INFINITY; 2];
         let mut workspace = Workspace::default();
         for round in 0..ROUNDS {
+            self.is_begun = false;
             let outcome = minimise(self, values, minimiser, &mut workspace)?;
+            if !outcome.status.is_converged() && self.budget.is_over() {
+                // Whether constraints are kept is asked of the design that is left.
+                return Ok(Ending::Budget);
+            }
             let terms = self.terms(values).map_err(NoResiduals::Refused)?;
             let beyond = self.beyond(values);
             let worst = [
                 terms.worst_violation(),
                 beyond.iter().copied().fold(f64::NEG_INFINITY, f64::max) - RIM,
             ];
-            if worst.iter().all(|worst| *worst <= 0.0) {
+            let is_kept = worst.iter().all(|worst| *worst <= 0.0);
+            if is_kept {
                 return Ok(match outcome.status {
                     Status::IterationLimit => Ending::Steps,
                     Status::Stalled => Ending::Stalled,
@@ -172,6 +205,9 @@ impl<'a> Problem<'a> {
             }
             if round + 1 == ROUNDS {
                 break;
+            }
+            if self.budget.is_over() {
+                return Ok(Ending::Budget);
             }
             let kinds = [
                 (&mut self.shifts, &terms.violations, &mut self.penalty),
@@ -189,6 +225,10 @@ impl<'a> Problem<'a> {
             }
         }
         Ok(Ending::Constraints)
+    }
+
+    pub const fn cases(&self) -> &[Case] {
+        self.cases.as_slice()
     }
 
     /// How far beyond the rim each station of the varied cables is, as a part of the rim; negative within.
@@ -290,6 +330,8 @@ impl<'a> Problem<'a> {
             };
             solutions.push(solution?);
         }
+        let of_criteria = self.criteria.map_or(0, Criteria::effort);
+        self.budget.spend(solutions.len() + of_criteria);
         Ok(solutions)
     }
 
@@ -298,7 +340,8 @@ impl<'a> Problem<'a> {
         self.answers.fill(None);
         let mut moved = self.prepared(values).ok()?;
         let solutions = self.solved(&mut moved).ok()?;
-        let goals = self.goals.iter().zip(&solutions);
+        let goals = self.wanted(&moved.robot).ok()?;
+        let goals = goals.iter().zip(&solutions);
         let cost = goals.map(|(goal, solution)| goal.cost(&solution.disks.poses)).sum::<f64>();
         let Some(criteria) = self.criteria else { return Some(cost) };
         let more = criteria.cost(&moved.robot, &moved.cases, &solutions, f64::INFINITY).ok()?;
@@ -317,70 +360,37 @@ impl<'a> Problem<'a> {
             let (robot, cases) = applied(self.robot, &self.cases, &self.unknowns, &values)?;
             self.model.solve(&robot, &cases[goal])
         };
-        let difference = differentiate(moved, self.steps[unknown])?;
-        Ok(self.goals[goal].points.iter().map(|(disk, _)| difference.disks[*disk].linear).collect())
+        if self.budget.is_over() {
+            return Err(DesignError::Ended);
+        }
+        self.budget.spend(SOLVES_OF_A_DIFFERENCE);
+        let step = self.steps[unknown];
+        let difference = differentiate(moved, step)?;
+        let points = &self.goals[goal].points;
+        let mut rates: Vec<Vec3> =
+            points.iter().map(|(disk, _)| difference.disks[*disk].linear).collect();
+        if let (Some(goals), Unknown::DiskPosition { .. }) =
+            (self.on_curves, self.unknowns[unknown])
+        {
+            let side = |by: f64| -> Result<Vec<(usize, Vec3)>, DesignError> {
+                let mut values = values.to_vec();
+                values[unknown] += by;
+                let (robot, _) = applied(self.robot, &self.cases, &self.unknowns, &values)?;
+                goals[goal].points(&robot)
+            };
+            let (from, to) = (side(-step)?, side(step)?);
+            for (rate, ((_, from), (_, to))) in rates.iter_mut().zip(from.iter().zip(&to)) {
+                *rate -= (*to - *from) * (0.5 / step);
+            }
+        }
+        Ok(rates)
     }
-}
 
-impl Problem<'_> {
-    /// Derivatives of the residuals of criteria: those of the core, and differences where it has none.
-    fn criteria_jacobian(
-        &mut self,
-        moved: &Moved,
-        unknowns: &[f64],
-        into: &mut [f64],
-    ) -> Result<(), DesignError> {
-        let columns = unknowns.len();
-        let Some(criteria) = self.criteria else { return Ok(()) };
-        let varied = Varied {
-            robot: &moved.robot,
-            cases: &moved.cases,
-            unknowns: &self.unknowns,
-            parameters: &self.parameters,
-        };
-        // An answer whose derivatives do not exist, as where it buckles, may have differences.
-        let rates = match criteria.rates(varied) {
-            Err(error @ DesignError::Solve(SolveError::Cancelled { .. })) => return Err(error),
-            rates => rates.unwrap_or_default(),
-        };
-        if let Some(rates) = &rates {
-            let terms = self.terms(unknowns)?;
-            let root = self.penalty.sqrt();
-            let violated = terms.violations.iter().zip(&self.shifts).zip(&rates.violations);
-            let violated = violated
-                .map(|((of, shift), rates)| (rates, if of + shift > 0.0 { root } else { 0.0 }));
-            let rows = rates.objectives.iter().map(|rates| (rates, 1.0)).chain(violated);
-            for (row, (rates, factor)) in into.chunks_exact_mut(columns).zip(rows) {
-                row.iter_mut().zip(rates).for_each(|(into, rate)| *into = factor * rate);
-            }
-        }
-        let is_of_commands = criteria.are_of_commands(&self.cases);
-        for column in 0..columns {
-            if rates.is_some() && self.unknowns[column].has_derivative() {
-                continue;
-            }
-            if is_of_commands && !matches!(self.unknowns[column], Unknown::Tension { .. }) {
-                continue;
-            }
-            let step = self.steps[column];
-            let mut side = |by: f64| -> Result<Vec<f64>, DesignError> {
-                let mut moved = unknowns.to_vec();
-                moved[column] += by;
-                let terms = self.terms(&moved)?;
-                Ok(self.of_criteria(&terms))
-            };
-            // At a bound that is one of physics, such as no tension, there is but one side.
-            let (from, to, width) = match (side(-step), side(step)) {
-                (Ok(from), Ok(to)) => (from, to, 2.0 * step),
-                (Err(_), Ok(to)) => (side(0.0)?, to, step),
-                (Ok(from), Err(_)) => (from, side(0.0)?, step),
-                (Err(error), Err(_)) => return Err(error),
-            };
-            for (row, (from, to)) in from.iter().zip(&to).enumerate() {
-                into[row * columns + column] = (to - from) / width;
-            }
-        }
-        Ok(())
+    /// The goals with the places that the disks of a robot are wanted at.
+    fn wanted(&self, robot: &Robot) -> Result<Cow<'a, [ShapeGoal]>, DesignError> {
+        let Some(goals) = self.on_curves else { return Ok(Cow::Borrowed(self.goals)) };
+        let goals = goals.iter().map(|goal| goal.shape_goal(robot));
+        Ok(Cow::Owned(goals.collect::<Result<_, _>>()?))
     }
 }
 
@@ -393,10 +403,15 @@ impl Residuals for Problem<'_> {
     }
 
     fn residuals(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
+        let is_first = !self.is_begun;
+        if !is_first && self.budget.is_over() {
+            return Err(DesignError::Ended);
+        }
+        self.is_begun = true;
         let mut moved = self.prepared(unknowns)?;
         let solutions = self.solved(&mut moved)?;
         let mut row = 0;
-        for (goal, solution) in self.goals.iter().zip(&solutions) {
+        for (goal, solution) in self.wanted(&moved.robot)?.iter().zip(&solutions) {
             let factor = goal.weight.sqrt() / self.length;
             for (disk, point) in &goal.points {
                 let off = (solution.disks.poses[*disk].position - *point) * factor;
@@ -409,8 +424,13 @@ impl Residuals for Problem<'_> {
             into[row] = root * (beyond + shift).max(0.0);
             row += 1;
         }
-        if let Some(criteria) = self.criteria {
-            let terms = criteria.terms(&moved.robot, &moved.cases, &solutions)?;
+        let criteria = if is_first { self.criteria } else { self.stopped.as_ref() };
+        if let Some(criteria) = criteria {
+            let terms = criteria.terms(&moved.robot, &moved.cases, &solutions);
+            if !is_first && self.budget.stop().is_cancelled() {
+                return Err(DesignError::Ended);
+            }
+            let terms = terms?;
             into[row..].copy_from_slice(&self.of_criteria(&terms));
         }
         self.last = Some(moved);
@@ -419,6 +439,9 @@ impl Residuals for Problem<'_> {
     }
 
     fn jacobian(&mut self, unknowns: &[f64], into: &mut [f64]) -> Result<(), DesignError> {
+        if self.budget.is_over() {
+            return Err(DesignError::Ended);
+        }
         let columns = self.unknowns.len();
         into.fill(0.0);
         // Those of the residuals, which were asked for these unknowns before.
@@ -434,6 +457,7 @@ impl Residuals for Problem<'_> {
                 goal.points.iter().map(|(disk, _)| Place::Disk(*disk)).collect();
             let derivatives: Option<Linearization> = match is_exact {
                 true => {
+                    self.budget.spend(1);
                     let (model, case) = (&mut moved.prepared[number], &moved.cases[number]);
                     let warm = self.answers[number].as_ref();
                     Some(model.solve_with_derivatives(case, warm, &self.parameters)?.1)
