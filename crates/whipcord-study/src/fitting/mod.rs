@@ -175,6 +175,12 @@ impl Fit {
         Some(Remark { code: "over-determined-rows", message, help: CONTRADICTED_HELP })
     }
 
+    /// What a row that was not fitted is called.
+    fn test_row(&self, row: Row) -> String {
+        let name = self.test_names.get(row.experiment).map_or("", String::as_str);
+        format!("{name} step {}", row.step + 1)
+    }
+
     /// What a row is called.
     fn row(&self, row: Row) -> String {
         row_name(&self.names, &self.cases, row)
