@@ -123,7 +123,8 @@ pub fn fit(
     let registered = within(py, &limit, move || {
         registered(&of_robot, &asked.0, &asked.1, one_frame, &registering)
     })?;
-    let (mut experiments, unknowns) = registered.map_err(|error| errors::identify(py, &error, setups.len()))?;
+    let (mut experiments, unknowns) =
+        registered.map_err(|error| errors::identify(py, &error, setups.len()))?;
     let mut held = None;
     if let Some((fraction, seed)) = part {
         let parts = split(&experiments, fraction, seed);

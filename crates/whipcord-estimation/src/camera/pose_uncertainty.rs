@@ -52,11 +52,7 @@ pub(super) fn by_lens(unknowns: usize, jacobian: &[f64]) -> Option<Vec<[f64; LEN
 }
 
 /// Eq. (s10): adds what the errors of a lens with this covariance of its first parameters contribute.
-pub(super) fn add_lens(
-    covariance: &mut PoseCovariance,
-    by_lens: &PoseByLens,
-    lens: &[Vec<f64>],
-) {
+pub(super) fn add_lens(covariance: &mut PoseCovariance, by_lens: &PoseByLens, lens: &[Vec<f64>]) {
     for (i, row) in covariance.iter_mut().enumerate() {
         for (j, entry) in row.iter_mut().enumerate() {
             for (of_lens, a) in lens.iter().zip(by_lens[i]) {

@@ -101,8 +101,10 @@ impl<'a> Reader<'a> {
             rows[i][i] >= 0.0 && rows[j][j] >= 0.0 && near && rows[i][j].abs() <= most
         };
         if !(0..size * size).all(|at| is_covariance(at / size, at % size)) {
-            let message =
-                format!("`{}` is no covariance: it must be symmetric, with squares of standard deviations on its diagonal", found.name);
+            let message = format!(
+                "`{}` is no covariance: it must be symmetric, with squares of standard deviations on its diagonal",
+                found.name
+            );
             self.refuse(found.node.span, &message, COVARIANCE_HELP);
             return None;
         }

@@ -1,8 +1,6 @@
 //! A fit in tables, for people and as CSV.
 
-use whipcord_estimation::identification::{
-    Estimate, Fold, Residual, Robustness, Row, Unknown, rows,
-};
+use whipcord_estimation::identification::{Estimate, Fold, Residual, Robustness, Unknown, rows};
 use whipcord_estimation::{Observation, Seen};
 use whipcord_io::{CaseFile, Cell, CsvTable, loss_name};
 

@@ -322,10 +322,8 @@ fn words(
     sure: &Sure,
     style: Style,
 ) -> String {
-    let mut lines = vec![
-        ("place", in_place(&found.camera)),
-        ("deviation", sure.words(&found.camera)),
-    ];
+    let mut lines =
+        vec![("place", in_place(&found.camera)), ("deviation", sure.words(&found.camera))];
     if let Lens::Orthographic(lens) = found.camera.lens() {
         let within = sure.scale.map(|of| format!(" ± {} %", number(1e2 * of, 2)));
         let within = within.unwrap_or_default();

@@ -136,9 +136,7 @@ pub fn locate_orthographic(
     let found = starts.into_iter().filter_map(camera).filter_map(|camera| {
         refine::refine(&camera, seen, cloud.centre, &Freedoms::with_scale(camera.pose()))
     });
-    best(seen, found, |camera| {
-        Freedoms::with_scale(camera.pose()).motions(camera, cloud.centre)
-    })
+    best(seen, found, |camera| Freedoms::with_scale(camera.pose()).motions(camera, cloud.centre))
 }
 
 /// Motions of a camera before points on a line that goes on to look as nearly along `view` as it can: each is followed by the turn about

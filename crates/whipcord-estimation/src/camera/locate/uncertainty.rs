@@ -5,9 +5,7 @@ use whipcord_numerics::Vec3;
 use super::sighting::Sighting;
 use crate::camera::error::ViewError;
 use crate::camera::lens::{LENS_PARAMETERS, Lens};
-use crate::camera::pose_uncertainty::{
-    PoseByLens, PoseCovariance, add_lens, by_lens, covariance,
-};
+use crate::camera::pose_uncertainty::{PoseByLens, PoseCovariance, add_lens, by_lens, covariance};
 use crate::camera::view::Camera;
 
 /// How sure the position and the rotation of a located camera are, by the errors of the pixels and of its lens.
@@ -141,5 +139,7 @@ impl PoseUncertainty {
 /// Standard deviations of position (m) and rotation (rad).
 #[must_use]
 pub fn pose_deviations(covariance: &PoseCovariance) -> [Vec3; 2] {
-    [0, 3].map(|first| Vec3::from([0, 1, 2].map(|i| covariance[first + i][first + i].max(0.0).sqrt())))
+    [0, 3].map(|first| {
+        Vec3::from([0, 1, 2].map(|i| covariance[first + i][first + i].max(0.0).sqrt()))
+    })
 }

@@ -35,8 +35,9 @@ fn markers() -> Vec<Vec3> {
 }
 
 fn seen(camera: &Camera, points: &[Vec3], noise: &mut Noise) -> Vec<Sighting> {
-    let see = |&point: &Vec3| {
-        Sighting { point, pixel: noise.beside(camera.project(point).unwrap(), DEVIATION) }
+    let see = |&point: &Vec3| Sighting {
+        point,
+        pixel: noise.beside(camera.project(point).unwrap(), DEVIATION),
     };
     points.iter().map(see).collect()
 }
@@ -91,10 +92,8 @@ fn a_pinhole_camera() {
 fn without_redundancy_nothing_is_told_of_the_pixels() {
     let truth = beside();
     let line: Vec<Vec3> = [0.0, 0.09, 0.18].map(|z| Vec3::new(0.0, 0.0, z)).to_vec();
-    let two = [&line[0], &line[2]].map(|point| Sighting {
-        point: *point,
-        pixel: truth.project(*point).unwrap(),
-    });
+    let two = [&line[0], &line[2]]
+        .map(|point| Sighting { point: *point, pixel: truth.project(*point).unwrap() });
     let orthographic = locate_orthographic(Some(SIZE), &two, Some(-Vec3::X)).unwrap();
     assert_eq!((orthographic.uncertainty.pixel, orthographic.uncertainty.freedom), (None, 0));
     assert_eq!(orthographic.uncertainty.covariance(None, None), None);
@@ -121,10 +120,9 @@ fn a_pinhole_camera_whose_lens_was_calibrated() {
         let seen = seen(&truth, &markers(), &mut noise);
         let found = locate(&calibrated.lens, Some(SIZE), &seen, None).unwrap();
         let off = off(&found.camera, &truth);
-        for (sum, lens) in [
-            (&mut whole, Some(&calibrated.deviations.covariance[..])),
-            (&mut as_if_known, None),
-        ] {
+        for (sum, lens) in
+            [(&mut whole, Some(&calibrated.deviations.covariance[..])), (&mut as_if_known, None)]
+        {
             let covariance = found.uncertainty.covariance(Some(DEVIATION), lens).unwrap();
             let [within, of] = held(&covariance, off);
             *sum = [sum[0] + within, sum[1] + of];
@@ -170,9 +168,8 @@ fn an_orthographic_camera() {
             let mut off = off(&found.camera, &truth);
             // How far away it is cannot be seen: of the position what is across the view counts.
             let right = truth.pose().rotation.rotate(Vec3::X).to_array();
-            let deviation: f64 = (0..9)
-                .map(|at| right[at / 3] * covariance[at / 3][at % 3] * right[at % 3])
-                .sum();
+            let deviation: f64 =
+                (0..9).map(|at| right[at / 3] * covariance[at / 3][at % 3] * right[at % 3]).sum();
             let along: f64 = (0..3).map(|k| right[k] * off[k]).sum();
             // Where the camera may turn, the depth at which it is put has an effect on its place.
             if view.is_some() {
@@ -198,8 +195,10 @@ fn an_orthographic_camera() {
 #[test]
 fn two_cameras() {
     let (first, mut noise) = (beside(), Noise::of(21));
-    let relative =
-        Pose { position: Vec3::new(0.2, 0.01, 0.05), rotation: UnitQuaternion::exp(Vec3::Y * -0.4) };
+    let relative = Pose {
+        position: Vec3::new(0.2, 0.01, 0.05),
+        rotation: UnitQuaternion::exp(Vec3::Y * -0.4),
+    };
     let second = first.at(first.pose() * relative).unwrap();
     let rig = [first.at(Pose::IDENTITY).unwrap(), first.at(relative).unwrap()];
     let (mut ellipsoid, mut single) = (0, [0, 0]);
