@@ -174,3 +174,67 @@ def test_what_cannot_be_is_refused(tmp_path: Path) -> None:
     (tmp_path / "camera.xml").write_text("<?xml version='1.0'?>")
     with pytest.raises(whipcord.FileError, match="XML are not read"):
         Camera.load(tmp_path / "camera.xml")
+
+
+def test_located_cameras_have_a_covariance(tmp_path: Path) -> None:
+    def camera(rows: np.ndarray | None = None) -> Camera:
+        return Camera(
+            focal=(820, 815), centre=(320, 240), size=(640, 480), position=(0, 0, -0.5), lens_covariance=rows
+        )
+
+    truth = camera()
+    points = np.array([[0.03 * np.cos(1.3 * k), 0.03 * np.sin(1.3 * k), 0.02 * k] for k in range(10)])
+    random = np.random.default_rng(5)
+    pixels = truth.project(points) + random.normal(0, 0.3, (10, 2))
+    found = truth.locate(points, pixels, pixel_deviation=0.3)
+    assert found.covariance is not None and found.covariance.shape == (6, 6)
+    assert found.position_deviation is not None
+    assert found.pixel_deviation == 0.3
+    # The scatter over many sets is that of the covariance.
+    off = []
+    for _ in range(300):
+        again = truth.locate(points, truth.project(points) + random.normal(0, 0.3, (10, 2)))
+        off.append(again.camera.position - truth.position)
+        assert again.pixel_deviation == pytest.approx(again.rms * np.sqrt(10 / 14))
+    np.testing.assert_allclose(np.std(off, axis=0), found.position_deviation, rtol=0.15)
+    # Focal lengths that go together and are 1 % off, at a distance of about 0.6 m along z.
+    rows = np.zeros((4, 4))
+    rows[:2, :2] = 8.2**2
+    calibrated = camera(rows)
+    with_lens = calibrated.locate(points, pixels, pixel_deviation=0.3)
+    assert with_lens.position_deviation is not None and with_lens.camera.lens_covariance is not None
+    assert with_lens.position_deviation[2] > 5e-3 > 2 * found.position_deviation[2]
+    assert np.array_equal(with_lens.camera.lens_covariance, rows)
+    for name in ("camera.yml", "camera.json"):
+        calibrated.save(tmp_path / name)
+        again = Camera.load(tmp_path / name)
+        assert again == calibrated and hash(again) == hash(calibrated)
+        assert again != truth
+    assert pickle.loads(pickle.dumps(calibrated)) == calibrated
+    assert "lens_covariance" not in repr(calibrated)
+
+
+def test_covariances_that_cannot_be_are_refused() -> None:
+    for rows in (np.eye(3), np.eye(5), [[1, 2, 3, 4]] * 4, -np.eye(4)):
+        with pytest.raises(InputError, match="lens_covariance"):
+            Camera(focal=(800, 800), centre=(320, 240), lens_covariance=rows)
+    camera = Camera(focal=(800, 800), centre=(320, 240))
+    with pytest.raises(InputError, match="pixel_deviation"):
+        camera.locate(np.eye(4, 3), np.zeros((4, 2)), pixel_deviation=0.0)
+
+
+def test_two_located_cameras_have_a_covariance() -> None:
+    def pair(z: float) -> list[Camera]:
+        return [Camera(focal=(800, 800), centre=(320, 240), position=(x, 0, z)) for x in (0, 0.2)]
+
+    moved, both = pair(0.0), pair(-0.5)
+    seen = np.array([[0, 0, 0], [0.05, 0, 0.02], [0, 0.05, -0.01], [0.04, 0.03, 0.05]])
+    random = np.random.default_rng(2)
+    off = []
+    for _ in range(200):
+        pixels = [camera.project(seen) + random.normal(0, 0.3, (4, 2)) for camera in both]
+        found = whipcord.locate_stereo(moved, (seen, seen), pixels, pixel_deviation=0.3)
+        off.append(found.cameras[0].position - both[0].position)
+    assert found.covariance is not None
+    deviation = np.sqrt(np.diagonal(found.covariance)[:3])
+    np.testing.assert_allclose(np.std(off, axis=0), deviation, rtol=0.2)

@@ -166,7 +166,7 @@ def test_what_cannot_be_fitted_is_refused(cases: list[Case]) -> None:
         whipcord.fit(cases, ["cables.friction"], model="constant-curvature")
     with pytest.raises(InputError, match="there is no loss `l1`"):
         whipcord.fit(cases, [YOUNG], loss="l1")  # type: ignore[arg-type]
-    with pytest.raises(errors.FitError, match=r"cases\[0\] has no answer") as start:
+    with pytest.raises(errors.FitError, match=r"cases\[0\]: no answer") as start:
         whipcord.fit(cases, [Unknown(YOUNG, start=1e3)])
     assert start.value.case == 0 and isinstance(start.value.__cause__, whipcord.SolveError)
     with pytest.raises(errors.FitNotConvergedError, match="has not converged") as stopped:

@@ -294,14 +294,14 @@ def calibrate_two(
     cameras: list[Camera],
     seen: list[list[Seen]],
     board: Board | None = None,
-    lens_covariances: list[list[list[float]] | None] = ...,
 ) -> tuple[list[Camera], dict[str, Any]]: ...
 def locate_pair(
     cameras: list[Camera],
     points: list[_Array],
     pixels: list[_Array],
     view: Sequence[float] | None = None,
-) -> tuple[list[Camera], list[_Array], list[float], tuple[Camera, float] | None, bool]: ...
+    pixel_deviation: float | None = None,
+) -> tuple[list[Camera], list[_Array], list[float], tuple[Camera, float] | None, bool, _Sure]: ...
 def triangulate(cameras: list[Camera], pixels: list[_Array], deviation: float) -> _Points: ...
 def in_space(
     cameras: list[Camera], marks: list[list[Any]], has_numbers: bool, limit: float, deviation: float
@@ -532,13 +532,15 @@ def distances(
 ): ...
 
 _Place = tuple[list[float], list[float]]
-_Located = tuple[Camera, _Array, float, tuple[Camera, float] | None, bool]
+_Sure = tuple[_Array | None, float | None]
+_Located = tuple[Camera, _Array, float, tuple[Camera, float] | None, bool, _Sure, float | None]
 
 def locate_orthographic(
     points: _Array,
     pixels: _Array,
     size: Sequence[int] | None = None,
     view: Sequence[float] | None = None,
+    pixel_deviation: float | None = None,
 ) -> _Located: ...
 
 @final
@@ -561,6 +563,9 @@ class Camera:
     @staticmethod
     def load(path: str) -> Camera: ...
     def text(self, path: str) -> str: ...
+    def with_lens_covariance(self, rows: list[list[float]] | None) -> Camera: ...
+    @property
+    def lens_covariance(self) -> list[list[float]] | None: ...
     @property
     def lens(self) -> tuple[list[float], list[float]] | None: ...
     @property
@@ -576,4 +581,10 @@ class Camera:
     def project(self, points: _Array) -> _Array: ...
     def undistort(self, pixels: _Array) -> _Array: ...
     def rays(self, pixels: _Array) -> _Array: ...
-    def locate(self, points: _Array, pixels: _Array, view: Sequence[float] | None = None) -> _Located: ...
+    def locate(
+        self,
+        points: _Array,
+        pixels: _Array,
+        view: Sequence[float] | None = None,
+        pixel_deviation: float | None = None,
+    ) -> _Located: ...

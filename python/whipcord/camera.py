@@ -44,6 +44,9 @@ class Camera:
         Quaternion (w, x, y, z) that turns the camera's frame into the world's.
     size
         Columns and rows of its images.
+    lens_covariance
+        (n, n) covariance of the focal lengths, the principal point and the first n - 4 distortion coefficients, as
+        :attr:`Calibration.covariance` has it; without it the lens is taken as it is.
 
     Examples
     --------
@@ -66,11 +69,13 @@ class Camera:
         position: Sequence[float] = (0.0, 0.0, 0.0),
         orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
         size: Sequence[int] | None = None,
+        lens_covariance: npt.ArrayLike | None = None,
     ) -> None:
         place = (_numbers(position, 3, "position"), _numbers(orientation, 4, "orientation"))
         coefficients = [float(value) for value in np.ravel(distortion)]
         focal, centre = _numbers(focal, 2, "focal"), _numbers(centre, 2, "centre")
-        self._hold(_core.Camera.pinhole(focal, centre, coefficients, place, _pixels(size)))
+        camera = _core.Camera.pinhole(focal, centre, coefficients, place, _pixels(size))
+        self._hold(camera.with_lens_covariance(_covariance(lens_covariance, 4 + len(coefficients))))
 
     @classmethod
     def orthographic(
@@ -184,8 +189,8 @@ class Camera:
     ) -> StereoCalibration:
         """Two cameras and their relative pose, by photographs of a flat board that both took at one time.
 
-        The standard deviations of the pose contain the errors of the corners and those of lenses that are sought in the same photographs; lenses that are
-        known are taken as they are.
+        The standard deviations of the pose contain the errors of the corners, those of lenses that are sought in the same photographs, and those of
+        known lenses with a covariance; other known lenses are taken as they are.
 
         Parameters
         ----------
@@ -258,6 +263,13 @@ class Camera:
         return tuple(self._camera.size) if self._camera.size else None
 
     @property
+    def lens_covariance(self) -> Array | None:
+        """(n, n) covariance of the focal lengths, the principal point and the first n - 4 distortion coefficients; None where the lens is
+        taken as it is."""
+        rows = self._camera.lens_covariance
+        return None if rows is None else np.array(rows)
+
+    @property
     def matrix(self) -> Array | None:
         """(3, 3) OpenCV's camera matrix of a pinhole."""
         if not self._camera.lens:
@@ -311,7 +323,12 @@ class Camera:
         return both[..., :3], both[..., 3:]
 
     def locate(
-        self, points: npt.ArrayLike, pixels: npt.ArrayLike, *, view: Sequence[float] | None = None
+        self,
+        points: npt.ArrayLike,
+        pixels: npt.ArrayLike,
+        *,
+        view: Sequence[float] | None = None,
+        pixel_deviation: float | None = None,
     ) -> Located:
         """The same camera in the place from which it sees (n, 3) points of the world, in m, at (n, 2) pixels.
 
@@ -327,6 +344,8 @@ class Camera:
             (n, 2) columns and rows in px at which they are seen.
         view
             (3,) direction of the world in which the camera looks, where the points alone do not tell.
+        pixel_deviation
+            Standard deviation of a column or row in px; by default as the residuals tell it.
 
         Examples
         --------
@@ -337,7 +356,7 @@ class Camera:
         True
         """
         points, pixels = _pairs(points, pixels)
-        return Located._of(self._camera.locate(points, pixels, _view(view)))
+        return Located._of(self._camera.locate(points, pixels, _view(view), _deviation(pixel_deviation)))
 
     @staticmethod
     def locate_orthographic(
@@ -346,6 +365,7 @@ class Camera:
         *,
         size: Sequence[int] | None = None,
         view: Sequence[float] | None = None,
+        pixel_deviation: float | None = None,
     ) -> Located:
         """The orthographic camera that sees (n, 3) points of the world, in m, at (n, 2) pixels: its scale and its place.
 
@@ -361,12 +381,17 @@ class Camera:
             Columns and rows of the images, where they are known.
         view
             (3,) direction of the world in which the camera looks, where the points alone do not tell.
+        pixel_deviation
+            Standard deviation of a column or row in px; by default as the residuals tell it.
         """
         points, pixels = _pairs(points, pixels)
-        return Located._of(_core.locate_orthographic(points, pixels, _pixels(size), _view(view)))
+        found = _core.locate_orthographic(
+            points, pixels, _pixels(size), _view(view), _deviation(pixel_deviation)
+        )
+        return Located._of(found)
 
     def __repr__(self) -> str:
-        arguments = [f"{name}={value!r}" for name, value in self._arguments().items()]
+        arguments = [f"{name}={value!r}" for name, value in self._arguments(False).items()]
         kind = "Camera" if self._camera.lens else "Camera.orthographic"
         return f"{kind}({', '.join(arguments)})"
 
@@ -382,13 +407,15 @@ class Camera:
     def __reduce__(self) -> tuple[Any, ...]:
         return (_again, (self.projection, self._arguments()))
 
-    def _arguments(self) -> dict[str, Any]:
+    def _arguments(self, whole: bool = True) -> dict[str, Any]:
         position, orientation = self._camera.place
         lens = {"scale": self.scale} if self._camera.scale else {"focal": self.focal}
         coefficients = {"distortion": self.distortion} if self.distortion else {}
         place = {"position": tuple(position), "orientation": tuple(orientation)}
         size = {"size": self.size} if self.size else {}
-        return {**lens, "centre": self.centre, **coefficients, **place, **size}
+        rows = self._camera.lens_covariance if whole else None
+        sure = {"lens_covariance": tuple(map(tuple, rows))} if rows else {}
+        return {**lens, "centre": self.centre, **coefficients, **place, **size, **sure}
 
     def _hold(self, core: _core.Camera) -> None:
         object.__setattr__(self, "_camera", core)
@@ -420,14 +447,63 @@ class Located:
     """The RMS distance that it leaves, in pixels."""
     is_ambiguous: bool
     """Whether what was seen does not tell the two apart."""
+    covariance: Array | None
+    """(6, 6) covariance of the position in m and the rotation in rad, along and about the axes of the world, by the errors of the pixels and
+    of a lens with a covariance. A direction of view that is given is exact. None where there are no more columns and rows than unknowns
+    and no `pixel_deviation` is given."""
+    pixel_deviation: float | None
+    """Standard deviation of a column or row in pixels, as given or as the residuals tell it."""
+    relative_scale_deviation: float | None
+    """Standard deviation of the scale of an orthographic camera, relative to it."""
+
+    @property
+    def position_deviation(self) -> Array | None:
+        """(3,) standard deviations of the position in m."""
+        return _deviations(self.covariance, 0)
+
+    @property
+    def rotation_deviation(self) -> Array | None:
+        """(3,) standard deviations of the rotation in rad."""
+        return _deviations(self.covariance, 3)
 
     @classmethod
-    def _of(
-        cls, found: tuple[_core.Camera, Array, float, tuple[_core.Camera, float] | None, bool]
-    ) -> Located:
-        camera, residuals, rms, other, ambiguous = found
+    def _of(cls, found: _core._Located) -> Located:
+        camera, residuals, rms, other, ambiguous, (covariance, pixel), scale = found
         next_best, other_rms = (Camera._of(other[0]), other[1]) if other else (None, None)
-        return cls(Camera._of(camera), residuals, rms, next_best, other_rms, ambiguous)
+        placed = Camera._of(camera)
+        return cls(placed, residuals, rms, next_best, other_rms, ambiguous, covariance, pixel, scale)
+
+
+def _deviations(covariance: Array | None, first: int) -> Array | None:
+    if covariance is None:
+        return None
+    deviations: Array = np.sqrt(np.maximum(np.diagonal(covariance)[first : first + 3], 0.0))
+    return deviations
+
+
+def _deviation(pixels: float | None) -> float | None:
+    if pixels is None:
+        return None
+    value = float(pixels)
+    if not 0.0 < value < np.inf:
+        message = f"pixel_deviation must be positive, but is {pixels!r}"
+        raise InputError(message, path="pixel_deviation")
+    return value
+
+
+def _covariance(given: npt.ArrayLike | None, most: int) -> list[list[float]] | None:
+    if given is None:
+        return None
+    rows = np.asarray(given, dtype=np.float64)
+    square = rows.ndim == 2 and rows.shape[0] == rows.shape[1] and 4 <= len(rows) <= min(most, 16)
+    if not square or not np.all(np.isfinite(rows)) or not np.allclose(rows, rows.T) or np.any(np.diagonal(rows) < 0):
+        message = (
+            f"lens_covariance must be a covariance of the focal lengths, the principal point and at most {most - 4} "
+            f"distortion coefficients, but has the shape {rows.shape}, or is not symmetric"
+        )
+        raise InputError(message, path="lens_covariance")
+    listed: list[list[float]] = rows.tolist()
+    return listed
 
 
 def _numbers(given: Sequence[float], count: int, name: str) -> list[float]:

@@ -14,7 +14,7 @@ from . import _core
 from ._commands import whole
 from ._files import write
 from .calibration import Distortion, _board, _given, _photo, calibrate
-from .camera import Camera, _pairs, _view
+from .camera import Camera, _deviation, _pairs, _view
 from .case import Case
 from .errors import InputError
 from .photographs import Base, Marks, PhotoLike, measure, picture
@@ -194,16 +194,12 @@ def calibrate_stereo(
             for name, views in zip(("first", "second"), photos)
         ]
     cameras: list[Camera] = []
-    covariances: list[list[list[float]] | None] = []
     for lens, views in zip(known, photos):
         if lens is not None:
             cameras.append(lens)
-            covariances.append(None)
             continue
-        found = calibrate(views, board, square, marker, dictionary, size, distortion)
-        cameras.append(found.camera)
-        covariances.append(found.covariance.tolist())
-    placed, values = _core.calibrate_two([camera._camera for camera in cameras], seen, looked_for, covariances)
+        cameras.append(calibrate(views, board, square, marker, dictionary, size, distortion).camera)
+    placed, values = _core.calibrate_two([camera._camera for camera in cameras], seen, looked_for)
     pairs = [
         StereoPair(number, common, (rms[0], rms[1]), epipolar, renumbered)
         for number, common, rms, epipolar, renumbered in values["pairs"]
@@ -296,6 +292,12 @@ class LocatedPair:
     """The RMS distance over both images that it leaves, in pixels."""
     is_ambiguous: bool
     """Whether what was seen does not tell the two apart."""
+    covariance: Array | None
+    """(6, 6) covariance of the position in m and the rotation in rad of the first camera, along and about the axes of the world, by the errors
+    of the pixels alone; the lenses and the relative pose are taken as they are. None where there are no more columns and rows than
+    unknowns and no `pixel_deviation` is given."""
+    pixel_deviation: float | None
+    """Standard deviation of a column or row in pixels, as given or as the residuals tell it."""
 
 
 def locate_stereo(
@@ -304,6 +306,7 @@ def locate_stereo(
     pixels: Sequence[npt.ArrayLike],
     *,
     view: Sequence[float] | None = None,
+    pixel_deviation: float | None = None,
 ) -> LocatedPair:
     """Two cameras, fastened to one another, in the place from which they see points of the world.
 
@@ -321,6 +324,8 @@ def locate_stereo(
         For each camera (n, 2) columns and rows at which they are seen.
     view
         (3,) direction of the world in which the first camera looks, where the points are on one line.
+    pixel_deviation
+        Standard deviation of a column or row in px; by default as the residuals tell it.
 
     Examples
     --------
@@ -337,11 +342,12 @@ def locate_stereo(
         message = "cameras, points and pixels must be two each, one for each camera"
         raise InputError(message, path="cameras")
     pairs = [_pairs(own, seen) for own, seen in zip(points, pixels)]
-    found, residuals, rms, other, ambiguous = _core.locate_pair(
+    found, residuals, rms, other, ambiguous, (covariance, pixel) = _core.locate_pair(
         [camera._camera for camera in cameras],
         [own for own, _ in pairs],
         [seen for _, seen in pairs],
         _view(view),
+        _deviation(pixel_deviation),
     )
     return LocatedPair(
         cameras=(Camera._of(found[0]), Camera._of(found[1])),
@@ -350,6 +356,8 @@ def locate_stereo(
         other=Camera._of(other[0]) if other else None,
         other_rms=other[1] if other else None,
         is_ambiguous=ambiguous,
+        covariance=covariance,
+        pixel_deviation=pixel,
     )
 
 

@@ -170,6 +170,7 @@ impl CaseFile {
     pub fn experiment(&self) -> Option<Experiment> {
         let measured = self.measured.as_ref().filter(|of| !of.observations.is_empty())?;
         Some(Experiment {
+            name: self.path.display().to_string(),
             case: self.case.clone(),
             cameras: measured.cameras.iter().map(|of| of.camera).collect(),
             observations: measured.fitted(),

@@ -29,7 +29,10 @@ mod validate;
 mod warnings;
 
 pub use atlas_file::{AtlasFileError, atlas_to_parquet, load_atlas, start_from_atlas};
-pub use camera::{CameraFormat, camera_text, load_camera, parse_camera};
+pub use camera::{
+    CalibratedCamera, CameraFormat, calibrated_camera_text, camera_text, load_calibrated_camera,
+    load_camera, parse_calibrated_camera, parse_camera,
+};
 pub use case_file::{CaseFile, load, load_stream, load_with, parse};
 pub use design_problem::{DesignProblem, NoDesignProblem, designed_case};
 pub use document::{

@@ -100,7 +100,7 @@ pub fn calibrate(
             .map_err(|error| errors::input(py, "photos", error.to_string()))?;
     let camera::Calibrated { deviations: sure, rms, view_rms, tilt, .. } = found.calibrated;
     Ok((
-        Camera::of(camera),
+        Camera { inner: camera, lens_covariance: Some(sure.covariance.clone()) },
         (sure.focal, sure.centre, sure.distortion, sure.pixel, sure.covariance),
         (rms, view_rms, tilt),
         found.used,

@@ -8,7 +8,7 @@ use whipcord::{Pose, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::{
     self, CameraError, Distortion, Lens, LocateError, Orthographic, Pinhole, Sighting, ViewError,
 };
-use whipcord_io::CameraFormat;
+use whipcord_io::{CalibratedCamera, CameraFormat};
 
 use crate::convert::array;
 use crate::errors;
@@ -17,13 +17,19 @@ use crate::errors;
 #[pyclass(frozen, module = "whipcord._core")]
 pub struct Camera {
     pub inner: camera::Camera,
+    /// How sure its lens is; `None` where it is taken as it is.
+    pub lens_covariance: Option<Vec<Vec<f64>>>,
 }
 
 /// Position and quaternion (w, x, y, z).
 type Place = ([f64; 3], [f64; 4]);
 
-/// Camera, residuals, RMS, and the next best camera with its RMS.
-type Located<'py> = (Camera, Bound<'py, PyArray2<f64>>, f64, Option<(Camera, f64)>, bool);
+/// Covariance of position and rotation, and the standard deviation of a column or row.
+pub type Sure<'py> = (Option<Bound<'py, PyArray2<f64>>>, Option<f64>);
+
+/// Camera, residuals, RMS, the next best camera with its RMS, whether it is as good, how sure the pose is, and how sure the scale is.
+type Located<'py> =
+    (Camera, Bound<'py, PyArray2<f64>>, f64, Option<(Camera, f64)>, bool, Sure<'py>, Option<f64>);
 
 #[pymethods]
 impl Camera {
@@ -54,8 +60,11 @@ impl Camera {
 
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        whipcord_io::load_camera(&path)
-            .map(Self::of)
+        whipcord_io::load_calibrated_camera(&path)
+            .map(|CalibratedCamera { camera, lens_covariance }| Self {
+                inner: camera,
+                lens_covariance,
+            })
             .map_err(|error| errors::file(py, &error, &path.display().to_string()))
     }
 
@@ -68,7 +77,20 @@ impl Camera {
             );
             errors::input(py, "path", message)
         })?;
-        Ok(whipcord_io::camera_text(&self.inner, format))
+        let lens_covariance = self.lens_covariance.clone();
+        let written = CalibratedCamera { camera: self.inner, lens_covariance };
+        Ok(whipcord_io::calibrated_camera_text(&written, format))
+    }
+
+    /// The same camera whose lens has this covariance.
+    fn with_lens_covariance(&self, rows: Option<Vec<Vec<f64>>>) -> Self {
+        Self { lens_covariance: rows, ..Self::of(self.inner) }
+    }
+
+    /// Covariance of the lens, by rows.
+    #[getter]
+    fn lens_covariance(&self) -> Option<Vec<Vec<f64>>> {
+        self.lens_covariance.clone()
     }
 
     /// Focal lengths and distortion coefficients of a pinhole.
@@ -147,13 +169,14 @@ impl Camera {
     }
 
     /// The same lens in the place that (n, 3) points at (n, 2) pixels say.
-    #[pyo3(signature = (points, pixels, view = None))]
+    #[pyo3(signature = (points, pixels, view = None, pixel_deviation = None))]
     fn locate<'py>(
         &self,
         py: Python<'py>,
         points: PyReadonlyArray2<'py, f64>,
         pixels: PyReadonlyArray2<'py, f64>,
         view: Option<[f64; 3]>,
+        pixel_deviation: Option<f64>,
     ) -> PyResult<Located<'py>> {
         let seen = sightings(&points, &pixels);
         let (size, view) = (self.inner.size(), view.map(Vec3::from));
@@ -161,34 +184,53 @@ impl Camera {
             Lens::Pinhole(lens) => camera::locate(lens, size, &seen, view),
             Lens::Orthographic(_) => camera::locate_orthographic(size, &seen, view),
         };
-        located(py, found)
+        located(py, found, pixel_deviation, self.lens_covariance.clone())
     }
 }
 
 /// An orthographic camera, from (n, 3) points at (n, 2) pixels.
 #[pyfunction]
-#[pyo3(signature = (points, pixels, size = None, view = None))]
+#[pyo3(signature = (points, pixels, size = None, view = None, pixel_deviation = None))]
 pub fn locate_orthographic<'py>(
     py: Python<'py>,
     points: PyReadonlyArray2<'py, f64>,
     pixels: PyReadonlyArray2<'py, f64>,
     size: Option<[u32; 2]>,
     view: Option<[f64; 3]>,
+    pixel_deviation: Option<f64>,
 ) -> PyResult<Located<'py>> {
     let seen = sightings(&points, &pixels);
-    located(py, camera::locate_orthographic(size, &seen, view.map(Vec3::from)))
+    let found = camera::locate_orthographic(size, &seen, view.map(Vec3::from));
+    located(py, found, pixel_deviation, None)
 }
 
 fn located<'py>(
     py: Python<'py>,
     found: Result<camera::Located, LocateError>,
+    pixel: Option<f64>,
+    lens_covariance: Option<Vec<Vec<f64>>>,
 ) -> PyResult<Located<'py>> {
     let found = found.map_err(|error| errors::input(py, "points", error.to_string()))?;
     let ambiguous = found.is_ambiguous();
     let other = found.other.map(|other| (Camera::of(other.camera), other.rms));
     let count = found.residuals.len();
     let residuals = array(py, found.residuals.concat(), [count, 2])?;
-    Ok((Camera::of(found.camera), residuals, found.rms, other, ambiguous))
+    let sure = sure(py, &found.uncertainty, pixel, lens_covariance.as_deref())?;
+    let scale = found.uncertainty.relative_scale_deviation(pixel);
+    let camera = Camera { inner: found.camera, lens_covariance };
+    Ok((camera, residuals, found.rms, other, ambiguous, sure, scale))
+}
+
+/// How sure the pose of a camera is, by pixels with this deviation or as the residuals tell it, and by the lens.
+pub fn sure<'py>(
+    py: Python<'py>,
+    of: &camera::PoseUncertainty,
+    pixel: Option<f64>,
+    lens_covariance: Option<&[Vec<f64>]>,
+) -> PyResult<Sure<'py>> {
+    let covariance = of.covariance(pixel, lens_covariance);
+    let covariance = covariance.map(|of| array(py, of.concat(), [6, 6])).transpose()?;
+    Ok((covariance, pixel.or(of.pixel)))
 }
 
 /// (n, 3) points at (n, 2) pixels.
@@ -227,7 +269,7 @@ fn rows<'py, const N: usize, const M: usize>(
 
 impl Camera {
     pub const fn of(inner: camera::Camera) -> Self {
-        Self { inner }
+        Self { inner, lens_covariance: None }
     }
 
     fn new(

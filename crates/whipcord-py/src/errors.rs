@@ -159,14 +159,15 @@ pub fn detect(py: Python<'_>, error: &DetectError) -> PyErr {
 }
 
 /// Why nothing is estimated. Cases are counted from 0, as in Python.
-pub fn identify(py: Python<'_>, error: &IdentifyError) -> PyErr {
+pub fn identify(py: Python<'_>, error: &IdentifyError, cases: usize) -> PyErr {
+    let names: Vec<String> = (0..cases).map(|case| format!("cases[{case}]")).collect();
+    let message = error.named(&names);
     match error {
         IdentifyError::NoAnswerAtStart(answer) => {
-            let (case, reason) = (answer.experiment, &answer.reason);
-            let message =
-                format!("cases[{case}] has no answer with the values to start from: {reason}");
-            let raised = exception(py, "FitError", message, |values| values.set_item("case", case));
-            if let NoAnswerReason::Solve(error) = reason {
+            let raised = exception(py, "FitError", message, |values| {
+                values.set_item("case", answer.experiment)
+            });
+            if let NoAnswerReason::Solve(error) = &answer.reason {
                 raised.set_cause(py, Some(solve(py, error)));
             }
             raised
@@ -176,12 +177,10 @@ pub fn identify(py: Python<'_>, error: &IdentifyError) -> PyErr {
             input(py, &path, format!("{path}: {problem}"))
         }
         IdentifyError::NotConverged { experiment, .. } => {
-            exception(py, "FitError", error.to_string(), |values| {
-                values.set_item("case", experiment)
-            })
+            exception(py, "FitError", message, |values| values.set_item("case", experiment))
         }
         IdentifyError::Cancelled => timed_out(py, error.to_string(), None),
-        other => input(py, "parameters", other.to_string()),
+        _ => input(py, "parameters", message),
     }
 }
 

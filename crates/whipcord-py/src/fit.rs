@@ -123,11 +123,12 @@ pub fn fit(
     let registered = within(py, &limit, move || {
         registered(&of_robot, &asked.0, &asked.1, one_frame, &registering)
     })?;
-    let (mut experiments, unknowns) = registered.map_err(|error| errors::identify(py, &error))?;
+    let (mut experiments, unknowns) =
+        registered.map_err(|error| errors::identify(py, &error, setups.len()))?;
     let mut held = None;
     if let Some((fraction, seed)) = part {
         let parts = split(&experiments, fraction, seed);
-        let [kept, rest] = parts.map_err(|error| errors::identify(py, &error))?;
+        let [kept, rest] = parts.map_err(|error| errors::identify(py, &error, setups.len()))?;
         experiments = kept;
         held = Some((rest, true));
     } else if !test.is_empty() {
@@ -143,7 +144,7 @@ pub fn fit(
         let analyses = analyse(&robot, &experiments, &unknowns, &settings, &found, &asked)?;
         Ok(fitting::Fit::new(&settings.model, cases, experiments, found, analyses, &test_paths))
     })?;
-    let inner = inner.map_err(|error| errors::identify(py, &error))?;
+    let inner = inner.map_err(|error| errors::identify(py, &error, setups.len()))?;
     if !inner.found.status.is_converged() {
         let message = not_converged(&inner.names, &inner.found);
         return Err(errors::fit_not_converged(py, message, &inner.found));
@@ -217,14 +218,16 @@ fn experiment(py: Python<'_>, path: &str, setup: &Setup) -> PyResult<Experiment>
         );
         return Err(errors::input(py, path, message));
     };
+    let file = setup.file_data.file.as_ref();
     Ok(Experiment {
+        name: file.map_or_else(|| path.to_owned(), |file| file.path.display().to_string()),
         case: (*setup.case).clone(),
         cameras: measured.cameras.iter().map(|of| of.camera).collect(),
         observations: measured.fitted(),
         body: measured.body,
         alignment: measured.alignment,
         frame: Pose::IDENTITY,
-        labels: setup.file_data.file.as_ref().map(|file| file.row_labels()).unwrap_or_default(),
+        labels: file.map(|file| file.row_labels()).unwrap_or_default(),
         ..Experiment::default()
     })
 }

@@ -10,24 +10,25 @@ use whipcord_vision::boards::stereo;
 use whipcord_vision::detect::Mark;
 
 use crate::calibration::{Board, Seen};
-use crate::camera::{Camera, sightings};
+use crate::camera::{Camera, Sure, sightings, sure};
 use crate::convert::array;
 use crate::errors;
 use crate::wait::interruptible;
 
-/// Cameras, residuals of each, RMS of each, and the next best first camera with its RMS.
+/// Cameras, residuals of each, RMS of each, the next best first camera with its RMS, whether it is as good, and how sure the first is.
 type LocatedPair<'py> =
-    ([Camera; 2], [Bound<'py, PyArray2<f64>>; 2], [f64; 2], Option<(Camera, f64)>, bool);
+    ([Camera; 2], [Bound<'py, PyArray2<f64>>; 2], [f64; 2], Option<(Camera, f64)>, bool, Sure<'py>);
 
 /// Two cameras that keep their pose relative to one another, in the place that (n, 3) points at (n, 2) pixels of each say.
 #[pyfunction]
-#[pyo3(signature = (cameras, points, pixels, view = None))]
+#[pyo3(signature = (cameras, points, pixels, view = None, pixel_deviation = None))]
 pub fn locate_pair<'py>(
     py: Python<'py>,
     cameras: [PyRef<'_, Camera>; 2],
     points: [PyReadonlyArray2<'py, f64>; 2],
     pixels: [PyReadonlyArray2<'py, f64>; 2],
     view: Option<[f64; 3]>,
+    pixel_deviation: Option<f64>,
 ) -> PyResult<LocatedPair<'py>> {
     let seen = [0, 1].map(|i| sightings(&points[i], &pixels[i]));
     let both = [&cameras[0].inner, &cameras[1].inner];
@@ -40,19 +41,22 @@ pub fn locate_pair<'py>(
     };
     let residuals = [residuals(0)?, residuals(1)?];
     let other = found.other.map(|other| (Camera::of(other.camera), other.rms));
-    Ok((found.cameras.map(Camera::of), residuals, found.rms, other, ambiguous))
+    let sure = sure(py, &found.uncertainty, pixel_deviation, None)?;
+    let [first, second] = found.cameras;
+    let placed = [(first, &cameras[0]), (second, &cameras[1])]
+        .map(|(inner, lens)| Camera { inner, lens_covariance: lens.lens_covariance.clone() });
+    Ok((placed, residuals, found.rms, other, ambiguous, sure))
 }
 
 /// The pose of the second camera relative to the first, from what both show of a board at each time. Without a board, the points of
-/// each photograph are given, in one numbering. The covariances are those of lenses that were calibrated, as `calibrate` gives them.
+/// each photograph are given, in one numbering. Cameras whose lenses were calibrated have the covariances of them.
 #[pyfunction]
-#[pyo3(signature = (cameras, seen, board = None, lens_covariances = [None, None]))]
+#[pyo3(signature = (cameras, seen, board = None))]
 pub fn calibrate_two<'py>(
     py: Python<'py>,
     cameras: [PyRef<'_, Camera>; 2],
     seen: [Vec<PyRef<'_, Seen>>; 2],
     board: Option<&Board>,
-    lens_covariances: [Option<Vec<Vec<f64>>>; 2],
 ) -> PyResult<([Camera; 2], Bound<'py, PyDict>)> {
     let mut lenses: Vec<Pinhole> = Vec::with_capacity(2);
     for camera in &cameras {
@@ -75,8 +79,8 @@ pub fn calibrate_two<'py>(
         stereo(board.as_ref(), [&found[0], &found[1]], [&lenses[0], &lenses[1]], sizes)
     })?;
     let found = found.map_err(|error| errors::stereo(py, &error))?;
-    let of =
-        found.calibrated.with_lens_covariances(lens_covariances.each_ref().map(Option::as_deref));
+    let covariances = cameras.each_ref().map(|camera| camera.lens_covariance.as_deref());
+    let of = found.calibrated.with_lens_covariances(covariances);
     let relative = of.cameras[1].pose();
     let values = PyDict::new(py);
     values.set_item("rms", of.rms)?;
@@ -99,8 +103,11 @@ pub fn calibrate_two<'py>(
     let placed = of.cameras.map(|camera| camera.at(first * camera.pose()));
     let [first, second] = placed;
     let refused = |error: camera::CameraError| errors::input(py, "lenses", error.to_string());
-    let cameras = [first.map_err(refused)?, second.map_err(refused)?];
-    Ok((cameras.map(Camera::of), values))
+    let placed = [first.map_err(refused)?, second.map_err(refused)?];
+    let [a, b] = cameras.map(|camera| camera.lens_covariance.clone());
+    let [first, second] = placed;
+    let first = Camera { inner: first, lens_covariance: a };
+    Ok(([first, Camera { inner: second, lens_covariance: b }], values))
 }
 
 /// Points, covariances, residuals, epipolar distances and angles.

@@ -14,6 +14,7 @@ pub mod files;
 pub mod fitting;
 pub mod html;
 pub mod judging;
+mod mirrored;
 pub mod model_benchmark;
 pub mod motors;
 pub mod quantity;

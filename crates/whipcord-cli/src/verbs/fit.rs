@@ -412,37 +412,17 @@ fn same_robot(cases: &[CaseFile]) -> Result<(), Failure> {
 /// With the file in place of the number of the case.
 fn failure(cases: &[CaseFile], error: &IdentifyError) -> Failure {
     use whipcord_estimation::identification::NoAnswerReason as Reason;
+    let paths: Vec<String> = cases.iter().map(|case| case.path.display().to_string()).collect();
+    let message = format!("error: {}", error.named(&paths));
     match error {
-        IdentifyError::NoAnswerAtStart(answer) => {
-            let path = cases[answer.experiment].path.display();
-            let message = format!(
-                "error: {path}: no answer with the values to start from: {}",
-                answer.reason
-            );
-            match &answer.reason {
-                Reason::Solve(error) if refuses(error) => Failure::Input(message),
-                _ => Failure::Solve(message),
-            }
+        IdentifyError::NoAnswerAtStart(answer) => match &answer.reason {
+            Reason::Solve(error) if refuses(error) => Failure::Input(message),
+            _ => Failure::Solve(message),
+        },
+        IdentifyError::NotConverged { .. } => {
+            Failure::Solve(format!("{message}, or leave out --cross-validate"))
         }
-        IdentifyError::Observation { experiment, observation, problem } => {
-            let path = cases[*experiment].path.display();
-            Failure::Input(format!("error: {path}: measurement {}: {problem}", observation + 1))
-        }
-        IdentifyError::Frame { experiment, error } => {
-            let path = cases[*experiment].path.display();
-            Failure::Input(format!(
-                "error: {path}: the measurement cannot be moved onto the robot: {error}"
-            ))
-        }
-        IdentifyError::NotConverged { experiment, step } => {
-            let path = cases[*experiment].path.display();
-            let step = step.map(|step| format!(", step {}", step + 1)).unwrap_or_default();
-            Failure::Solve(format!(
-                "error: without {path}{step} the fit does not converge, so that it cannot be held out: leave out \
-                 --cross-validate, or estimate less"
-            ))
-        }
-        IdentifyError::Cancelled => Failure::Solve(format!("error: {error}")),
-        error => Failure::Input(format!("error: {error}")),
+        IdentifyError::Cancelled => Failure::Solve(message),
+        _ => Failure::Input(message),
     }
 }

@@ -7,7 +7,10 @@ use crate::support::{Scratch, fail, robot, succeed};
 use serde_json::Value;
 use whipcord::{Pose, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
-use whipcord_io::{CameraFormat, camera_text, load_camera};
+use whipcord_io::{
+    CalibratedCamera, CameraFormat, calibrated_camera_text, camera_text, load_calibrated_camera,
+    load_camera,
+};
 use whipcord_vision::Photo;
 use whipcord_vision::boards::Board;
 use whipcord_vision::render::{Blur, BoardScene, Noise};
@@ -115,6 +118,45 @@ fn what_cannot_be_used_is_named_and_nothing_is_written() {
     assert!(!std::path::Path::new(&output).exists());
 }
 
+/// The errors of the lens in the camera file are part of those of the place, and go with the camera.
+#[test]
+fn the_place_of_a_camera_has_standard_deviations() {
+    let scratch = Scratch::new();
+    let file = scratch.write("arm.toml", &robot("tension = \"4 N\""));
+    let lens = Pinhole::new([900.0; 2], [320.0, 240.0], Distortion::NONE).unwrap();
+    let camera = beside(Lens::Pinhole(lens));
+    let alone = scratch.write("lens.yml", &camera_text(&camera, CameraFormat::Yaml));
+    // Focal lengths of 9 pixels of deviation, which go together.
+    let mut rows = vec![vec![0.0; 4]; 4];
+    for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        rows[i][j] = 81.0;
+    }
+    let of = CalibratedCamera { camera, lens_covariance: Some(rows) };
+    let sure = scratch.write("sure.yml", &calibrated_camera_text(&of, CameraFormat::Yaml));
+    let rest = scratch.write("rest.csv", &disks(&camera));
+    let output = scratch.file("side.yml");
+    let locate = |lens: &str, more: &[&str]| {
+        let fixed = ["camera", "locate", &file, "--markers", &rest, "--lens", lens];
+        succeed(&[&fixed[..], &["--view", "-1,0,0"], more].concat())
+    };
+    let object = |lens: &str| -> Value {
+        serde_json::from_str(&locate(lens, &["--json", "--pixel-deviation", "0.3"])).unwrap()
+    };
+    let [bare, whole] = [object(&alone), object(&sure)];
+    let deviation = |of: &Value, k: usize| of["position_deviation"][k].as_f64().unwrap();
+    // One per cent of the focal length is one of the distance along the view, x.
+    let distance = camera.pose().position.x;
+    let expected = (deviation(&bare, 0).powi(2) + (0.01 * distance).powi(2)).sqrt();
+    assert!((deviation(&whole, 0) / expected - 1.0).abs() < 1e-3, "{whole}");
+    assert!((deviation(&whole, 2) / deviation(&bare, 2) - 1.0).abs() < 0.05);
+    assert_eq!(whole["covariance"].as_array().unwrap().len(), 6);
+    assert_eq!(whole["pixel_deviation"], 0.3);
+    let text = locate(&sure, &["--pixel-deviation", "0.3", "-o", &output]);
+    assert!(text.contains("by pixels and lens, 0.3 pixels a column or row"), "{text}");
+    assert_eq!(load_calibrated_camera(&output).unwrap().lens_covariance, of.lens_covariance);
+    assert!(locate(&alone, &["--pixel-deviation", "0.3"]).contains("by pixels alone"));
+}
+
 /// Photographs of a board from some sides, blurred and noisy.
 fn photographs(scratch: &Scratch, board: &Board) -> Vec<String> {
     let sides = [
@@ -169,11 +211,19 @@ fn a_lens_is_calibrated_by_photographs_of_a_board() {
         "{lens:?}"
     );
     assert_eq!(camera.size(), Some([640, 480]));
+    let covariance = load_calibrated_camera(&output).unwrap().lens_covariance.unwrap();
 
     let object: Value =
         serde_json::from_str(&succeed(&[&arguments[..], &["--json"]].concat())).unwrap();
     assert_eq!(object["focal"][0].as_f64(), Some(lens.focal()[0]));
     assert_eq!(object["photographs"].as_array().unwrap().len(), 5);
+    for i in 0..4 {
+        for j in 0..4 {
+            assert_eq!(object["covariance"][i][j].as_f64(), Some(covariance[i][j]));
+        }
+    }
+    let focal = object["focal_deviation"][0].as_f64().unwrap();
+    assert!((covariance[0][0].sqrt() - focal).abs() < 1e-9 * focal);
     assert_eq!(object["photographs"][0]["corners"], 54);
     assert_eq!(object["refused"][0]["reason"], "no board is seen");
     let off = (lens.focal()[0] - 820.0).abs() / object["focal_deviation"][0].as_f64().unwrap();

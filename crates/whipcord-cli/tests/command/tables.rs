@@ -180,6 +180,38 @@ fn a_score_is_a_json_object() {
     assert!((0.005..0.009).contains(&angle), "{angle}");
 }
 
+/// A tracker whose x points the other way: no rigid motion brings what it saw onto the robot.
+#[test]
+fn a_left_handed_frame_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str| root().join("examples/motor-log").join(name);
+    for name in ["arm.toml", "motors.csv"] {
+        fs::copy(of(name), folder.path().join(name)).unwrap();
+    }
+    let table = fs::read_to_string(of("tracker.csv")).unwrap();
+    let mut mirrored = String::from("run,x [mm],y [mm],z [mm]\n");
+    for line in table.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let x = cells[1].parse::<f64>().map_or_else(|_| String::new(), |x| (-x).to_string());
+        writeln!(mirrored, "{},{x},{},{}", cells[0], cells[2], cells[3]).unwrap();
+    }
+    fs::write(folder.path().join("tracker.csv"), mirrored).unwrap();
+    let arm = folder.path().join("arm.toml");
+    let out = folder.path().join("out");
+    let [arm, out] = [&arm, &out].map(|path| path.to_str().unwrap());
+    let common = ["--no-figures", "--out", out];
+    let text = succeed(&[&["score", arm], &common[..]].concat());
+    assert!(text.contains("if one of its axes is reversed"), "{text}");
+    let object = succeed(&[&["score", arm, "--json"], &common[..]].concat());
+    assert!(object.contains("\"mirrored-frame\""), "{object}");
+    let fit = ["fit", arm, "--parameter", "motors[*].stiffness", "--out", out];
+    let (_, told) = warned(&fit);
+    assert!(told.contains("its frame is left-handed, or two columns are swapped"), "{told}");
+    // The example itself is right-handed.
+    let right = succeed(&[&["score", of("arm.toml").to_str().unwrap()], &common[..]].concat());
+    assert!(!right.contains("reversed"), "{right}");
+}
+
 #[test]
 fn rows_without_an_answer_are_counted_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();

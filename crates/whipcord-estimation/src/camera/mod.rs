@@ -10,6 +10,7 @@ mod distortion;
 mod error;
 mod lens;
 mod locate;
+mod pose_uncertainty;
 mod reprojection_error;
 mod stereo;
 mod triangulate;
@@ -22,9 +23,10 @@ pub use distortion::Distortion;
 pub use error::{CameraError, ViewError};
 pub use lens::{LENS_PARAMETERS, Lens, Orthographic, Pinhole};
 pub use locate::{
-    Alternative, LocateError, Located, LocatedRig, Sighting, locate, locate_orthographic,
-    locate_rig,
+    Alternative, LocateError, Located, LocatedRig, PoseUncertainty, Sighting, locate,
+    locate_orthographic, locate_rig, pose_deviations,
 };
+pub use pose_uncertainty::{PoseByLens, PoseCovariance};
 pub use reprojection_error::ReprojectionError;
 pub use stereo::{
     RefusedPair, SeenByBoth, StereoCalibration, StereoError, StereoPair, calibrate_stereo,

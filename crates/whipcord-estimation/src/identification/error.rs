@@ -49,7 +49,7 @@ pub enum IdentifyError {
         experiments: usize,
     },
     /// A measurement that cannot be moved onto the robot.
-    #[error("the measurement of case {} cannot be moved onto the robot: {error}", experiment + 1)]
+    #[error("{}", not_moved(&numbered(*experiment), error))]
     Frame {
         /// The experiment.
         experiment: usize,
@@ -71,7 +71,7 @@ pub enum IdentifyError {
         value: f64,
     },
     /// An observation that robot, case or cameras do not fit.
-    #[error("observation {} of case {}: {problem}", observation + 1, experiment + 1)]
+    #[error("{}", misfit(&numbered(*experiment), *observation, problem))]
     Observation {
         /// The experiment.
         experiment: usize,
@@ -101,7 +101,7 @@ pub enum IdentifyError {
         model: ModelKind,
     },
     /// An offset of a command that does not drive the cable.
-    #[error("{path}: the cable is not driven by that in every step of case {}", experiment + 1)]
+    #[error("{}", not_driven(&numbered(*experiment), path))]
     NotDriven {
         /// Path of the unknown.
         path: String,
@@ -120,11 +120,7 @@ pub enum IdentifyError {
     )]
     NothingToHoldOut,
     /// A search without a part of the measurements did not converge.
-    #[error(
-        "without case {}{} the fit does not converge: estimate less, or say what else is known",
-        experiment + 1,
-        step.map(|step| format!(", step {},", step + 1)).unwrap_or_default()
-    )]
+    #[error("{}", not_converged(&numbered(*experiment), *step))]
     NotConverged {
         /// The experiment that was held out.
         experiment: usize,
@@ -134,9 +130,52 @@ pub enum IdentifyError {
 }
 
 impl IdentifyError {
+    /// The message with these names of the experiments in place of their numbers.
+    #[must_use]
+    pub fn named(&self, names: &[String]) -> String {
+        let name = |experiment: usize| {
+            names.get(experiment).cloned().unwrap_or_else(|| numbered(experiment))
+        };
+        match self {
+            Self::NoAnswerAtStart(NoAnswer { experiment, reason }) => {
+                format!("{}: no answer with the values to start from: {reason}", name(*experiment))
+            }
+            Self::Frame { experiment, error } => not_moved(&name(*experiment), error),
+            Self::Observation { experiment, observation, problem } => {
+                misfit(&name(*experiment), *observation, problem)
+            }
+            Self::NotDriven { path, experiment } => not_driven(&name(*experiment), path),
+            Self::NotConverged { experiment, step } => not_converged(&name(*experiment), *step),
+            other => other.to_string(),
+        }
+    }
+
     pub(super) const fn no_answer(experiment: usize, reason: NoAnswerReason) -> Self {
         Self::NoAnswerAtStart(NoAnswer { experiment, reason })
     }
+}
+
+fn numbered(experiment: usize) -> String {
+    format!("case {}", experiment + 1)
+}
+
+fn not_moved(name: &str, error: &RegistrationError) -> String {
+    format!("{name}: the measurement cannot be moved onto the robot: {error}")
+}
+
+fn misfit(name: &str, observation: usize, problem: &Misfit) -> String {
+    format!("{name}: measurement {}: {problem}", observation + 1)
+}
+
+fn not_driven(name: &str, path: &str) -> String {
+    format!("{name}: {path}: the cable is not driven by that in every step")
+}
+
+fn not_converged(name: &str, step: Option<usize>) -> String {
+    let step = step.map(|step| format!(", step {},", step + 1)).unwrap_or_default();
+    format!(
+        "without {name}{step} the fit does not converge: estimate less, or say what else is known"
+    )
 }
 
 /// What does not fit about an observation.

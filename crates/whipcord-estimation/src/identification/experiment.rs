@@ -13,6 +13,8 @@ use whipcord_numerics::{Pose, UnitQuaternion};
 /// A case, and what was seen of the robot in it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Experiment {
+    /// What messages call it, such as the name of its file; empty for its number.
+    pub name: String,
     /// What was asked of the robot, in one or several steps ([`Case::steps`]).
     pub case: Case,
     /// The cameras that pixels are of.

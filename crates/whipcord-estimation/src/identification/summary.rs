@@ -63,7 +63,8 @@ pub(super) fn tell(
     let sizes: Vec<f64> = (0..n)
         .map(|j| if unknowns[j].is_positive() && x[j] > 0.0 { x[j] } else { scales[j] })
         .collect();
-    let unresolved = spread.weak.iter().map(|weak| Unresolved::of(weak, unknowns, x, &sizes));
+    let unresolved = |weak| Unresolved::of(weak, forward.experiments, unknowns, x, &sizes);
+    let unresolved = spread.weak.iter().map(unresolved);
     let count = forward.count();
     let residuals = residuals(forward, fitted, workspace);
     let rms = |pixels: bool| {

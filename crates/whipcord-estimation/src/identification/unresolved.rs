@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::experiment::Unknown;
+use super::experiment::{Experiment, Unknown};
 use crate::uncertainty::Weak;
 
 /// Unknowns that can change together so that little or nothing of what was seen changes.
@@ -33,7 +33,13 @@ const SMALL: f64 = 0.02;
 
 impl Unresolved {
     /// `scales` are changes of the unknowns that matter: their estimates where `is_relative`.
-    pub(super) fn of(weak: &Weak, unknowns: &[Unknown], values: &[f64], scales: &[f64]) -> Self {
+    pub(super) fn of(
+        weak: &Weak,
+        experiments: &[Experiment],
+        unknowns: &[Unknown],
+        values: &[f64],
+        scales: &[f64],
+    ) -> Self {
         let sizes = weak.direction.iter().zip(scales).map(|(change, scale)| (change / scale).abs());
         let largest = sizes.clone().fold(0.0, f64::max);
         let shares = sizes
@@ -44,7 +50,7 @@ impl Unresolved {
                 let unit = if is_relative { values[j] } else { 1.0 };
                 Share {
                     unknown: j,
-                    name: unknowns[j].to_string(),
+                    name: named(&unknowns[j], experiments),
                     // To scale: the largest is what matters, or 1 % of itself.
                     change: 0.01 * weak.direction[j] / largest / unit,
                     is_relative,
@@ -62,6 +68,14 @@ impl fmt::Display for Unknown {
             Some(experiment) => write!(f, " (case {})", experiment + 1),
             None => Ok(()),
         }
+    }
+}
+
+/// As it is displayed, with the name of its experiment where that has one.
+fn named(unknown: &Unknown, experiments: &[Experiment]) -> String {
+    match unknown.experiment.and_then(|e| experiments.get(e)) {
+        Some(of) if !of.name.is_empty() => format!("{} ({})", unknown.path(), of.name),
+        _ => unknown.to_string(),
     }
 }
 

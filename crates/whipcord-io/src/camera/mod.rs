@@ -11,7 +11,17 @@ use whipcord_estimation::camera::Camera;
 use crate::error::{FileError, FileProblem, Problems};
 use crate::files;
 use crate::source::{Sources, Span};
-pub use write::{CameraFormat, camera_text};
+pub use write::{CameraFormat, calibrated_camera_text, camera_text};
+
+/// A camera, and what its file says of the errors of its lens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibratedCamera {
+    /// The camera.
+    pub camera: Camera,
+    /// Covariance of the focal lengths, the principal point and the first distortion coefficients of its lens, in this order and by rows
+    /// ([`LensDeviations::covariance`](whipcord_estimation::camera::LensDeviations::covariance)); `None` where the lens is taken as it is.
+    pub lens_covariance: Option<Vec<Vec<f64>>>,
+}
 
 /// Reads a camera from a file of OpenCV, in YAML or JSON: `camera_matrix`, `distortion_coefficients`,
 /// `image_width` and `image_height`, and `rvec` and `tvec`, which lead from the world to the camera.
@@ -23,10 +33,18 @@ pub use write::{CameraFormat, camera_text};
 /// # Errors
 /// [`FileError`] with the place of each mistake.
 pub fn load_camera(path: impl AsRef<Path>) -> Result<Camera, FileError> {
+    Ok(load_calibrated_camera(path)?.camera)
+}
+
+/// As [`load_camera`], with `lens_covariance`, the covariance of its lens.
+///
+/// # Errors
+/// [`FileError`] with the place of each mistake.
+pub fn load_calibrated_camera(path: impl AsRef<Path>) -> Result<CalibratedCamera, FileError> {
     let path = path.as_ref();
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     match files::read_first(path, &mut sources, &mut problems) {
-        Some(text) => parse_camera(path, &text),
+        Some(text) => parse_calibrated_camera(path, &text),
         None => Err(problems.into_error(sources)),
     }
 }
@@ -36,6 +54,17 @@ pub fn load_camera(path: impl AsRef<Path>) -> Result<Camera, FileError> {
 /// # Errors
 /// [`FileError`] with the place of each mistake.
 pub fn parse_camera(path: impl AsRef<Path>, text: &str) -> Result<Camera, FileError> {
+    Ok(parse_calibrated_camera(path, text)?.camera)
+}
+
+/// As [`load_calibrated_camera`], from the text of a file; `path` is its name in messages.
+///
+/// # Errors
+/// [`FileError`] with the place of each mistake.
+pub fn parse_calibrated_camera(
+    path: impl AsRef<Path>,
+    text: &str,
+) -> Result<CalibratedCamera, FileError> {
     let (mut sources, mut problems) = (Sources::default(), Problems::default());
     let file = sources.add(path.as_ref(), Some(text.to_owned()));
     let camera = checked(file, text, &mut problems);
@@ -50,11 +79,11 @@ pub(crate) fn read_named(
     problems: &mut Problems,
 ) -> Option<Camera> {
     let (file, text) = files::read_named(path, files::LARGEST, named, sources, problems)?;
-    checked(file, &text, problems)
+    Some(checked(file, &text, problems)?.camera)
 }
 
 /// The camera in the text of file number `file`; every mistake goes to `problems`.
-fn checked(file: usize, text: &str, problems: &mut Problems) -> Option<Camera> {
+fn checked(file: usize, text: &str, problems: &mut Problems) -> Option<CalibratedCamera> {
     if text.trim_start().starts_with('<') {
         problems.push(Span::new(file, 0, 1), || FileProblem::Camera {
             message: "camera files in XML are not read".to_owned(),

@@ -1,8 +1,11 @@
 //! What a camera file says, as a camera.
 
 use whipcord::{Pose, UnitQuaternion, Vec3};
-use whipcord_estimation::camera::{Camera, CameraError, Distortion, Lens, Orthographic, Pinhole};
+use whipcord_estimation::camera::{
+    Camera, CameraError, Distortion, LENS_PARAMETERS, Lens, Orthographic, Pinhole,
+};
 
+use super::CalibratedCamera;
 use super::tree::{Node, Value};
 use crate::error::{FileProblem, Problems};
 use crate::source::{Span, quoted};
@@ -21,6 +24,8 @@ const DISTORTION: [&str; 7] = [
 ];
 const WIDTH: [&str; 2] = ["image_width", "image_Width"];
 const HEIGHT: [&str; 2] = ["image_height", "image_Height"];
+/// Not of OpenCV, which passes it over.
+pub(super) const COVARIANCE: [&str; 1] = ["lens_covariance"];
 const ROTATION: [&str; 1] = ["rvec"];
 const TRANSLATION: [&str; 1] = ["tvec"];
 pub(super) const PROJECTION: [&str; 1] = ["projection"];
@@ -43,12 +48,13 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn camera(&mut self) -> Option<Camera> {
+    pub(super) fn camera(&mut self) -> Option<CalibratedCamera> {
         if !matches!(self.root.value, Value::Table(_)) {
             self.refuse(self.root.span, "a camera file has keys and values", MATRIX_HELP);
             return None;
         }
         let lens = self.lens();
+        let covariance = self.lens_covariance(lens.as_ref());
         let rotation = self.vector(&ROTATION);
         let translation = self.vector(&TRANSLATION);
         let size = self.size();
@@ -59,7 +65,50 @@ impl<'a> Reader<'a> {
         };
         let place = translation.or(rotation).map_or(self.root.span, |(_, span)| span);
         let camera = Camera::new(lens, world_to_camera.inverse(), size);
-        camera.map_err(|error| self.cannot_be(place, &error)).ok()
+        let camera = camera.map_err(|error| self.cannot_be(place, &error)).ok()?;
+        Some(CalibratedCamera { camera, lens_covariance: covariance? })
+    }
+
+    /// A symmetric matrix for focal lengths, principal point and as many distortion coefficients as it says.
+    fn lens_covariance(&mut self, lens: Option<&Lens>) -> Option<Option<Vec<Vec<f64>>>> {
+        let Some(found) = self.find(&COVARIANCE)? else { return Some(None) };
+        let numbers = self.numbers(found)?;
+        let most = match lens {
+            Some(Lens::Orthographic(_)) => {
+                let message = format!("`{}` is of a lens, but the camera has none", found.name);
+                self.refuse(found.node.span, &message, "remove it");
+                return None;
+            }
+            Some(Lens::Pinhole(lens)) => {
+                LENS_PARAMETERS.min(4 + lens.distortion().coefficients().len())
+            }
+            None => LENS_PARAMETERS,
+        };
+        let size = numbers.len().isqrt();
+        if size * size != numbers.len() || !(4..=most).contains(&size) {
+            let message = format!(
+                "`{}` must have as many rows as columns, from 4 to {most}, but has {} numbers",
+                found.name,
+                numbers.len()
+            );
+            self.refuse(found.node.span, &message, COVARIANCE_HELP);
+            return None;
+        }
+        let rows: Vec<Vec<f64>> = numbers.chunks_exact(size).map(<[f64]>::to_vec).collect();
+        let is_covariance = |i: usize, j: usize| {
+            let most = (rows[i][i] * rows[j][j]).sqrt() * (1.0 + 1e-6);
+            let near = (rows[i][j] - rows[j][i]).abs() <= 1e-6 * most;
+            rows[i][i] >= 0.0 && rows[j][j] >= 0.0 && near && rows[i][j].abs() <= most
+        };
+        if !(0..size * size).all(|at| is_covariance(at / size, at % size)) {
+            let message = format!(
+                "`{}` is no covariance: it must be symmetric, with squares of standard deviations on its diagonal",
+                found.name
+            );
+            self.refuse(found.node.span, &message, COVARIANCE_HELP);
+            return None;
+        }
+        Some(Some(rows))
     }
 
     fn lens(&mut self) -> Option<Lens> {
@@ -271,6 +320,7 @@ impl<'a> Reader<'a> {
 
 const MATRIX_HELP: &str =
     "write the camera as OpenCV's FileStorage does, with `camera_matrix: !!opencv-matrix`";
+const COVARIANCE_HELP: &str = "let `whipcord camera calibrate` write the camera: rows and columns are fx, fy, cx, cy and then distortion coefficients; or remove the key, and the lens is taken as it is";
 const POSE_HELP: &str =
     "`rvec` and `tvec` lead from the world to the camera, as cv2.solvePnP gives them, in rad and m";
 const SCALE_HELP: &str = "give the scale in pixels per metre, such as `pixels_per_metre: 2500`";

@@ -6,7 +6,8 @@ use std::path::Path;
 use whipcord::Pose;
 use whipcord_estimation::camera::{Camera, Lens};
 
-use super::read::{CENTRE, PROJECTION, SCALE};
+use super::CalibratedCamera;
+use super::read::{CENTRE, COVARIANCE, PROJECTION, SCALE};
 
 /// How a camera file is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +40,20 @@ enum Item {
 /// A camera as the text of a file that [`load_camera`](crate::load_camera) and OpenCV's FileStorage read.
 #[must_use]
 pub fn camera_text(camera: &Camera, format: CameraFormat) -> String {
-    let items = items(camera);
+    text(items(camera), format)
+}
+
+/// As [`camera_text`], with `lens_covariance` where the errors of the lens are known.
+#[must_use]
+pub fn calibrated_camera_text(of: &CalibratedCamera, format: CameraFormat) -> String {
+    let mut items = items(&of.camera);
+    if let Some(rows) = &of.lens_covariance {
+        items.push((COVARIANCE[0], Item::Matrix { columns: rows.len(), data: rows.concat() }));
+    }
+    text(items, format)
+}
+
+fn text(items: Vec<(&'static str, Item)>, format: CameraFormat) -> String {
     let lines = items.iter().map(|(key, item)| match format {
         CameraFormat::Yaml => yaml(key, item),
         CameraFormat::Json => json(key, item),

@@ -87,7 +87,7 @@ pub fn fit_json(
         let fit = each.fit.as_ref();
         Ok(json!({
             "model": each.model.name(),
-            "error": fit.err().map(ToString::to_string),
+            "error": fit.err().map(|error| error.named(names)),
             "rms_distance": optional(|| path("rms_distance"), fit.ok().and_then(|fit| fit.rms_distance))?,
             "rms_pixels": optional(|| path("rms_pixels"), fit.ok().and_then(|fit| fit.rms_pixels))?,
             "aic_above_best": optional(|| path("aic_above_best"), each.aic_above_best)?,

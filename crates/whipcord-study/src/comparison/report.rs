@@ -34,13 +34,22 @@ pub fn html(
     let outliers = studies.iter().any(Study::has_outliers).then(outlier_note);
     body += &list(outliers.iter().chain(&tables::notes(studies)).chain(passed_over));
     body += "</section>\n";
-    for (i, (study, figures)) in studies.iter().zip(figures).enumerate() {
+    for (i, (study, figures)) in studies.iter().zip(figures).enumerate().take(MOST_SECTIONS) {
         body += &section(i + 1, study, figures);
+    }
+    if studies.len() > MOST_SECTIONS {
+        body += &format!(
+            "<p class=\"notes\">The first {MOST_SECTIONS} of {} cases have a section of their own; cases.csv and &lt;case&gt;-*.csv have all.</p>\n",
+            studies.len()
+        );
     }
     body += accuracy;
     body += &footer();
     page("Whipcord: models side by side", &body)
 }
+
+/// More cases than this have no sections of their own: a report of hundreds would be of tens of megabytes.
+const MOST_SECTIONS: usize = 100;
 
 /// What is in the report.
 fn places(studies: &[Study], accuracy: &str) -> Vec<Place> {
@@ -56,7 +65,7 @@ fn places(studies: &[Study], accuracy: &str) -> Vec<Place> {
     let case = |(i, study): (usize, &Study)| {
         named(&format!("case-{}", i + 1), &study.file.title, study.file.path.display().to_string())
     };
-    places.extend(studies.iter().enumerate().map(case));
+    places.extend(studies.iter().enumerate().take(MOST_SECTIONS).map(case));
     let more = [("accuracy", "Accuracy and time"), ("measurements", "Against the measurements")];
     for (id, title) in more {
         if accuracy.contains(&format!("id=\"{id}\"")) {
@@ -136,10 +145,13 @@ fn overview(studies: &[Study], multiples: &[Option<String>]) -> String {
     }
     html += "</ul>\n<ul class=\"multiples\">\n";
     for (i, (study, picture)) in studies.iter().zip(multiples).enumerate() {
+        let title = escape(&study.file.title);
+        let title = match i < MOST_SECTIONS {
+            true => format!("<a href=\"#case-{}\">{title}</a>", i + 1),
+            false => title,
+        };
         html += &format!(
-            "<li><a href=\"#case-{}\">{}</a>{}<p>{}</p></li>\n",
-            i + 1,
-            escape(&study.file.title),
+            "<li>{title}{}<p>{}</p></li>\n",
             picture.as_deref().unwrap_or_default(),
             escape(&line(study))
         );

@@ -9,10 +9,12 @@ pub mod tables;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
-use whipcord::{Case, Model, Robot, Warning};
+use whipcord::{Case, Model, Robot, Vec3, Warning};
+use whipcord_estimation::Seen;
 use whipcord_estimation::identification::{
     Analyses, Experiment, Identified, Quantity, Row, Unknown, Unstable,
 };
+use whipcord_estimation::registration::Alignment;
 use whipcord_io::{
     AnswerOf, CaseFile, FileWarning, NonFinite, fit_json, status_words, warnings_json,
 };
@@ -20,6 +22,7 @@ use whipcord_io::{
 use crate::describe::REVERSED_HELP;
 use crate::failure::Failure;
 use crate::files::{Folder, no_result, picture, plot_failure, unique_names, write};
+use crate::mirrored::{self, mirrored};
 use crate::quantity::{millimetres, number};
 
 /// A warning about a fit as a whole.
@@ -123,10 +126,30 @@ impl Fit {
             self.instability(),
             self.left_out(),
             self.contradicted(),
+            self.mirrored(),
             suspect.and_then(|first| remarks::stands_out(first, &self.found.robot)),
             remarks::drifts(&self.analyses),
         ];
         all.into_iter().flatten().collect()
+    }
+
+    /// The warning where what was measured in one file fits the answers much better after a reversal of one axis.
+    fn mirrored(&self) -> Option<Remark> {
+        let of_file = |e: usize| {
+            let of = &self.experiments[e];
+            let residuals = self.found.residuals.iter().filter(move |of| of.experiment == e);
+            let pairs = residuals.filter_map(move |residual| {
+                let Seen::Position(seen) = of.observations.get(residual.observation)?.seen else {
+                    return None;
+                };
+                Some([seen, seen + Vec3::from(residual.difference)])
+            });
+            mirrored(pairs).map(mirrored::remark)
+        };
+        let aligned = (0..self.experiments.len())
+            .filter(|&e| self.experiments[e].alignment == Alignment::Rigid);
+        let (file, remark) = aligned.filter_map(|e| Some((e, of_file(e)?))).next()?;
+        Some(Remark { message: format!("{}: {}", self.names[file], remark.message), ..remark })
     }
 
     /// The warning where rows were left out: which, and why.
@@ -173,6 +196,12 @@ impl Fit {
             self.row(row)
         );
         Some(Remark { code: "over-determined-rows", message, help: CONTRADICTED_HELP })
+    }
+
+    /// What a row that was not fitted is called.
+    fn test_row(&self, row: Row) -> String {
+        let name = self.test_names.get(row.experiment).map_or("", String::as_str);
+        format!("{name} step {}", row.step + 1)
     }
 
     /// What a row is called.

@@ -1,8 +1,6 @@
 //! A fit in tables, for people and as CSV.
 
-use whipcord_estimation::identification::{
-    Estimate, Fold, Residual, Robustness, Row, Unknown, rows,
-};
+use whipcord_estimation::identification::{Estimate, Fold, Residual, Robustness, Unknown, rows};
 use whipcord_estimation::{Observation, Seen};
 use whipcord_io::{CaseFile, Cell, CsvTable, loss_name};
 
@@ -299,16 +297,12 @@ pub fn not_fitted(fit: &Fit) -> Table {
     let mm = |rms: Option<f64>| rms.map_or_else(dash, |rms| number(rms * 1e3, 4));
     let worst = test.rows.iter().filter_map(|(row, rms)| Some((row, (*rms)?)));
     let worst = worst.max_by(|a, b| a.1.total_cmp(&b.1));
-    let name = |row: &Row| match fit.test_names.get(row.experiment) {
-        Some(name) => format!("{name} step {}", row.step + 1),
-        None => String::new(),
-    };
     table.row(vec![
         fit.test_names.join(", "),
         test.rows.len().to_string(),
         mm(test.rms_distance),
         test.rms_pixels.map_or_else(dash, |rms| number(rms, 4)),
-        worst.map_or_else(dash, |(row, _)| name(row)),
+        worst.map_or_else(dash, |(row, _)| fit.test_row(*row)),
         mm(worst.map(|(_, rms)| rms)),
     ]);
     table
@@ -332,14 +326,15 @@ pub fn notes(fit: &Fit) -> Vec<String> {
     if let Some(test) = fit.analyses.test.as_ref().filter(|test| !test.skipped.is_empty()) {
         let first = &test.skipped[0];
         notes.push(format!(
-            "! {} of the rows that were not fitted are left out, because the model has no answer to them; the first one: {}",
+            "! {} of the rows that were not fitted are left out, because the model has no answer to them; the first one, {}: {}",
             test.skipped.len(),
+            fit.test_row(first.row),
             first.reason
         ));
     }
     for each in &fit.analyses.compared {
         match &each.fit {
-            Err(error) => notes.push(format!("{}: {error}", each.model)),
+            Err(error) => notes.push(format!("{}: {}", each.model, error.named(&fit.names))),
             Ok(found) if !found.status.is_converged() => {
                 notes.push(format!("{}: the fit has not converged", each.model));
             }

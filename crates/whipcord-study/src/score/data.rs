@@ -32,6 +32,8 @@ pub struct FileScore {
     pub markers: Vec<MarkerScore>,
     /// How the measurement was moved onto the answers, where that was asked for.
     pub motion: Option<Pose>,
+    /// Root mean square distances in m that the rigid motion leaves of the measurement, and of its mirror image where that fits much better.
+    pub mirrored: Option<[f64; 2]>,
     /// Why no row can be compared, though rows have answers.
     pub incomparable: Option<String>,
     /// Why the model does not take the robot.

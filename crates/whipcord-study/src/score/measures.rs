@@ -8,6 +8,8 @@ use whipcord_io::Measured;
 use super::data::{FileScore, MarkerScore, RowScore, Score};
 use super::solve::{Answers, SolvedRow, Subject, Unsolved};
 use crate::failure::refuses;
+use crate::fitting::Remark;
+use crate::mirrored::{self, mirrored};
 use crate::statistics::{median, root_mean_square};
 
 impl FileScore {
@@ -18,6 +20,7 @@ impl FileScore {
             rows: Vec::with_capacity(answers.len()),
             markers: Vec::new(),
             motion: None,
+            mirrored: None,
             incomparable: None,
             refused: None,
             body_is_estimated: false,
@@ -90,6 +93,9 @@ impl FileScore {
                     return;
                 }
             }
+        }
+        if measured.alignment == Alignment::Rigid {
+            self.mirrored = mirrored(self.markers.iter().map(|of| [of.measured, of.model]));
         }
         let motion = self.motion.unwrap_or(Pose::IDENTITY);
         for marker in &mut self.markers {
@@ -196,6 +202,16 @@ pub struct Measures {
     pub percentile_95: f64,
     /// The greatest of the rows.
     pub worst: f64,
+}
+
+impl Score<'_> {
+    /// The warning where the measurement of a file fits every model much better after a reversal of one axis. Of one model alone it is the
+    /// model that is wrong.
+    pub(super) fn mirrored(&self, file: usize) -> Option<Remark> {
+        let compared = self.files[file].iter().filter(|of| !of.markers.is_empty());
+        let all: Option<Vec<[f64; 2]>> = compared.map(|of| of.mirrored).collect();
+        all?.first().copied().map(mirrored::remark)
+    }
 }
 
 impl Measures {

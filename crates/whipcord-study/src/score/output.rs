@@ -37,13 +37,15 @@ pub fn json(score: &Score<'_>, rows: bool) -> Value {
             "models": models.collect::<Vec<_>>(),
         })
     });
-    let warnings: Vec<Value> = score
-        .single_cable
-        .iter()
-        .map(|Remark { code, message, help }| {
-            json!({ "code": code, "message": message, "help": help })
-        })
-        .collect();
+    let mirrored = (0..score.subjects.len()).filter_map(|file| {
+        let Remark { code, message, help } = score.mirrored(file)?;
+        let path = score.file(file).path.display().to_string();
+        Some(json!({ "code": code, "message": message, "help": help, "file": path }))
+    });
+    let single = score.single_cable.iter().map(
+        |Remark { code, message, help }| json!({ "code": code, "message": message, "help": help }),
+    );
+    let warnings: Vec<Value> = single.chain(mirrored).collect();
     json!({
         "models": models.collect::<Vec<_>>(),
         "files": files.collect::<Vec<_>>(),

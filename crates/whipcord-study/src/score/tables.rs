@@ -198,6 +198,9 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
                 ));
             }
         }
+        if let Some(Remark { message, help, .. }) = score.mirrored(file) {
+            notes.push(format!("! {name}{message}; {help}."));
+        }
         if models.iter().any(|of| of.body_is_estimated) {
             notes.push(format!(
                 "{name}the rotation of the tracked body on the robot was estimated from all rows."

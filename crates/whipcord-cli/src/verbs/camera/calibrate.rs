@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use whipcord::Pose;
 use whipcord_estimation::camera::CalibrateError;
 use whipcord_estimation::camera::{Camera, FreeParameters, Lens};
-use whipcord_io::{Dimension, camera_text, parse_quantity};
+use whipcord_io::{CalibratedCamera, Dimension, calibrated_camera_text, parse_quantity};
 use whipcord_vision::boards::{
     Board, Calibration, NoCalibration, SeenBoard, Unseen, calibration, find,
 };
@@ -25,7 +25,7 @@ use whipcord_study::table::{Align, Table};
 /// Use about ten sharp photographs at fixed zoom and focus, with the board tilted by about 30° in
 /// different directions and reaching all edges of the picture. Prints the reprojection error of
 /// each photograph, the parameters with their uncertainty, and the photographs that cannot be used
-/// with the reason. Writes the lens in the format of OpenCV, for `camera locate`.
+/// with the reason. Writes the lens and its covariance in the format of OpenCV, for `camera locate`.
 ///
 /// With --stereo, two cameras photograph the board at the same times: calibrates both lenses, and the
 /// pose of the second camera relative to the first. Prints its uncertainty, and for each pair the
@@ -132,7 +132,9 @@ pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
         shown.summary(&found, &corners, style)
     };
     if let Some((path, format)) = args.output.as_deref().zip(format) {
-        files::write(path, camera_text(&camera, format).as_bytes())?;
+        let lens_covariance = Some(found.calibrated.deviations.covariance.clone());
+        let written = CalibratedCamera { camera, lens_covariance };
+        files::write(path, calibrated_camera_text(&written, format).as_bytes())?;
     }
     Ok(text)
 }
@@ -218,6 +220,7 @@ impl Shown<'_> {
             "centre_deviation": sure.centre,
             "distortion": lens.distortion().coefficients(),
             "distortion_deviation": sure.distortion,
+            "covariance": sure.covariance,
             "rms": found.calibrated.rms,
             "pixel_deviation": sure.pixel,
             "tilt": found.calibrated.tilt,

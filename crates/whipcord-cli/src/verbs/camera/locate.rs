@@ -3,10 +3,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use serde_json::{Value, json};
 use whipcord::{Pose, Robot, Shape, Stations, Vec3, at_rest};
-use whipcord_estimation::camera::{self, Camera, Lens, Located, Sighting};
+use whipcord_estimation::camera::{
+    self, Alternative, Camera, Lens, Located, LocatedRig, PoseCovariance, Sighting, pose_deviations,
+};
 use whipcord_estimation::{Observation, Place, Seen};
-use whipcord_io::{CaseFile, camera_text, load_camera, load_markers};
+use whipcord_io::{
+    CalibratedCamera, CaseFile, calibrated_camera_text, load_calibrated_camera, load_markers,
+};
 
 use super::format_of;
 use crate::inputs::{Settings, read_one};
@@ -16,6 +21,9 @@ use whipcord_study::quantity::{number, vector};
 use whipcord_study::style::Style;
 
 /// Find the pose of a camera from a photograph of the robot before actuation
+///
+/// Prints the pose with its standard deviations: by the errors of the pixels, as the residuals tell them or --pixel-deviation gives them,
+/// and by those of the lens, whose covariance `camera calibrate` writes into the camera file.
 ///
 /// With --stereo it is the pose of a pair of cameras that are fastened to one another, as `camera calibrate --stereo` gives it:
 /// both are moved together, so that few markers in each photograph are enough.
@@ -51,6 +59,19 @@ pub struct LocateArgs {
     /// Camera file to write for the second camera, .yml or .json
     #[arg(long, value_name = "CAMERA", requires = "stereo", requires = "output")]
     stereo_output: Option<PathBuf>,
+    /// Standard deviation of the pixels in the CSV file, in columns and rows; by default as the residuals tell
+    #[arg(long, value_name = "PIXELS", value_parser = deviation)]
+    pixel_deviation: Option<f64>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+fn deviation(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err(String::from("give a positive number of pixels, such as 0.3")),
+    }
 }
 
 fn direction(text: &str) -> Result<Vec3, String> {
@@ -66,16 +87,17 @@ pub fn run(args: &LocateArgs, style: Style) -> Result<String, Failure> {
     let format = args.output.as_deref().map(format_of).transpose()?;
     let file = read_one(&args.file, &Settings::default())?;
     let unusable = |error| Failure::Input(whipcord_study::failure::message(&error));
-    let lens = args.lens.as_deref().map(load_camera).transpose().map_err(unusable)?;
+    let lens = args.lens.as_deref().map(load_calibrated_camera).transpose().map_err(unusable)?;
     let markers = load_markers(&args.markers, &file.robot).map_err(unusable)?;
     if let (Some(first), Some(second), Some(path)) = (&lens, &args.stereo, &args.stereo_markers) {
-        let second = load_camera(second).map_err(unusable)?;
+        let second = load_calibrated_camera(second).map_err(unusable)?;
         let others = load_markers(path, &file.robot).map_err(unusable)?;
         return of_both(args, &file, [first, &second], [&markers, &others], style);
     }
     let seen = sightings(&file.robot, file.case.base, &markers);
-    let size = lens.as_ref().and_then(Camera::size);
-    let found = match lens.as_ref().map(Camera::lens) {
+    let camera = lens.as_ref().map(|lens| &lens.camera);
+    let size = camera.and_then(Camera::size);
+    let found = match camera.map(Camera::lens) {
         Some(Lens::Pinhole(lens)) => camera::locate(lens, size, &seen, args.view),
         _ => camera::locate_orthographic(size, &seen, args.view),
     };
@@ -83,19 +105,112 @@ pub fn run(args: &LocateArgs, style: Style) -> Result<String, Failure> {
         Failure::Input(format!("error: {}: {error}{}", args.markers.display(), hint(&error)))
     })?;
     if let Some((path, format)) = args.output.as_deref().zip(format) {
-        files::write(path, camera_text(&found.camera, format).as_bytes())?;
+        let written = CalibratedCamera {
+            camera: found.camera,
+            lens_covariance: lens.as_ref().and_then(|lens| lens.lens_covariance.clone()),
+        };
+        files::write(path, calibrated_camera_text(&written, format).as_bytes())?;
     }
-    Ok(words(args, &found, &markers, style))
+    let lens_covariance = lens.and_then(|lens| lens.lens_covariance);
+    let sure = Sure {
+        covariance: found.uncertainty.covariance(args.pixel_deviation, lens_covariance.as_deref()),
+        pixel: args.pixel_deviation.or(found.uncertainty.pixel),
+        scale: found.uncertainty.relative_scale_deviation(args.pixel_deviation),
+        lens: match lens_covariance {
+            Some(_) => "pixels and lens",
+            None => "pixels alone",
+        },
+    };
+    match args.json {
+        true => Ok(format!("{:#}\n", object(args, &found, &markers, &sure))),
+        false => Ok(words(args, &found, &markers, &sure, style)),
+    }
+}
+
+/// How sure a place is.
+struct Sure {
+    /// Of position (m) and rotation (rad).
+    covariance: Option<PoseCovariance>,
+    pixel: Option<f64>,
+    /// Of an orthographic camera, relative to it.
+    scale: Option<f64>,
+    /// By which errors.
+    lens: &'static str,
+}
+
+impl Sure {
+    /// In mm and degrees.
+    fn words(&self, camera: &Camera) -> String {
+        let (Some(covariance), Some(pixel)) = (&self.covariance, self.pixel) else {
+            return String::from(
+                "not known: there are no more pixels than unknowns; give --pixel-deviation, or more markers",
+            );
+        };
+        let [position, rotation] = pose_deviations(covariance);
+        let three = |v: Vec3| {
+            let [x, y, z] = v.to_array().map(|c| number(c, 2));
+            format!("({x}, {y}, {z})")
+        };
+        let turns = format!("{}° about x, y and z", three(rotation * 1f64.to_degrees()));
+        let by = format!("by {}, {} a column or row", self.lens, pixels(pixel));
+        match camera.lens() {
+            Lens::Pinhole(_) => format!("± {} mm, {turns}; {by}", three(position * 1e3)),
+            Lens::Orthographic(_) => format!("± {turns}; {by}"),
+        }
+    }
+
+    fn object(&self) -> Value {
+        let deviations = self.covariance.as_ref().map(pose_deviations);
+        json!({
+            "position_deviation": deviations.map(|[position, _]| position.to_array()),
+            "rotation_deviation": deviations.map(|[_, rotation]| rotation.to_array()),
+            "covariance": self.covariance,
+            "relative_scale_deviation": self.scale,
+            "pixel_deviation": self.pixel,
+        })
+    }
+}
+
+/// A camera in its place for programs.
+fn camera_object(camera: &Camera) -> Value {
+    let Pose { position, rotation } = camera.pose();
+    let scale = match camera.lens() {
+        Lens::Orthographic(lens) => Some(lens.scale()),
+        Lens::Pinhole(_) => None,
+    };
+    json!({ "position": position.to_array(), "orientation": rotation.wxyz(), "scale": scale })
+}
+
+fn other_object(other: Option<&Alternative>) -> Value {
+    let Some(other) = other else { return Value::Null };
+    let mut object = camera_object(&other.camera);
+    object["rms"] = json!(other.rms);
+    object
+}
+
+fn object(args: &LocateArgs, found: &Located, markers: &[Observation], sure: &Sure) -> Value {
+    let mut object = camera_object(&found.camera);
+    if let (Value::Object(all), Value::Object(sure)) = (&mut object, sure.object()) {
+        all.extend(sure);
+    }
+    object["camera"] = json!(args.output.as_ref().map(|path| path.display().to_string()));
+    object["markers"] = json!(markers.len());
+    object["rms"] = json!(found.rms);
+    object["residuals"] = json!(found.residuals);
+    object["other"] = other_object(found.other.as_ref());
+    object["ambiguous"] = json!(found.is_ambiguous());
+    object
 }
 
 /// The pose of two cameras, from what each has seen.
 fn of_both(
     args: &LocateArgs,
     file: &CaseFile,
-    cameras: [&Camera; 2],
+    lenses: [&CalibratedCamera; 2],
     markers: [&[Observation]; 2],
     style: Style,
 ) -> Result<String, Failure> {
+    let cameras = lenses.map(|lens| &lens.camera);
     if cameras.iter().any(|camera| !matches!(camera.lens(), Lens::Pinhole(_))) {
         return Err(Failure::Input(String::from(
             "error: --stereo needs two cameras with lenses, as `whipcord camera calibrate --stereo` writes them",
@@ -116,16 +231,29 @@ fn of_both(
     })?;
     let own = args.output.as_deref().map(format_of).transpose()?;
     let outputs = [args.output.as_deref().zip(own), args.stereo_output.as_deref().zip(format)];
-    for (camera, output) in found.cameras.iter().zip(outputs) {
+    for ((camera, output), lens) in found.cameras.into_iter().zip(outputs).zip(lenses) {
         if let Some((path, format)) = output {
-            files::write(path, camera_text(camera, format).as_bytes())?;
+            let camera = CalibratedCamera { camera, ..lens.clone() };
+            files::write(path, calibrated_camera_text(&camera, format).as_bytes())?;
         }
+    }
+    let sure = Sure {
+        covariance: found.uncertainty.covariance(args.pixel_deviation, None),
+        pixel: args.pixel_deviation.or(found.uncertainty.pixel),
+        scale: None,
+        lens: "pixels alone",
+    };
+    if args.json {
+        return Ok(format!("{:#}\n", object_of_both(args, &found, markers, &sure)));
     }
     let mut lines = Vec::new();
     for (i, name) in ["first", "second"].into_iter().enumerate() {
         let place = in_place(&found.cameras[i]);
         let error = pixels(found.rms[i]);
         lines.push((name, format!("{place}; {} markers, {error} RMS", markers[i].len())));
+        if i == 0 {
+            lines.push(("deviation", sure.words(&found.cameras[i])));
+        }
         let farthest = found.residuals[i].iter().map(|[u, v]| u.hypot(*v)).zip(markers[i]);
         if let Some((distance, marker)) = farthest.max_by(|a, b| a.0.total_cmp(&b.0)) {
             lines.push(("farthest", format!("{}, {}", named(marker), pixels(distance))));
@@ -140,6 +268,28 @@ fn of_both(
         lines.push(("written", path.display().to_string()));
     }
     Ok(listed(&format!("two cameras of {}", args.file.display()), lines, style))
+}
+
+fn object_of_both(
+    args: &LocateArgs,
+    found: &LocatedRig,
+    markers: [&[Observation]; 2],
+    sure: &Sure,
+) -> Value {
+    let outputs = [&args.output, &args.stereo_output];
+    let cameras = [0, 1].map(|i| {
+        let mut object = camera_object(&found.cameras[i]);
+        object["camera"] = json!(outputs[i].as_ref().map(|path| path.display().to_string()));
+        object["markers"] = json!(markers[i].len());
+        object["rms"] = json!(found.rms[i]);
+        object["residuals"] = json!(found.residuals[i]);
+        object
+    });
+    let mut object = sure.object();
+    object["cameras"] = json!(cameras);
+    object["other"] = other_object(found.other.as_ref());
+    object["ambiguous"] = json!(found.is_ambiguous());
+    object
 }
 
 fn hint(error: &camera::LocateError) -> &'static str {
@@ -165,10 +315,19 @@ fn sightings(robot: &Robot, base: Pose, markers: &[Observation]) -> Vec<Sighting
     markers.iter().filter_map(sighting).collect()
 }
 
-fn words(args: &LocateArgs, found: &Located, markers: &[Observation], style: Style) -> String {
-    let mut lines = vec![("place", in_place(&found.camera))];
+fn words(
+    args: &LocateArgs,
+    found: &Located,
+    markers: &[Observation],
+    sure: &Sure,
+    style: Style,
+) -> String {
+    let mut lines =
+        vec![("place", in_place(&found.camera)), ("deviation", sure.words(&found.camera))];
     if let Lens::Orthographic(lens) = found.camera.lens() {
-        lines.push(("scale", format!("{} pixels/mm", number(1e-3 * lens.scale(), 6))));
+        let within = sure.scale.map(|of| format!(" ± {} %", number(1e2 * of, 2)));
+        let within = within.unwrap_or_default();
+        lines.push(("scale", format!("{} pixels/mm{within}", number(1e-3 * lens.scale(), 6))));
     }
     lines.push(("error", format!("{} RMS", pixels(found.rms))));
     let farthest = found

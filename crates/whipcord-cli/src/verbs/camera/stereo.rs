@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use whipcord::Vec3;
 use whipcord_estimation::camera::{Camera, Lens, Pinhole};
-use whipcord_io::{camera_text, load_camera};
+use whipcord_io::{CalibratedCamera, calibrated_camera_text, load_calibrated_camera};
 use whipcord_vision::boards::{
     Board, Calibration, NoStereo, SeenBoard, Stereo, Unseen, UnusedPair, stereo,
 };
@@ -27,6 +27,8 @@ struct Side<'a> {
     camera: Camera,
     lens: Pinhole,
     size: [u32; 2],
+    /// How sure the lens is; `None` where its file does not say so.
+    lens_covariance: Option<Vec<Vec<f64>>>,
     /// Where the lens is calibrated.
     calibration: Option<Calibration>,
 }
@@ -67,9 +69,8 @@ pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
         [sides[0].size, sides[1].size],
     );
     let mut found = found.map_err(|error| failure(&sides, &error))?;
-    let lenses = sides.each_ref().map(|side| side.calibration.as_ref());
-    let deviations = lenses.map(|of| of.map(|found| &found.calibrated.deviations));
-    found.calibrated = found.calibrated.with_lenses(deviations);
+    let covariances = sides.each_ref().map(|side| side.lens_covariance.as_deref());
+    found.calibrated = found.calibrated.with_lens_covariances(covariances);
     // The first camera keeps the pose that its file gives it.
     let pose = sides[0].camera.pose();
     let mut written = found.calibrated.cameras;
@@ -83,9 +84,13 @@ pub fn run(args: &CalibrateArgs, style: Style) -> Result<String, Failure> {
     } else {
         summary(&sides, &board, &found, style)
     };
-    for ((path, format), camera) in outputs.into_iter().zip(formats).zip(&written) {
+    let sure = sides.iter().map(|side| side.lens_covariance.clone());
+    for (((path, format), camera), lens_covariance) in
+        outputs.into_iter().zip(formats).zip(written).zip(sure)
+    {
         if let Some((path, format)) = path.zip(format) {
-            files::write(path, camera_text(camera, format).as_bytes())?;
+            let camera = CalibratedCamera { camera, lens_covariance };
+            files::write(path, calibrated_camera_text(&camera, format).as_bytes())?;
         }
     }
     Ok(text)
@@ -98,14 +103,15 @@ impl<'a> Side<'a> {
         args: &CalibrateArgs,
     ) -> Result<Self, Failure> {
         // Before photographs are read, which takes longer.
-        let camera = given.map(load_camera).transpose();
+        let camera = given.map(load_calibrated_camera).transpose();
         let camera = camera.map_err(|error| Failure::Input(message(&error)))?;
         let seen = seen(shown.photos, shown.board)?;
-        let (camera, calibration) = match camera {
-            Some(camera) => (camera, None),
+        let (camera, lens_covariance, calibration) = match camera {
+            Some(of) => (of.camera, of.lens_covariance, None),
             None => {
                 let (camera, found) = shown.camera(&seen, args.distortion)?;
-                (camera, Some(found))
+                let covariance = found.calibrated.deviations.covariance.clone();
+                (camera, Some(covariance), Some(found))
             }
         };
         let Lens::Pinhole(lens) = *camera.lens() else {
@@ -122,7 +128,7 @@ impl<'a> Side<'a> {
             _ => Ok(camera),
         };
         let camera = camera.map_err(|error| Failure::Input(format!("error: {error}")))?;
-        Ok(Self { shown, given, seen, camera, lens, size, calibration })
+        Ok(Self { shown, given, seen, camera, lens, size, lens_covariance, calibration })
     }
 
     fn photo(&self, number: usize) -> String {

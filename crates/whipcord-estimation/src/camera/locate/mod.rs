@@ -1,4 +1,4 @@
-//! Where a camera is, from points of the world that it has seen: eq. (l1) to (l7) of
+//! Where a camera is, from points of the world that it has seen: eq. (l1) to (l9) of
 //! `docs/theory/cameras.md`.
 
 mod error;
@@ -7,6 +7,7 @@ mod rig;
 mod sighting;
 mod single;
 mod start;
+mod uncertainty;
 
 pub use error::LocateError;
 pub(super) use refine::{Freedoms, InImage};
@@ -14,3 +15,4 @@ pub use rig::{LocatedRig, locate_rig};
 pub use sighting::{Alternative, Sighting};
 pub use single::{Located, locate, locate_orthographic};
 pub(super) use start::{Cloud, plane_columns};
+pub use uncertainty::{PoseUncertainty, pose_deviations};

@@ -5,6 +5,7 @@ use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
 use super::sighting::{Alternative, Sighting};
 use super::start::across;
+use super::uncertainty::Motion;
 use crate::camera::error::ViewError;
 use crate::camera::lens::{Lens, Orthographic};
 use crate::camera::view::Camera;
@@ -35,6 +36,18 @@ impl Freedoms {
     pub(super) fn with_scale(pose: Pose) -> Self {
         let shifts = vec![pose.rotation.rotate(Vec3::X), pose.rotation.rotate(Vec3::Y)];
         Self { shifts, turns: AXES.to_vec(), scale: true }
+    }
+
+    /// Those of an orthographic camera that looks along `view`: not along that, and turned about that alone, but with its scale.
+    pub(super) fn along(pose: Pose, view: Vec3) -> Self {
+        Self { turns: vec![view], ..Self::with_scale(pose) }
+    }
+
+    /// The ways in which a camera may move about a point.
+    pub(super) fn motions(&self, camera: &Camera, pivot: Vec3) -> Vec<Motion> {
+        let shifts = self.shifts.iter().map(|along| Motion::shift(*along));
+        let turns = self.turns.iter().map(|axis| Motion::turn(*axis, camera, pivot));
+        shifts.chain(turns).chain(self.scale.then_some(Motion::SCALE)).collect()
     }
 
     pub(super) fn count(&self) -> usize {

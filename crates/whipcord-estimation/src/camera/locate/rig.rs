@@ -8,6 +8,7 @@ use super::refine::{Freedoms, InImage, residuals};
 use super::sighting::{Alternative, Sighting};
 use super::single::{SAME, cloud, locate};
 use super::start::Cloud;
+use super::uncertainty::PoseUncertainty;
 use crate::camera::error::ViewError;
 use crate::camera::lens::Lens;
 use crate::camera::triangulate::triangulate;
@@ -25,6 +26,9 @@ pub struct LocatedRig {
     pub rms: [f64; 2],
     /// The next best place of the first camera, where there is one, with the root mean square distance over both images.
     pub other: Option<Alternative>,
+    /// How sure the pose of the first camera is; lenses and the pose of the second camera relative to the first are taken as they are, and
+    /// so is a direction of view that is given.
+    pub uncertainty: PoseUncertainty,
 }
 
 impl LocatedRig {
@@ -101,7 +105,12 @@ pub fn locate_rig(
     let residuals = [left(0)?, left(1)?];
     let of_image = |of: &Vec<[f64; 2]>| rms(core::slice::from_ref(of));
     let rms = [of_image(&residuals[0]), of_image(&residuals[1])];
-    Ok(LocatedRig { cameras: best, residuals, rms, other })
+    let squares = residuals.iter().flatten().map(|[u, v]| u * u + v * v).sum();
+    let motions = freedoms.motions(&best[0], cloud.centre);
+    let uncertainty =
+        PoseUncertainty::of(&[(&best[0], seen[0]), (&best[1], seen[1])], &motions, squares)
+            .map_err(|error| LocateError::Unseen { sighting: 0, error })?;
+    Ok(LocatedRig { cameras: best, residuals, rms, other, uncertainty })
 }
 
 fn rms(residuals: &[Vec<[f64; 2]>]) -> f64 {

@@ -6,6 +6,7 @@ use super::error::LocateError;
 use super::refine::{self, Freedoms};
 use super::sighting::{Alternative, Sighting};
 use super::start::{self, Cloud};
+use super::uncertainty::{Motion, PoseUncertainty};
 use crate::camera::lens::{Lens, Orthographic, Pinhole};
 use crate::camera::view::{Camera, check_range};
 
@@ -27,6 +28,8 @@ pub struct Located {
     /// The next best pose, where there is one: a plane, or a robot that is far away, looks much the
     /// same from two sides.
     pub other: Option<Alternative>,
+    /// How sure the pose is. A direction of view that is given is taken as exact.
+    pub uncertainty: PoseUncertainty,
 }
 
 impl Located {
@@ -76,13 +79,18 @@ pub fn locate(
             let pose = start::round_line(&cloud, found.camera.pose(), view);
             refine::measured(&found.camera.at(pose).ok()?, seen)
         });
-        return best(seen, found.into_iter());
+        let motions = |camera: &Camera| {
+            let motions = Freedoms::without_turn(axis).motions(camera, cloud.centre);
+            facing(motions, camera, &cloud, view)
+        };
+        return best(seen, found.into_iter(), motions);
     }
     if seen.len() < 4 {
         return Err(LocateError::TooFew { given: seen.len(), least: 4 });
     }
     let starts = start::starts(&cloud, seen, &ideal);
-    best(seen, starts.into_iter().filter_map(|start| refined(start, &Freedoms::all())))
+    let found = starts.into_iter().filter_map(|start| refined(start, &Freedoms::all()));
+    best(seen, found, |camera| Freedoms::all().motions(camera, cloud.centre))
 }
 
 /// The scale and the pose of an orthographic camera from four points or more that it has seen, such
@@ -114,7 +122,9 @@ pub fn locate_orthographic(
     if let Some(view) = unit_view(view)? {
         let found = camera(start::along_view(&cloud, seen, &pixels, view)?);
         let found = found.and_then(|camera| refine::measured(&camera, seen));
-        return best(seen, found.into_iter());
+        let motions =
+            |camera: &Camera| Freedoms::along(camera.pose(), view).motions(camera, cloud.centre);
+        return best(seen, found.into_iter(), motions);
     }
     if cloud.is_line() {
         return Err(LocateError::FreeTurn { axis: cloud.axes[2] });
@@ -126,7 +136,28 @@ pub fn locate_orthographic(
     let found = starts.into_iter().filter_map(camera).filter_map(|camera| {
         refine::refine(&camera, seen, cloud.centre, &Freedoms::with_scale(camera.pose()))
     });
-    best(seen, found)
+    best(seen, found, |camera| Freedoms::with_scale(camera.pose()).motions(camera, cloud.centre))
+}
+
+/// Motions of a camera before points on a line that goes on to look as nearly along `view` as it can: each is followed by the turn about
+/// the line that sees to it.
+fn facing(motions: Vec<Motion>, camera: &Camera, cloud: &Cloud, view: Vec3) -> Vec<Motion> {
+    let axis = cloud.axes[2];
+    let sight = camera.pose().rotation.rotate(Vec3::Z);
+    // What is across line and view has no part of the optical axis.
+    let normal = axis.cross(view);
+    let by_turn = normal.dot(axis.cross(sight));
+    let turn = Motion::turn(axis, camera, cloud.centre);
+    let follow = |motion: Motion| {
+        let back = match by_turn {
+            // A camera that looks along the line has no such turn.
+            0.0 => 0.0,
+            by_turn => -normal.dot(motion.turn.cross(sight)) / by_turn,
+        };
+        let (shift, turned) = (motion.shift + turn.shift * back, motion.turn + turn.turn * back);
+        Motion { shift, turn: turned, ..motion }
+    };
+    motions.into_iter().map(follow).collect()
 }
 
 /// The unit vector along a viewing direction that is given.
@@ -168,6 +199,7 @@ pub(super) fn cloud(seen: &[Sighting], least: usize) -> Result<Cloud, LocateErro
 fn best(
     seen: &[Sighting],
     found: impl Iterator<Item = Alternative>,
+    motions: impl Fn(&Camera) -> Vec<Motion>,
 ) -> Result<Located, LocateError> {
     let mut found: Vec<Alternative> = found.collect();
     found.sort_by(|a, b| a.rms.total_cmp(&b.rms));
@@ -181,5 +213,8 @@ fn best(
         // What was refined was projected before.
         LocateError::Unseen { sighting, error }
     })?;
-    Ok(Located { camera, residuals, rms, other })
+    let squares = rms * rms * seen.len() as f64;
+    let uncertainty = PoseUncertainty::of(&[(&camera, seen)], &motions(&camera), squares)
+        .map_err(|error| LocateError::Unseen { sighting: 0, error })?;
+    Ok(Located { camera, residuals, rms, other, uncertainty })
 }

@@ -8,8 +8,9 @@ mod start;
 use whipcord_numerics::{Pose, Vec3};
 
 use super::calibrate::LensDeviations;
-use super::lens::{LENS_PARAMETERS, Lens, Pinhole};
-use super::locate::Sighting;
+use super::lens::{Lens, Pinhole};
+use super::locate::{Sighting, pose_deviations};
+use super::pose_uncertainty::{PoseByLens, PoseCovariance, add_lens};
 use super::triangulate::triangulate;
 use super::view::Camera;
 pub use error::{RefusedPair, StereoError};
@@ -26,9 +27,9 @@ pub struct StereoCalibration {
     pub cameras: [Camera; 2],
     /// Covariance of position (m) and rotation (rad) of the second camera along and about the axes of the first, eq. (s8), by
     /// the errors of the corners alone: the lenses are taken as they are, unless [`Self::with_lenses`] was asked.
-    pub covariance: [[f64; 6]; 6],
+    pub covariance: PoseCovariance,
     /// How position and rotation follow the focal lengths, the principal point and the first twelve distortion coefficients of each lens, eq. (s9).
-    pub by_lenses: [[[f64; LENS_PARAMETERS]; 6]; 2],
+    pub by_lenses: [PoseByLens; 2],
     /// Distance of the cameras in m, and its standard deviation.
     pub baseline: [f64; 2],
     /// Standard deviation of a column or row at which a corner was seen, in pixels, as what is left of them tells.
@@ -63,7 +64,7 @@ impl StereoCalibration {
     /// Standard deviations of the position of the second camera in m, along the axes of the first.
     #[must_use]
     pub fn position_deviation(&self) -> Vec3 {
-        Vec3::from([0, 1, 2].map(|i| self.covariance[i][i].max(0.0).sqrt()))
+        pose_deviations(&self.covariance)[0]
     }
 
     /// The same with the errors of lenses that were calibrated, eq. (s10); of one that is not given nothing is known but what it is.
@@ -76,15 +77,8 @@ impl StereoCalibration {
     #[must_use]
     pub fn with_lens_covariances(mut self, lenses: [Option<&[Vec<f64>]>; 2]) -> Self {
         for (by_lens, lens) in self.by_lenses.iter().zip(lenses) {
-            let Some(covariance) = lens else { continue };
-            for (i, row) in self.covariance.iter_mut().enumerate() {
-                for (j, entry) in row.iter_mut().enumerate() {
-                    for (of_lens, a) in covariance.iter().zip(by_lens[i]) {
-                        for (own, b) in of_lens.iter().zip(by_lens[j]) {
-                            *entry += a * own * b;
-                        }
-                    }
-                }
+            if let Some(lens) = lens {
+                add_lens(&mut self.covariance, by_lens, lens);
             }
         }
         let position = self.cameras[1].pose().position;
@@ -95,7 +89,7 @@ impl StereoCalibration {
     /// Standard deviations of the rotation of the second camera in rad, about the axes of the first.
     #[must_use]
     pub fn rotation_deviation(&self) -> Vec3 {
-        Vec3::from([3, 4, 5].map(|i| self.covariance[i][i].max(0.0).sqrt()))
+        pose_deviations(&self.covariance)[1]
     }
 }
 
@@ -164,7 +158,7 @@ fn refuse_ambiguous(
 }
 
 /// Standard deviation of the distance of the cameras.
-fn distance_deviation(position: Vec3, covariance: &[[f64; 6]; 6]) -> f64 {
+fn distance_deviation(position: Vec3, covariance: &PoseCovariance) -> f64 {
     let variance: f64 = (0..3)
         .flat_map(|i| (0..3).map(move |j| (i, j)))
         .map(|(i, j)| position[i] * covariance[i][j] * position[j])
@@ -177,7 +171,7 @@ fn distance_deviation(position: Vec3, covariance: &[[f64; 6]; 6]) -> f64 {
     }
 }
 
-fn greatest_deviation(covariance: &[[f64; 6]; 6]) -> f64 {
+fn greatest_deviation(covariance: &PoseCovariance) -> f64 {
     (0..3).map(|i| covariance[i][i].max(0.0)).fold(0.0, f64::max).sqrt()
 }
 

@@ -3,15 +3,15 @@
 use std::collections::HashMap;
 
 use whipcord_numerics::least_squares::{NoResiduals, Options, Residuals, Workspace, minimise};
-use whipcord_numerics::{DenseLu, Pose, Twist, UnitQuaternion, Vec3};
+use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
 use super::error::{RefusedPair, StereoError};
 use crate::camera::deflation::without_places;
 use crate::camera::error::ViewError;
 use crate::camera::lens::{LENS_PARAMETERS, Lens};
 use crate::camera::locate::{Freedoms, InImage, Sighting};
+use crate::camera::pose_uncertainty::{PoseByLens, PoseCovariance, by_lens, covariance};
 use crate::camera::view::Camera;
-use crate::uncertainty::Spread;
 
 /// What a pair shows, and where the first camera is in the frame of the board.
 #[derive(Clone, Debug)]
@@ -44,9 +44,9 @@ pub(super) struct Refined {
     pub(super) views: Vec<View>,
     pub(super) relative: Pose,
     /// Of position and rotation; none where the pairs do not determine them.
-    pub(super) covariance: Option<[[f64; 6]; 6]>,
+    pub(super) covariance: Option<PoseCovariance>,
     /// How position and rotation follow the parameters of each lens.
-    pub(super) by_lenses: [[[f64; LENS_PARAMETERS]; 6]; 2],
+    pub(super) by_lenses: [PoseByLens; 2],
     pub(super) pixel: f64,
     pub(super) rms: f64,
     pub(super) view_rms: Vec<[f64; 2]>,
@@ -111,12 +111,15 @@ pub(super) fn refine(
             with_lens.extend_from_slice(&of_lens);
             with_lens.extend_from_slice(&row[6..]);
         }
-        Some(by_lens(&without_places(
+        let own = without_places(
             with_lens,
             width + LENS_PARAMETERS,
             6 + LENS_PARAMETERS,
             rows.iter().copied(),
-        )))
+        );
+        // Pairs that do not determine the pose are refused for that.
+        let by_lens = by_lens(6, &own).unwrap_or_else(|| vec![[0.0; LENS_PARAMETERS]; 6]);
+        Some(core::array::from_fn(|i| by_lens[i]))
     });
     let [Some(first), Some(second)] = by_lenses else { return Err(StereoError::NoPose) };
     let own = without_places(jacobian, width, 6, rows.iter().copied());
@@ -134,52 +137,14 @@ pub(super) fn refine(
     Ok(Refined {
         cameras: *cameras,
         relative: problem.relative,
-        covariance: covariance(&own, variance),
+        covariance: covariance(6, &own, variance)
+            .map(|all| core::array::from_fn(|i| core::array::from_fn(|j| all[i][j]))),
         by_lenses: [first, second],
         views: problem.views,
         pixel: variance.sqrt(),
         rms,
         view_rms,
     })
-}
-
-fn covariance(jacobian: &[f64], variance: f64) -> Option<[[f64; 6]; 6]> {
-    let spread = Spread::of(jacobian, &[true; 6], variance, false);
-    if spread.deviations.iter().any(Option::is_none) {
-        return None;
-    }
-    let all = spread.covariance();
-    Some(core::array::from_fn(|i| core::array::from_fn(|j| all[i][j])))
-}
-
-/// Eq. (s9): how the relative pose follows the parameters of one lens, of the Jacobian by rows whose columns are those of the pose and of
-/// the lens, less what the places of the boards can make up for. Zero where the pairs do not determine the pose.
-fn by_lens(jacobian: &[f64]) -> [[f64; LENS_PARAMETERS]; 6] {
-    let width = 6 + LENS_PARAMETERS;
-    let product =
-        |i: usize, j: usize| jacobian.chunks_exact(width).map(|row| row[i] * row[j]).sum();
-    // Metres and radians are of one size then.
-    let sizes: [f64; 6] = core::array::from_fn(|i| f64::sqrt(product(i, i)));
-    let mut by_lens = [[0.0; LENS_PARAMETERS]; 6];
-    if sizes.contains(&0.0) {
-        return by_lens;
-    }
-    let normal: Vec<f64> = (0..36)
-        .map(|at| (at / 6, at % 6))
-        .map(|(i, j)| product(i, j) / (sizes[i] * sizes[j]))
-        .collect();
-    let mut factors = DenseLu::default();
-    if factors.factor(6, &normal).is_err() {
-        return by_lens;
-    }
-    for parameter in 0..LENS_PARAMETERS {
-        let mut column: [f64; 6] = core::array::from_fn(|i| -product(i, 6 + parameter) / sizes[i]);
-        factors.solve(&mut column);
-        for (row, (value, size)) in by_lens.iter_mut().zip(column.iter().zip(sizes)) {
-            row[parameter] = value / size;
-        }
-    }
-    by_lens
 }
 
 /// All pairs: the unknowns are shift τ and turn φ of the second camera along and about the axes of the first, then three shifts

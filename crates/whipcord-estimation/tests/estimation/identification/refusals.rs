@@ -97,7 +97,7 @@ fn unknowns_that_do_not_fit() {
         (Unknown::new(quantity("cables[7].tension_offset")), "`tension_offset` of cable 8: "),
         (
             Unknown::new(quantity("cables[0].shortening_offset")),
-            "cables[0].shortening_offset: the cable is not driven by that in every step of case 1",
+            "case 1: cables[0].shortening_offset: the cable is not driven by that in every step",
         ),
         (
             Unknown::of(quantity("base.position[0]"), 4),

@@ -4,6 +4,7 @@ mod calibrating;
 mod camera;
 mod compared;
 mod locating;
+mod locating_uncertainty;
 mod noise;
 mod registration;
 mod stereo;

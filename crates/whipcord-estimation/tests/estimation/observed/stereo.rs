@@ -201,7 +201,7 @@ fn the_pose_follows_the_lenses_as_said() {
 }
 
 /// xᵀ C⁻¹ x by elimination.
-fn square(covariance: &[[f64; 6]; 6], off: [f64; 6]) -> f64 {
+pub fn square(covariance: &[[f64; 6]; 6], off: [f64; 6]) -> f64 {
     let (mut a, mut b) = (*covariance, off);
     for k in 0..6 {
         for i in k + 1..6 {

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use whipcord::{Pose, UnitQuaternion, Vec3};
 use whipcord_estimation::camera::{Camera, Distortion, Lens, Orthographic, Pinhole};
-use whipcord_io::{CameraFormat, camera_text, load_camera, parse_camera};
+use whipcord_io::{
+    CalibratedCamera, CameraFormat, calibrated_camera_text, camera_text, load_camera,
+    parse_calibrated_camera, parse_camera,
+};
 
 use crate::messages::{sections, told};
 
@@ -71,6 +74,25 @@ fn what_is_written_is_read_again() {
 }
 
 #[test]
+fn the_covariance_of_the_lens_is_read_again() {
+    let rows: Vec<Vec<f64>> = (0..6)
+        .map(|i| (0..6).map(|j| if i == j { 1.0 + 0.1 * i as f64 } else { 0.125 }).collect())
+        .collect();
+    let of = CalibratedCamera { camera: camera(), lens_covariance: Some(rows.clone()) };
+    for format in [CameraFormat::Yaml, CameraFormat::Json] {
+        let text = calibrated_camera_text(&of, format);
+        let again = parse_calibrated_camera("camera", &text).unwrap();
+        assert_eq!(again.lens_covariance.as_ref(), Some(&rows));
+        // Without it the text is that of a camera.
+        let bare = CalibratedCamera { lens_covariance: None, ..of.clone() };
+        assert_eq!(calibrated_camera_text(&bare, format), camera_text(&camera(), format));
+        assert_eq!(parse_camera("camera", &text).unwrap().lens(), camera().lens());
+    }
+    let bare = parse_calibrated_camera("camera", &camera_text(&camera(), CameraFormat::Yaml));
+    assert_eq!(bare.unwrap().lens_covariance, None);
+}
+
+#[test]
 fn cameras_that_are_refused() {
     const MATRIX: &str = "camera_matrix: [ 812.5, 0., 331.25, 0., 798., 242.75, 0., 0., 1. ]\n";
     let with = |lines: &str| format!("%YAML:1.0\n---\n{MATRIX}{lines}\n");
@@ -98,6 +120,21 @@ fn cameras_that_are_refused() {
         ("far away", with("tvec: [1e300, 0, 0]")),
         ("another projection", with("projection: fisheye")),
         ("no scale", "projection: orthographic\n".to_owned()),
+        ("a covariance that is not square", with("lens_covariance: [1, 0, 0, 1, 0]")),
+        (
+            "a covariance of more than the lens has",
+            with(
+                "lens_covariance: [1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1]",
+            ),
+        ),
+        (
+            "a covariance that is none",
+            with("lens_covariance: [1, 2, 0, 0, 2, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]"),
+        ),
+        (
+            "a covariance without a lens",
+            "projection: orthographic\npixels_per_metre: 2500\nlens_covariance: [1]\n".to_owned(),
+        ),
         ("aliases", "a: &a [1, 2]\nK: *a\n".to_owned()),
         ("deep", "[".repeat(100)),
     ];
