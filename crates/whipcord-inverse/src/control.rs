@@ -4,12 +4,13 @@ use whipcord::derivatives::Place;
 use whipcord::{CableState, Case, Model, Robot, Solution, SolveError, Stations, Twist, Vec3};
 
 use crate::actuator::{Actuator, Actuators, CommandedBy, knows_tensions};
-use crate::descent::{Control, Ending, Linear, Region, Workspace};
+use crate::descent::{Control, Ending, Region, Workspace};
 use crate::error::InverseError;
 use crate::estimator::{Estimator, EstimatorOptions};
 use crate::forward::{Evaluation, Forward};
 use crate::limit::{Constraints, Limit};
 use crate::limits::Limits;
+use crate::linear::Linear;
 use crate::target::{Miss, Target, Tolerance};
 
 /// How a controller works.

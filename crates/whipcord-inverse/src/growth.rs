@@ -7,14 +7,15 @@ use whipcord::jobs::share;
 use whipcord::kinematics::{dexterity, principal_axes};
 use whipcord::{Linearization, SolveError, Twist, Vec3};
 
-use crate::descent::{Control, Ending, FIRST_DAMPING, Linear, Region, Start};
+use crate::cell::{BoundaryPoint, Cell};
+use crate::descent::{Control, Ending, FIRST_DAMPING, Region, Start};
 use crate::error::InverseError;
 use crate::forward::Evaluation;
 use crate::limit::Constraints;
+use crate::linear::Linear;
 use crate::options::ReachOptions;
 use crate::solver::InverseSolver;
 use crate::target::{Target, Tolerance};
-use crate::workspace::{BoundaryPoint, Cell};
 
 /// The directions of a voxel's neighbours.
 const NEIGHBOURS: [[i32; 3]; 6] =

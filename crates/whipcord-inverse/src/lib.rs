@@ -27,6 +27,7 @@
 
 mod actuator;
 mod atlas;
+mod cell;
 mod certificate;
 mod control;
 mod curvature;
@@ -39,6 +40,7 @@ mod growth;
 mod landmarks;
 mod limit;
 mod limits;
+mod linear;
 mod options;
 mod path;
 mod proof;
@@ -53,6 +55,7 @@ mod workspace;
 
 pub use actuator::{Actuator, CommandedBy};
 pub use atlas::AtlasRows;
+pub use cell::{BoundaryPoint, Cell};
 pub use certificate::NoProof;
 pub use control::{ControlOptions, Controller, Cycle, Estimate};
 pub use error::{InverseError, TargetProblem};
@@ -64,4 +67,4 @@ pub use path::{Followed, Jump, JumpKind, PathPoint};
 pub use reach::Reached;
 pub use solver::{InverseSolver, SearchRange};
 pub use target::{Miss, Target, Tolerance};
-pub use workspace::{BoundaryPoint, Cell, Workspace, WorkspaceOptions};
+pub use workspace::{Workspace, WorkspaceOptions};

@@ -4,9 +4,9 @@ use whipcord::derivatives::Place;
 use whipcord::{Drive, Obstacle, Robot, Solution};
 
 use crate::actuator::{Actuator, Actuators};
-use crate::descent::Linear;
 use crate::forward::{Evaluation, Forward};
 use crate::limits::Limits;
+use crate::linear::Linear;
 
 /// A limit that an answer can meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

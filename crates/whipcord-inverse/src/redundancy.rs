@@ -3,9 +3,10 @@
 use whipcord::SolveError;
 use whipcord_numerics::{Programme, QuadraticProgramme, SingularValues};
 
-use crate::descent::{Control, Linear, Start, Workspace};
+use crate::descent::{Control, Start, Workspace};
 use crate::error::InverseError;
 use crate::forward::Evaluation;
+use crate::linear::Linear;
 use crate::options::{Preference, ReachOptions};
 use crate::search::{Candidate, Search};
 use crate::target::Target;

@@ -3,9 +3,10 @@
 use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
-use crate::descent::{Control, Descent, Ending, Linear, Problem, Start, Workspace, descend};
+use crate::descent::{Control, Descent, Ending, Problem, Start, Workspace, descend};
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
+use crate::linear::Linear;
 use crate::options::ReachOptions;
 use crate::target::{Miss, Target, Tolerance};
 

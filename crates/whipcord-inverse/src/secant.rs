@@ -5,7 +5,7 @@
 //! learned from the gradients at both ends of each step by the update of Dennis, Gay and Welsch (ACM Transactions on Mathematical Software
 //! 7, 1981).
 
-use crate::descent::Linear;
+use crate::linear::Linear;
 
 /// `S`, in scales of the unknowns.
 #[derive(Clone, Debug, Default)]

@@ -3,8 +3,8 @@
 use whipcord::derivatives::Place;
 use whipcord::{Pose, Solution, Twist, Vec3};
 
-use crate::descent::Linear;
 use crate::error::{InverseError, TargetProblem};
+use crate::linear::Linear;
 
 /// What a robot is to reach, in the world frame.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,6 +18,7 @@ mod mirrored;
 pub mod model_benchmark;
 pub mod motors;
 pub mod quantity;
+pub mod remark;
 mod resample;
 pub mod score;
 pub mod statistics;

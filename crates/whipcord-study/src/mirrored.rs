@@ -3,8 +3,8 @@
 use whipcord::Vec3;
 use whipcord_estimation::registration::register_by_least_turn;
 
-use crate::fitting::Remark;
 use crate::quantity::millimetres;
+use crate::remark::Remark;
 
 /// Root mean square distances in m that the best rigid motion leaves of pairs of measured and model points, and of the same after one axis of
 /// the measurement is reversed, where that is much the better of the two. Points in a plane fit as well either way.

@@ -99,8 +99,6 @@ fn the_methods_agree() {
 #[test]
 fn what_cannot_be_simulated_is_refused() {
     assert!(fail(2, &["simulate", "examples/three-cable-segment.toml"]).contains("[motion]"));
-    let rubbing = ["modes", ARM, "--set", "cables[0].friction=0.2"];
-    assert!(fail(2, &rubbing).contains("friction"));
     assert!(fail(2, &["simulate", ARM, "--plot"]).contains("--out"));
     let method = ["simulate", ARM, "--set", "motion.method=\"magic\""];
     assert!(fail(2, &method).contains("accurate"));

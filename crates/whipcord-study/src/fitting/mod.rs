@@ -24,17 +24,7 @@ use crate::failure::Failure;
 use crate::files::{Folder, no_result, picture, plot_failure, unique_names, write};
 use crate::mirrored::{self, mirrored};
 use crate::quantity::{millimetres, number};
-
-/// A warning about a fit as a whole.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Remark {
-    /// A name that stays the same from version to version.
-    pub code: &'static str,
-    /// What it says.
-    pub message: String,
-    /// What to do about it.
-    pub help: &'static str,
-}
+use crate::remark::Remark;
 
 /// A fit, and what it is of.
 #[derive(Clone, Debug)]

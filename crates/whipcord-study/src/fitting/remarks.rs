@@ -3,9 +3,9 @@
 use whipcord::Robot;
 use whipcord_estimation::identification::{Analyses, Quantity, Suspect};
 
-use super::Remark;
 use super::tables::shown;
 use crate::quantity::number;
+use crate::remark::Remark;
 
 /// What one cable explains is spoken of from this part of the length of the backbone on: 0.1 mm of 200 mm. Below, other parts of a real robot
 /// are off by as much.

@@ -4,7 +4,7 @@ use whipcord::{LengthMiss, ModelKind, Pose, SolveError, Vec3};
 use whipcord_io::CaseFile;
 
 use super::solve::{Subject, Unsolved};
-use crate::fitting::Remark;
+use crate::remark::Remark;
 
 /// The models on all rows of all files.
 #[derive(Clone, Debug)]

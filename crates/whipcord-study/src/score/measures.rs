@@ -8,8 +8,8 @@ use whipcord_io::Measured;
 use super::data::{FileScore, MarkerScore, RowScore, Score};
 use super::solve::{Answers, SolvedRow, Subject, Unsolved};
 use crate::failure::refuses;
-use crate::fitting::Remark;
 use crate::mirrored::{self, mirrored};
+use crate::remark::Remark;
 use crate::statistics::{median, root_mean_square};
 
 impl FileScore {

@@ -5,7 +5,7 @@ use whipcord::{LengthMiss, Pose};
 use whipcord_io::{Cell, CsvTable, length_misses_json};
 
 use super::{FileScore, Measures, RowScore, Score, Summary};
-use crate::fitting::Remark;
+use crate::remark::Remark;
 
 /// All of it; `rows` adds every row of every file.
 #[must_use]

@@ -12,7 +12,7 @@ use super::solve::{Answers, Job, Subject};
 use super::{Score, report};
 use crate::failure::Failure;
 use crate::files::{Folder, plot_failure, unique_names};
-use crate::fitting::Remark;
+use crate::remark::Remark;
 use crate::score::{figures, output};
 
 /// The answers to all measured rows, of which [`Solved::score`] makes a score.

@@ -7,8 +7,8 @@ use whipcord_estimation::identification::{self, Experiment, Settings};
 use whipcord_estimation::registration::Alignment;
 use whipcord_io::CaseFile;
 
-use crate::fitting::Remark;
 use crate::fitting::remarks::stands_out;
+use crate::remark::Remark;
 
 /// Robots that remember are solved row by row: of more rows it is left to `fit`.
 const MOST_IN_ORDER: usize = 200;

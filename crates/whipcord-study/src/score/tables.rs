@@ -4,8 +4,8 @@ use whipcord::{LengthMiss, ModelKind};
 use whipcord_estimation::registration::Alignment;
 
 use super::{Score, Summary};
-use crate::fitting::Remark;
 use crate::quantity::{degrees, fixed, fixed_millimetres, millimetres};
+use crate::remark::Remark;
 use crate::table::{Align, Table};
 
 /// Most files that have rows of their own in tables.
