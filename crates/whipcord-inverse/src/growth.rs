@@ -34,8 +34,8 @@ const AROUND: usize = 4;
 type Index = [i32; 3];
 
 /// What is known of a voxel.
-pub(crate) struct Known {
-    pub cell: Cell,
+struct Known {
+    cell: Cell,
     unknowns: Vec<f64>,
     /// Motions of the tip with the unknowns, in m for the unit of each.
     motions: Vec<Vec3>,
@@ -59,8 +59,9 @@ struct Question<'a> {
 /// The growth so far.
 pub(crate) struct Growth<'a> {
     question: Question<'a>,
-    pub found: BTreeMap<Index, Known>,
-    pub boundary: Vec<BoundaryPoint>,
+    found: BTreeMap<Index, Known>,
+    /// Points of the boundary, each with the voxel whose centre is beyond it.
+    boundary: Vec<(Index, BoundaryPoint)>,
     /// Solves of the model.
     pub solves: usize,
     asked: BTreeSet<Index>,
@@ -71,7 +72,7 @@ pub(crate) struct Growth<'a> {
 #[derive(Default)]
 struct Findings {
     found: Vec<(Index, Known)>,
-    boundary: Vec<BoundaryPoint>,
+    boundary: Vec<(Index, BoundaryPoint)>,
     /// Whether the voxel that it began at is full.
     is_full: bool,
     solves: usize,
@@ -172,6 +173,15 @@ impl<'a> Growth<'a> {
             known.cell.is_full |= beside(*index).iter().all(|index| indices.contains(index));
         }
         Ok(self.queue.is_empty())
+    }
+
+    /// The cells in ascending order and the points of the boundary: not those where another way leads to the centre that was beyond them.
+    pub fn into_parts(self) -> (Vec<Cell>, Vec<BoundaryPoint>) {
+        let Self { found, boundary, .. } = self;
+        let is_full = |index: &Index| found.get(index).is_some_and(|known| known.cell.is_full);
+        let kept = boundary.into_iter().filter(|(index, _)| !is_full(index));
+        let boundary = kept.map(|(_, point)| point).collect();
+        (found.into_values().map(|known| known.cell).collect(), boundary)
     }
 
     /// Each voxel is asked for once, from the first one beside it that is found.
@@ -424,7 +434,7 @@ impl Question<'_> {
             let (unknowns, evaluation) = (&candidate.unknowns, &candidate.evaluation);
             let limits = self.constraints.met(solver.forward(), evaluation, unknowns, bounds);
             let normal = out * (1.0 / distance);
-            findings.boundary.push(BoundaryPoint { tip: tip.position, normal, limits });
+            findings.boundary.push((index, BoundaryPoint { tip: tip.position, normal, limits }));
         }
         if !candidate.is_allowed {
             return Ok(());

@@ -78,8 +78,8 @@ impl InverseSolver {
         let mut growth = Growth::new(self, voxel, reach, options.has_stiffness);
         growth.mark(self.shapes(options.shapes)?)?;
         let is_complete = growth.grow(options.solves)?;
-        let Growth { found, boundary, solves, .. } = growth;
-        let cells: Vec<Cell> = found.into_values().map(|known| known.cell).collect();
+        let solves = growth.solves;
+        let (cells, boundary) = growth.into_parts();
         if cells.is_empty() {
             return Err(InverseError::Atlas(
                 "no command leads to a shape within the limits".into(),
