@@ -311,6 +311,7 @@ def test_an_arm_comes_to_rest_on_a_ball() -> None:
     case = whipcord.load("examples/contact/falling-arm.toml")
     motion = case.simulate()
     assert not motion.contacts[0] and motion.contacts[-1]
+    assert 0 == motion.frictionless_parts < motion.parts
     touch = motion.contacts[-1][0]
     assert touch.obstacle == "ball" and touch.force is not None and touch.force > 0
     assert touch.friction is not None and np.linalg.norm(touch.friction) <= 0.3 * touch.force * (1 + 1e-6)

@@ -96,6 +96,8 @@ class Motion:
     """Steps that were taken."""
     parts: int
     """Parts into which they were divided."""
+    frictionless_parts: int
+    """Parts of these, of a few millionths of a second, in which contacts slid without friction, since the part had no answer with it."""
     iterations: int
     """Iterations of all steps."""
     estimated_error: float

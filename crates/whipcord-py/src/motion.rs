@@ -52,6 +52,7 @@ pub fn simulate<'py>(
     values.set_item("arc_length", array(py, trajectory.arc_lengths, [count])?)?;
     values.set_item("steps", trajectory.steps)?;
     values.set_item("parts", trajectory.parts)?;
+    values.set_item("frictionless_parts", trajectory.frictionless_parts)?;
     values.set_item("iterations", trajectory.iterations)?;
     values.set_item("estimated_error", trajectory.greatest_error)?;
     let failed = match failed {
