@@ -48,7 +48,8 @@ test("holes are chosen by clicks on disks, by numbers, and undone", async ({ pag
   await expect.poll(() => list(page)).toBe("holes = [1, 2, 3, 4, 5, 4, 4, 3, 2, 1]");
   const expected = tipBySolve(viewer.file, (text) => text.replace(HOLES, "holes = [1, 2, 3, 4, 5, 4, 4, 3, 2, 1]"));
   await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
-  // The address has them.
+  // The address has them, once they rest.
+  await expect(page).toHaveURL(/holes=1-2-3-4-5-4-4-3-2-1/);
   await page.reload();
   await expect.poll(() => list(page)).toBe("holes = [1, 2, 3, 4, 5, 4, 4, 3, 2, 1]");
   await expect.poll(async () => near(await tip(page, "cosserat"), expected, SAME)).toBe(true);
