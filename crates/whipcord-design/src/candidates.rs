@@ -30,7 +30,9 @@ pub(crate) fn with_holes(
     Ok(changed.with_motors(robot.motors().to_vec())?)
 }
 
-/// How many robots are solved at a time: so many are done soon where a search is ended.
+/// How many robots are solved at first. Each time it is twice as many, so that what is begun when a search is ended takes no longer than all before it.
+const FIRST_PIECE: usize = 8;
+/// How many robots are solved at a time at most.
 const PIECE: usize = 256;
 
 /// Solves each list under a case, the first ones in any case and the others until the budget is spent; `take` gets the number of the list and its answer. How many were solved.
@@ -42,18 +44,22 @@ pub(crate) fn solve_lists(
     lists: &[Vec<usize>],
     mut take: impl FnMut(usize, Result<&Solution, &SolveError>),
 ) -> Result<usize, DesignError> {
-    for (piece, lists) in lists.chunks(PIECE).enumerate() {
-        if piece > 0 && budget.is_over() {
-            return Ok(piece * PIECE);
+    let (mut solved, mut size) = (0, FIRST_PIECE);
+    while solved < lists.len() {
+        if solved > 0 && budget.is_over() {
+            return Ok(solved);
         }
-        let robots = lists
+        let piece = &lists[solved..lists.len().min(solved + size)];
+        let robots = piece
             .iter()
             .map(|list| Ok((with_holes(robot, choices, list)?, case.clone())))
             .collect::<Result<Vec<_>, DesignError>>()?;
-        let solved = solve_robots(model, &robots, &BatchOptions::default())?;
-        for (number, answer) in solved.iter().enumerate() {
-            take(piece * PIECE + number, answer.as_ref());
+        let answers = solve_robots(model, &robots, &BatchOptions::default())?;
+        for (number, answer) in answers.iter().enumerate() {
+            take(solved + number, answer.as_ref());
         }
+        solved += piece.len();
+        size = (2 * size).min(PIECE);
     }
     Ok(lists.len())
 }
