@@ -59,8 +59,9 @@ test("the view is of all sides, fitted to the shape that is shown, in perspectiv
   const pixels = (await bar.boundingBox())!.width / metres;
   await expect.poll(async () => Math.abs((await place(page))[0] - before[0] - pixels * (there! - x!))).toBeLessThan(3);
   await expect.poll(async () => Math.abs((await place(page))[1] - before[1] + pixels * (up! - z!))).toBeLessThan(3);
-  // The address has it all.
-  await expect.poll(() => page.url()).toContain("view=");
+  // The address has it all, a moment after the last change.
+  await page.waitForTimeout(500);
+  expect(page.url()).toContain("view=");
   const now = await place(page);
   await page.reload();
   await expect(page.getByRole("button", { name: "Orthographic" })).toHaveAttribute("aria-pressed", "true");
