@@ -56,6 +56,13 @@ struct Question<'a> {
     has_stiffness: bool,
 }
 
+/// A way to a voxel: the unknowns that may lead there, and those to search from where the model has no answer to them.
+struct Way<'a> {
+    index: Index,
+    next: &'a [f64],
+    back: &'a [f64],
+}
+
 /// The growth so far.
 pub(crate) struct Growth<'a> {
     question: Question<'a>,
@@ -107,20 +114,10 @@ impl<'a> Growth<'a> {
             marked.entry(self.question.index(tip)).or_insert(unknowns);
         }
         let work = |(index, unknowns): &(Index, Vec<f64>), solver: &mut InverseSolver| {
-            let question = &self.question;
             let mut findings = Findings::default();
-            let answer = question.answer(solver, unknowns)?;
-            let start = match &answer {
-                Some(answer) => match question.kept(solver, unknowns, answer)? {
-                    Some(known) => {
-                        findings.found.push(known);
-                        return Ok(findings);
-                    }
-                    None => Start::Known(unknowns, &answer.evaluation),
-                },
-                None => Start::At(unknowns),
-            };
-            question.ask(solver, *index, start, &self.found, &mut findings)?;
+            let way = Way { index: *index, next: unknowns, back: unknowns };
+            let found = self.question.go(solver, way, &self.found, &mut findings, |_| true)?;
+            findings.found.extend(found);
             Ok(findings)
         };
         let marked: Vec<(Index, Vec<f64>)> = marked.into_iter().collect();
@@ -295,18 +292,9 @@ impl Question<'_> {
             return Ok(findings);
         }
         let next = self.step_to(solver, from, known);
-        let answer = self.answer(solver, &next)?;
-        let start = match &answer {
-            Some(answer) => match self.kept(solver, &next, answer)? {
-                Some((_, there)) if self.is_at_centre(from, there.cell.tip) => {
-                    findings.is_full = true;
-                    return Ok(findings);
-                }
-                _ => Start::Known(&next, &answer.evaluation),
-            },
-            None => Start::At(&known.unknowns),
-        };
-        self.ask(solver, from, start, found, &mut findings)?;
+        let way = Way { index: from, next: &next, back: &known.unknowns };
+        let is_at_centre = |(_, there): &(Index, Known)| self.is_at_centre(from, there.cell.tip);
+        findings.is_full |= self.go(solver, way, found, &mut findings, is_at_centre)?.is_some();
         Ok(findings)
     }
 
@@ -320,18 +308,34 @@ impl Question<'_> {
         findings: &mut Findings,
     ) -> Result<(), SolveError> {
         let next = self.step_to(solver, index, known);
-        let answer = self.answer(solver, &next)?;
+        let way = Way { index, next: &next, back: &known.unknowns };
+        let there = self.go(solver, way, found, findings, |(at, _)| *at == index)?;
+        findings.found.extend(there);
+        Ok(())
+    }
+
+    /// What is at the next unknowns of a way, if that is wanted; or else what the search for the centre of the voxel finds from there, which is noted.
+    fn go(
+        &self,
+        solver: &mut InverseSolver,
+        Way { index, next, back }: Way<'_>,
+        found: &BTreeMap<Index, Known>,
+        findings: &mut Findings,
+        is_wanted: impl Fn(&(Index, Known)) -> bool,
+    ) -> Result<Option<(Index, Known)>, SolveError> {
+        let answer = self.answer(solver, next)?;
         let start = match &answer {
-            Some(answer) => match self.kept(solver, &next, answer)? {
-                Some((at, there)) if at == index => {
-                    findings.found.push((at, there));
-                    return Ok(());
+            Some(answer) => {
+                let there = self.kept(solver, next, answer)?.filter(is_wanted);
+                if there.is_some() {
+                    return Ok(there);
                 }
-                _ => Start::Known(&next, &answer.evaluation),
-            },
-            None => Start::At(&known.unknowns),
+                Start::Known(next, &answer.evaluation)
+            }
+            None => Start::At(back),
         };
-        self.ask(solver, index, start, found, findings)
+        self.ask(solver, index, start, found, findings)?;
+        Ok(None)
     }
 
     /// The unknowns that lead the tip from a known place to the centre of a voxel, to first order and within the bounds.
