@@ -1,5 +1,7 @@
 //! Whether intervals of 95 % hold the true values of a robot with motors, and whether what was not fitted is as far off as the noise.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -97,35 +99,35 @@ impl Study {
 
     /// In how many of the runs, and of the unknowns, the interval holds the truth; and the root mean square distance of what was not
     /// fitted, in units of the noise. The same for any number of threads.
-    fn held(&self, runs: u64) -> (usize, f64) {
-        let (next, found) = (AtomicU64::new(0), Mutex::new(vec![(0, 0.0); runs as usize]));
+    fn held(&self, runs: Range<u64>) -> (usize, f64) {
+        let (next, found) = (AtomicU64::new(runs.start), Mutex::new(BTreeMap::new()));
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         std::thread::scope(|scope| {
             for _ in 0..threads {
                 scope.spawn(|| {
                     loop {
                         let run = next.fetch_add(1, Ordering::Relaxed);
-                        if run >= runs {
+                        if run >= runs.end {
                             break;
                         }
                         let one = self.run(run);
-                        found.lock().unwrap()[run as usize] = one;
+                        found.lock().unwrap().insert(run, one);
                         self.tell(run, one);
                     }
                 });
             }
         });
         let found = found.into_inner().unwrap();
-        let squares: f64 = found.iter().map(|(_, square)| square).sum();
-        let rms = (squares / runs as f64).sqrt();
-        (found.iter().map(|(held, _)| held).sum(), rms / (NOISE * 3f64.sqrt()))
+        let squares: f64 = found.values().map(|(_, square)| square).sum();
+        let rms = (squares / found.len() as f64).sqrt();
+        (found.values().map(|(held, _)| held).sum(), rms / (NOISE * 3f64.sqrt()))
     }
 }
 
 /// Of 12 runs with 4 unknowns each: 45.6 are expected; 41 or more in all but 1 of 100 such tests (binomially distributed).
 #[test]
 fn of_few_runs() {
-    let (held, rms) = Study::of_drives(40).held(12);
+    let (held, rms) = Study::of_drives(40).held(0..12);
     assert!((41..=48).contains(&held), "{held} of 48");
     assert!((rms - 1.0).abs() < 0.15, "{rms}");
 }
@@ -133,7 +135,7 @@ fn of_few_runs() {
 /// As above, with friction.
 #[test]
 fn of_few_runs_with_friction() {
-    let (held, rms) = Study::of_friction(20).held(3);
+    let (held, rms) = Study::of_friction(20).held(0..3);
     assert!((9..=12).contains(&held), "{held} of 12");
     assert!((rms - 1.0).abs() < 0.3, "{rms}");
 }
@@ -147,8 +149,8 @@ fn asked(name: &str) -> Option<u64> {
 fn study(mut of: Study) {
     of.rows = asked("ROWS").map_or(of.rows, |rows| rows as usize);
     of.tells = true;
-    let runs = asked("RUNS").unwrap_or(200);
-    let (held, floor) = of.held(runs);
+    let (first, runs) = (asked("FIRST").unwrap_or(0), asked("RUNS").unwrap_or(200));
+    let (held, floor) = of.held(first..first + runs);
     let all = 4 * runs;
     println!(
         "{} rows: {held} of {all} intervals hold the truth; held out: {floor:.3} × the noise",
@@ -169,7 +171,7 @@ fn study_of_motors() {
 }
 
 /// As above, of rows in order with friction. `RUNS=200 ROWS=2000`, which is the default, takes an hour and a half of processor time: these variables
-/// ask for less, and what is known so far is told after each run.
+/// ask for less, `FIRST` for others, and what is known so far is told after each run.
 #[test]
 #[ignore = "a study of more than an hour; of_few_runs_with_friction asks the same of fewer"]
 fn study_of_motors_with_friction() {
