@@ -128,3 +128,39 @@ def test_motions_have_the_gradients_of_their_steps() -> None:
     position[..., -1, 0] = 1.0
     expected = plain.pull_back(commands, position=position, velocity=2 * batch.velocity).command
     np.testing.assert_allclose(given.grad.numpy(), expected, rtol=1e-12, atol=1e-14)
+
+
+def test_motions_have_changes_along_a_direction() -> None:
+    from torch.autograd import forward_ad
+
+    plain = whipcord.Motions(whipcord.load("examples/released-arm.toml"), "5 ms", initial="rest")
+    motions = whipcord.torch.Motions(plain)
+    commands, along = np.random.default_rng(6).uniform(0.5, 1.5, (2, 3, 4, 2))
+    expected = plain.push_forward(commands, command=along)
+    with forward_ad.dual_level():
+        motion = motions(forward_ad.make_dual(torch.tensor(commands), torch.tensor(along)))
+        assert np.array_equal(motion.position.numpy(), plain(commands).position)
+        for name in ("position", "velocity", "strain"):
+            change = forward_ad.unpack_dual(getattr(motion, name)).tangent.numpy()
+            np.testing.assert_allclose(change, getattr(expected, name), rtol=1e-12, atol=1e-15)
+        still = forward_ad.unpack_dual(motion.tension).tangent
+        assert still is None or not still.any()
+    given = wanted(commands)
+    (slope,) = torch.autograd.grad(motions(given).tip.sum(), given, create_graph=True)
+    with pytest.raises(NotImplementedError, match="first order"):
+        slope.sum().backward()
+
+
+@pytest.mark.skipif(not hasattr(torch, "func"), reason="torch.func comes with PyTorch 2.0")
+def test_torch_func_sees_through_motions() -> None:
+    plain = whipcord.Motions(whipcord.load("examples/released-arm.toml"), "5 ms", initial="rest")
+    motions = whipcord.torch.Motions(plain)
+    commands, along = (torch.tensor(of) for of in np.random.default_rng(7).uniform(0.5, 1.5, (2, 3, 4, 2)))
+    expected = plain.push_forward(commands.numpy(), command=along.numpy()).position
+    _, change = torch.func.jvp(lambda given: motions(given).position, (commands,), (along,))
+    np.testing.assert_allclose(change.numpy(), expected, rtol=1e-12, atol=1e-15)
+    each = torch.func.vmap(lambda a, b: torch.func.jvp(lambda given: motions(given).position, (a,), (b,))[1])
+    np.testing.assert_allclose(each(commands, along).numpy(), expected, rtol=1e-12, atol=1e-15)
+    forward = torch.func.jacfwd(lambda given: motions(given).tip[-1])(commands[0])
+    reverse = torch.func.jacrev(lambda given: motions(given).tip[-1])(commands[0])
+    np.testing.assert_allclose(forward.numpy(), reverse.numpy(), rtol=1e-9, atol=1e-14)

@@ -67,11 +67,14 @@ class MotionGradient:
     command: Array
     """(..., N, c) by the command of each cable, or (..., N, m) of each motor, in each step."""
     stiffness: Array
-    """(...) by a factor on the stiffness of the backbone, the equilibrium that the motion starts from included."""
+    """(...) by a factor on the stiffness of the backbone, the equilibrium that the motion starts from included. An equilibrium with taut cables that have friction is held,
+    since its tensions depend on the way to it."""
     damping: Array
     """(...) by a factor on its damping."""
     mass: Array
     """(...) by a factor on all masses, and on their weight."""
+    one_sided: npt.NDArray[np.bool_]
+    """(..., N) steps whose derivatives are those of one side: a cable with friction is between sticking and sliding in a hole there."""
 
     def __repr__(self) -> str:
         return f"<MotionGradient by commands {self.command.shape}>"
@@ -89,6 +92,8 @@ class MotionChange:
     """(..., N + 1, n, 6) of the velocities of the nodes in their own frames."""
     strain: Array
     """(..., N + 1, q, 6) of the strains."""
+    one_sided: npt.NDArray[np.bool_]
+    """(..., N) steps whose changes are those of one side, as in :class:`MotionGradient`."""
 
     @property
     def tip(self) -> Array:

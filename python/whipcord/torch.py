@@ -1,7 +1,8 @@
 """The solve as a differentiable function for PyTorch.
 
 Its gradients are the exact derivatives of the answer, not differences, of first order, by ``backward`` and
-``torch.autograd``; ``torch.func`` cannot see through it. Computed in float64 on the processor;
+``torch.autograd``. :class:`Motions` has forward differentiation as well, by ``torch.autograd.forward_ad``, and from PyTorch 2.0 on
+by ``torch.func`` (``jvp``, ``jacfwd``, ``jacrev``, ``vmap``), which cannot see through :class:`Solver`. Computed in float64 on the processor;
 other tensors are converted, and their gradients come back in their own type and on their own device. Needs the
 package torch (``pip install "whipcord[torch]"``).
 
@@ -162,6 +163,17 @@ class Motions:
     >>> motions(tension).tip[-1, 0].backward()
     >>> tension.grad.shape
     torch.Size([10, 2])
+
+    Along one direction, here of the second cable, by forward differentiation:
+
+    >>> import torch.autograd.forward_ad
+    >>> direction = torch.zeros(10, 2, dtype=torch.float64)
+    >>> direction[:, 1] = 1.0
+    >>> with torch.autograd.forward_ad.dual_level():
+    ...     motion = motions(torch.autograd.forward_ad.make_dual(tension.detach(), direction))
+    ...     change = torch.autograd.forward_ad.unpack_dual(motion.tip).tangent
+    >>> change.shape
+    torch.Size([11, 3])
     """
 
     def __init__(self, motions: whipcord.Motions) -> None:
@@ -180,23 +192,105 @@ class Motions:
         return Trajectory(*(part.to(given.device) for part in motion))
 
 
+# From 2.0 on both parts of ``forward`` are apart, so that ``torch.func`` sees through it.
+_IS_SPLIT = hasattr(torch.autograd.Function, "setup_context")
+
+
+def _arrays(*tensors: torch.Tensor) -> tuple[Any, ...]:
+    return tuple(tensor.detach().numpy() for tensor in tensors)
+
+
+def _tensors(*arrays: Any) -> tuple[torch.Tensor, ...]:
+    return tuple(torch.from_numpy(np.array(array)) for array in arrays)
+
+
+def _of_motions(cls: Any) -> Any:
+    """A function of motions and of tensors with any leading dimensions, from what it computes; its inputs are kept for its derivatives."""
+    compute = cls.compute
+
+    def keep(ctx: Any, inputs: Any, output: Any) -> None:
+        ctx.motions, *given = inputs
+        ctx.save_for_backward(*given)
+        ctx.save_for_forward(*given)
+        if cls.constant:
+            ctx.mark_non_differentiable(*output[-cls.constant :])
+
+    def whole(ctx: Any, *inputs: Any) -> Any:
+        output = compute(*inputs)
+        keep(ctx, inputs, output)
+        return output
+
+    def mapped(info: Any, dims: Any, motions: whipcord.Motions, *given: torch.Tensor) -> Any:
+        rows = [
+            of.expand(info.batch_size, *of.shape) if dim is None else of.movedim(dim, 0)
+            for of, dim in zip(given, dims[1:])
+        ]
+        found = cls.apply(motions, *rows)
+        return found, (0,) * len(found) if isinstance(found, tuple) else 0
+
+    if _IS_SPLIT:
+        cls.forward, cls.setup_context, cls.vmap = map(staticmethod, (compute, keep, mapped))
+    else:
+        cls.forward = staticmethod(whole)
+    return cls
+
+
+@_of_motions
 class _Move(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
-    @staticmethod
-    def forward(ctx: Any, motions: whipcord.Motions, commands: torch.Tensor) -> Any:
-        found = motions(commands.detach().numpy())
-        arrays = (found.position, found.velocity, found.strain, found.tension, found.length)
-        parts = tuple(torch.from_numpy(array.copy()) for array in arrays)
-        ctx.motions = motions
-        ctx.save_for_backward(commands)
-        ctx.mark_non_differentiable(*parts[3:])
-        return parts
+    # Tensions and lengths have no derivatives.
+    constant = 2
 
     @staticmethod
-    @once_differentiable  # type: ignore[untyped-decorator]
+    def compute(motions: whipcord.Motions, commands: torch.Tensor) -> Any:
+        found = motions(*_arrays(commands))
+        return _tensors(found.position, found.velocity, found.strain, found.tension, found.length)
+
+    @staticmethod
     def backward(ctx: Any, *weights: torch.Tensor) -> Any:
+        return None, _Pull.apply(ctx.motions, *ctx.saved_tensors, *weights[:3])
+
+    @staticmethod
+    def jvp(ctx: Any, _: Any, changes: torch.Tensor) -> Any:
         (commands,) = ctx.saved_tensors
-        position, velocity, strain = (weight.detach().numpy() for weight in weights[:3])
-        found = ctx.motions.pull_back(
-            commands.detach().numpy(), position=position, velocity=velocity, strain=strain
-        )
-        return None, torch.from_numpy(found.command.copy())
+        *lead, steps, _ = commands.shape
+        # What has no derivatives has no change, or before 2.0 one of zero.
+        shapes = ctx.motions.shapes(steps)[3:]
+        still = [None if _IS_SPLIT else changes.new_zeros((*lead, *shape)) for shape in shapes]
+        return *_Push.apply(ctx.motions, commands, changes), *still
+
+
+@_of_motions
+class _Push(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
+    """What a motion changes by, for commands and their changes."""
+
+    constant = 0
+
+    @staticmethod
+    def compute(motions: whipcord.Motions, *given: torch.Tensor) -> Any:
+        commands, changes = _arrays(*given)
+        found = motions.push_forward(commands, command=changes)
+        return _tensors(found.position, found.velocity, found.strain)
+
+    @staticmethod
+    def backward(ctx: Any, *weights: torch.Tensor) -> Any:
+        raise NotImplementedError(_FIRST_ORDER)
+
+
+@_of_motions
+class _Pull(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
+    """The transpose: derivatives by the commands, for these and the derivatives by the motion."""
+
+    constant = 0
+
+    @staticmethod
+    def compute(motions: whipcord.Motions, *given: torch.Tensor) -> Any:
+        commands, position, velocity, strain = _arrays(*given)
+        found = motions.pull_back(commands, position=position, velocity=velocity, strain=strain)
+        return torch.from_numpy(found.command.copy())
+
+    @staticmethod
+    def backward(ctx: Any, *weights: torch.Tensor) -> Any:
+        raise NotImplementedError(_FIRST_ORDER)
+
+
+_FIRST_ORDER = "whipcord.torch has derivatives of first order; take differences of them for those of second order"

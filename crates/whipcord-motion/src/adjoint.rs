@@ -8,6 +8,7 @@ use crate::block::{Block, dot};
 use crate::cable_work::CableWork;
 use crate::conserving::{Conserving, along};
 use crate::element::{POINTS, add_to_nodes};
+use crate::hole_rows::HoleRows;
 use crate::iteration::{Mechanics, Solver};
 use crate::pose;
 use crate::pull::Pull;
@@ -46,6 +47,8 @@ pub(crate) struct StageAdjoint {
     pub cables: Vec<f64>,
     /// By the tension of each cable at the end of the step; after [`Self::pull_back`] by that at its start.
     pub tensions: Vec<f64>,
+    /// By the unstretched length beyond the near hole of each passage of cables with friction, at the end of the step; after [`Self::pull_back`] at its start.
+    pub beyond: Vec<f64>,
     /// By the tension of each cable at the stage, beside what that does to the motion: of cables that are driven by their lengths.
     pub stage_tensions: Vec<f64>,
     /// By displacements of the base along and about its own axes; after [`Self::pull_back`] with what the equations of the stage depend on it.
@@ -104,6 +107,7 @@ impl StageAdjoint {
             start: list(points),
             cables: vec![0.0; rod.cables.len()],
             tensions: vec![0.0; rod.cables.len()],
+            beyond: Vec::new(),
             stage_tensions: vec![0.0; rod.cables.len()],
             base: Twist::default(),
             base_by_velocity: None,
@@ -131,7 +135,16 @@ impl StageAdjoint {
     ) -> Result<(), NotSolved> {
         let Mechanics { rod, loads } = mechanics;
         linearise(mechanics, solver, scheme, &mut self.conserving)?;
-        let Solver { stage, lengths, .. } = solver;
+        let Solver { stage, lengths, friction, holds_passages, .. } = solver;
+        self.start.fill(Twist::default());
+        let mut tensions = Vec::new();
+        let holes = friction.as_mut().filter(|_| !*holds_passages);
+        let holes = holes.map(|friction| friction.rows(rod, scheme, stage));
+        if let Some(rows) = &holes {
+            let by_end;
+            (by_end, tensions) = rows.by_beyond(&self.beyond);
+            self.add_by_end(scheme, &by_end, 1.0);
+        }
         let find = |this: &mut Self,
                     out: &mut Vec<Twist>,
                     velocities: &[Twist],
@@ -146,7 +159,6 @@ impl StageAdjoint {
         let mut multipliers = Vec::new();
         let by_pose = self.base;
         find(self, &mut multipliers, &velocities, &strains, by_pose)?;
-        self.start.fill(Twist::default());
         // Cables that are driven by their lengths and taut, section "Gradients".
         let taut: Vec<usize> =
             lengths.cables.iter().copied().filter(|&i| stage.tensions[i] > 0.0).collect();
@@ -201,7 +213,12 @@ impl StageAdjoint {
             }
             self.of_lengths = of_lengths;
         }
-        for (i, out) in self.cables.iter_mut().enumerate() {
+        if let Some(rows) = &holes {
+            self.strains = strains;
+            self.pull_back_holes(mechanics, stage, scheme, rows, &tensions, &mut multipliers)?;
+            strains = core::mem::take(&mut self.strains);
+        }
+        for (i, out) in self.cables.iter_mut().enumerate().filter(|_| holes.is_none()) {
             *out = if lengths.cables.contains(&i) {
                 taut.iter().position(|&of| of == i).map_or(0.0, |k| forces[k])
             } else {
@@ -223,6 +240,60 @@ impl StageAdjoint {
         for (velocity, node) in self.velocities.iter_mut().zip(&rod.nodes) {
             velocity.linear *= node.mass * scheme.inertia;
             velocity.angular = node.inertia.scale(velocity.angular) * scheme.inertia;
+        }
+        Ok(())
+    }
+
+    /// Adds derivatives by the strains at the end of the step, times a factor, to those by the strains of the stage and at the start.
+    fn add_by_end(&mut self, scheme: &Scheme, by_end: &[Twist], factor: f64) {
+        let by_stage = factor / scheme.place;
+        for ((strain, start), of) in self.strains.iter_mut().zip(&mut self.start).zip(by_end) {
+            *strain = *strain + *of * by_stage;
+            *start = *start + *of * (factor - by_stage);
+        }
+    }
+
+    /// The holes of cables with friction, in the cases that hold there: adds the multipliers of their equations, for derivatives by the tensions of all passages beside
+    /// those by the motion.
+    fn pull_back_holes(
+        &mut self,
+        mechanics: Mechanics<'_>,
+        stage: &Stage,
+        scheme: &Scheme,
+        rows: &HoleRows,
+        tensions: &[f64],
+        multipliers: &mut [Twist],
+    ) -> Result<(), NotSolved> {
+        let (rod, n) = (mechanics.rod, rows.count());
+        let none = vec![Twist::default(); rod.nodes.len()];
+        let mut of_rows = Vec::with_capacity(n);
+        // By columns: its transpose is what is solved with.
+        let mut matrix = vec![0.0; n * n];
+        for (r, equation) in rows.equations.iter().enumerate() {
+            let mut gradient = rows.gradient(r);
+            gradient.iter_mut().for_each(|of| *of = *of * (1.0 / scheme.place));
+            self.solve(mechanics, stage, scheme, (&none, &gradient, Twist::default()))?;
+            for (p, work) in rows.tension_work(rod, stage, &self.multipliers).iter().enumerate() {
+                matrix[p * n + r] -= work;
+            }
+            for &(p, factor) in &equation.tensions {
+                matrix[p * n + r] += factor;
+            }
+            of_rows.push(self.multipliers.clone());
+        }
+        let work = rows.tension_work(rod, stage, multipliers);
+        let mut worth: Vec<f64> = tensions.iter().zip(&work).map(|(by, work)| by - work).collect();
+        self.lu.factor(n, &matrix).map_err(|_| NotSolved)?;
+        self.lu.solve(&mut worth);
+        self.cables.fill(0.0);
+        self.beyond.clear();
+        for (r, (equation, worth)) in rows.equations.iter().zip(&worth).enumerate() {
+            for (multiplier, of) in multipliers.iter_mut().zip(&of_rows[r]) {
+                *multiplier = *multiplier - *of * *worth;
+            }
+            self.add_by_end(scheme, &rows.gradient(r), -worth);
+            self.cables[rows.cables[r]] += equation.by_command * worth;
+            self.beyond.push(equation.by_before * worth);
         }
         Ok(())
     }

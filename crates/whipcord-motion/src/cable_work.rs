@@ -40,7 +40,7 @@ impl CableWork {
 
     /// Adds the derivatives by the strains of the pull of straight cables, times the multipliers.
     pub fn add_by_strains(&mut self, rod: &Rod, stage: &Stage, on: &[Twist], out: &mut [Twist]) {
-        let tension = |k: usize| stage.tensions[rod.chords[k].cable];
+        let tension = |k: usize| stage.chord_tension(rod, k);
         let Self { gradient, pulls, .. } = self;
         chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
         let gradient = core::mem::take(gradient);

@@ -63,7 +63,7 @@ impl Simulation {
     ) -> Result<Vec<Seed>, MotionError> {
         let (cables, motors) = (self.rod.cables.len(), self.robot.motors().len());
         let mut tangent = StageTangent::new(&self.rod);
-        let mut change = Change::new(&self.rod, motors);
+        let mut change = Change::new(&self.rod, motors, self.state.holes.tensions.len());
         if !direction.velocities.is_empty() {
             change.velocities.copy_from_slice(&direction.velocities);
         }
@@ -71,9 +71,9 @@ impl Simulation {
             change.velocities[0] = Twist::default();
         }
         let Some(start) = record.states.first() else { return Ok(Vec::new()) };
-        if record.from_equilibrium {
+        if record.start_follows() {
             self.equilibrium_forwards(start, &mut tangent, &mut change, &direction.factors)?;
-        } else if !direction.strains.is_empty() {
+        } else if !record.from_equilibrium && !direction.strains.is_empty() {
             change.strains.copy_from_slice(&direction.strains);
         }
         let mut changes = vec![self.change_of(start, &change)];
@@ -252,7 +252,9 @@ impl Simulation {
         let drives = &solver.lengths.drives;
         drives.push_forward(method, h, (&tensions, &still), set_point, &mut free);
         drives.add_length_changes(&free, &mut tangent.cables);
+        tangent.beyond.clone_from(&change.beyond);
         tangent.push_forward(Mechanics { rod, loads }, solver, &scheme, factors)?;
+        change.beyond.clone_from(&tangent.beyond);
         let changes = (tensions.as_slice(), tangent.stage_tensions.as_slice());
         let drives = &solver.lengths.drives;
         drives.push_forward(method, h, changes, set_point, &mut change.motors);
@@ -283,12 +285,18 @@ impl Simulation {
     ) -> Result<(), MotionError> {
         self.put_equilibrium(start);
         let Self { rod, loads, solver, .. } = self;
+        solver.holds_passages = true;
         let found =
             tangent.push_forward(Mechanics { rod, loads }, solver, &Scheme::STATICS, factors);
+        solver.holds_passages = false;
         solver.stage.matrix.hold_base(!loads.has_free_base);
         found.map_err(|_| MotionError::NoGradient { time: start.time })?;
         change.strains.copy_from_slice(&tangent.strains);
         change.tensions.copy_from_slice(&tangent.tensions);
+        if let Some(friction) = &mut solver.friction {
+            let rows = friction.rows(rod, &Scheme::STATICS, &solver.stage);
+            change.beyond = rows.beyond_changes(&change.strains, &change.beyond);
+        }
         let drives = &solver.lengths.drives;
         drives.push_forward_at_rest(&tangent.stage_tensions, &mut change.motors);
         Ok(())

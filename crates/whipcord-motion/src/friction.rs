@@ -9,6 +9,7 @@ use whipcord_numerics::{GAUSS_2, Pose, Twist, Vec3};
 use crate::block::{dot, transposed_bracket};
 use crate::chords;
 use crate::element::{POINTS, add_to_nodes};
+use crate::hole_rows::HoleRows;
 use crate::pose;
 use crate::pull::Pull;
 use crate::rod::Rod;
@@ -107,18 +108,11 @@ impl Friction {
         self.measure(rod, scheme, stage);
         let n = self.cables.len();
         for p in 0..n {
-            self.find_column(rod, scheme, stage, p, self.cables[p]);
+            self.find_column(rod, scheme, stage, p);
         }
         for p in 0..n {
-            let cable = self.cables[p];
             for is_turn in [false, true] {
-                self.gradient.fill(Twist::default());
-                match (rod.has_chords(), is_turn) {
-                    (true, false) => self.straight_length(rod, p),
-                    (true, true) => self.straight_turn(rod, p, cable),
-                    (false, false) => self.length_at_point(rod, p, cable),
-                    (false, true) => self.turn_at_point(rod, p, cable),
-                }
+                self.find_gradient(rod, p, is_turn);
                 self.respond(rod, scheme, stage, p, n, is_turn);
             }
         }
@@ -139,13 +133,64 @@ impl Friction {
 
     /// Measures lengths and angles at the end of the step as the stage has it now; what the equations of the holes leave, as a part of the length.
     pub fn measure(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) -> f64 {
+        self.take_end(rod, scheme, stage);
+        self.measure_shape(rod);
+        self.holes.assess(&self.lengths, &self.turns)
+    }
+
+    /// Takes the shape at the end of the step as the stage has it now.
+    fn take_end(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) {
         for ((end, start), strain) in self.strains.iter_mut().zip(&stage.start).zip(&stage.strains)
         {
             *end = scheme.end(*start, *strain);
         }
         pose::nodes(rod, stage.base, &self.strains, &mut self.poses);
-        self.measure_shape(rod);
-        self.holes.assess(&self.lengths, &self.turns)
+    }
+
+    /// The linearised equations of the holes at the end of the step that was assessed last.
+    pub fn rows(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) -> HoleRows {
+        self.take_end(rod, scheme, stage);
+        let n = self.cables.len();
+        let mut rows = HoleRows {
+            equations: self.holes.equations(),
+            cables: self.cables.clone(),
+            pulls: Vec::with_capacity(n),
+            beyond: Vec::with_capacity(n),
+            turns: Vec::with_capacity(n),
+            yielding: self.holes.yielding().to_vec(),
+        };
+        for p in 0..n {
+            self.find_gradient(rod, p, false);
+            rows.beyond.push(self.gradient.clone());
+            // Of a hole in which the cable does not slide the angle does not count.
+            if rows.equations[p].by_turn == 0.0 {
+                self.gradient.fill(Twist::default());
+            } else {
+                self.find_gradient(rod, p, true);
+            }
+            rows.turns.push(self.gradient.clone());
+            self.find_unit_pull(rod, scheme, stage, p);
+            rows.pulls.push(self.gradient.clone());
+        }
+        for p in (1..n).rev().filter(|&p| self.cables[p] == self.cables[p - 1]) {
+            let [before, of] = &mut rows.beyond[p - 1..=p] else { continue };
+            for (sum, of) in before.iter_mut().zip(of) {
+                *sum = *sum + *of;
+            }
+        }
+        rows
+    }
+
+    /// Writes the gradient by the strains at the end of the step of the length of a passage, or of the angle in its near hole.
+    fn find_gradient(&mut self, rod: &Rod, p: usize, is_turn: bool) {
+        let cable = self.cables[p];
+        self.gradient.fill(Twist::default());
+        match (rod.has_chords(), is_turn) {
+            (true, false) => self.straight_length(rod, p),
+            (true, true) => self.straight_turn(rod, p, cable),
+            (false, false) => self.length_at_point(rod, p, cable),
+            (false, true) => self.turn_at_point(rod, p, cable),
+        }
     }
 
     /// Measures lengths and angles of the shape at hand.
@@ -180,39 +225,44 @@ impl Friction {
 
     /// What a tension of 1 N in a passage exerts on the nodes.
     pub fn pull(&mut self, rod: &Rod, stage: &Stage, passage: usize) -> Vec<Twist> {
-        self.add_pull(rod, &Scheme::STATICS, stage, passage, self.cables[passage]);
+        self.add_pull(rod, &Scheme::STATICS, stage, passage);
         self.columns[passage].clone()
     }
 
     /// What a tension of 1 N in a passage does to the velocities, against its pull.
-    fn find_column(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize, cable: usize) {
-        self.add_pull(rod, scheme, stage, p, cable);
+    fn find_column(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize) {
+        self.add_pull(rod, scheme, stage, p);
         stage.matrix.solve(&mut self.columns[p]);
     }
 
     /// Writes what a tension of 1 N in a passage exerts on the nodes.
-    fn add_pull(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize, cable: usize) {
-        let Self { pulls, gradient, columns, .. } = self;
+    fn add_pull(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize) {
+        self.find_unit_pull(rod, scheme, stage, p);
+        let Self { gradient, columns, .. } = self;
         let column = &mut columns[p];
         column.fill(Twist::default());
-        if rod.has_chords() {
-            let tension = |of: usize| if of == p { 1.0 } else { 0.0 };
-            chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
-            for (q, (pull, strain)) in gradient.iter().zip(&stage.strains).enumerate() {
+        for (q, (pull, strain)) in gradient.iter().zip(&stage.strains).enumerate() {
+            if *pull != Twist::default() {
                 let (e, k) = (q / POINTS, q % POINTS);
                 let across = transposed_bracket(strain, pull);
                 add_to_nodes(&mut column[2 * e..], pull, &across, 1.0, k, rod.lengths[e]);
             }
-        } else {
-            let q = p - rod.first_passages[cable];
-            let (e, k) = (q / POINTS, q % POINTS);
-            let crossing = &rod.crossings[q * rod.cables.len() + cable];
-            let strain = &stage.strains[q];
-            let pull = Pull::new(crossing, strain, &stage.start[q], scheme).wrench(crossing);
-            let across = transposed_bracket(strain, &pull);
-            let weight = rod.points[q].weight;
-            add_to_nodes(&mut column[2 * e..], &pull, &across, weight, k, rod.lengths[e]);
         }
+    }
+
+    /// Writes what a tension of 1 N in a passage exerts on the strains of the stage, times the weights of the points.
+    fn find_unit_pull(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize) {
+        let Self { cables, pulls, gradient, .. } = self;
+        if rod.has_chords() {
+            let tension = |of: usize| if of == p { 1.0 } else { 0.0 };
+            chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);
+            return;
+        }
+        gradient.fill(Twist::default());
+        let q = p - rod.first_passages[cables[p]];
+        let crossing = &rod.crossings[q * rod.cables.len() + cables[p]];
+        let pull = Pull::new(crossing, &stage.strains[q], &stage.start[q], scheme);
+        gradient[q] = pull.wrench(crossing) * rod.points[q].weight;
     }
 
     /// Writes how a quantity of the shape at the end of the step, with the gradient at hand, responds to the tensions and to the step that they leave.

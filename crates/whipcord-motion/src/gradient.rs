@@ -30,6 +30,28 @@ pub struct Record {
     pub(crate) parts: Vec<Vec<Part>>,
     /// Whether the motion starts in the equilibrium of its simulation.
     pub(crate) from_equilibrium: bool,
+    /// Steps at whose end something is about to change its case.
+    pub(crate) one_sided: Vec<usize>,
+}
+
+impl Record {
+    /// The steps, from zero on, whose derivatives are those of one side: a hole of a cable with friction is between sticking and sliding there.
+    #[must_use]
+    pub fn one_sided(&self) -> &[usize] {
+        &self.one_sided
+    }
+
+    /// Whether the state at the start is held for the derivatives by factors, which is so for an equilibrium with taut cables that have friction: its tensions depend on the way to it.
+    #[must_use]
+    pub fn holds_start(&self) -> bool {
+        let is_taut = |start: &State| start.holes.tensions.iter().any(|tension| *tension > 0.0);
+        self.from_equilibrium && self.states.first().is_some_and(is_taut)
+    }
+
+    /// Whether what the motion starts from follows from the factors.
+    pub(crate) fn start_follows(&self) -> bool {
+        self.from_equilibrium && !self.holds_start()
+    }
 }
 
 /// A part of a step.
@@ -93,11 +115,13 @@ pub(crate) struct Costate {
     pub motors: Vec<MotorValues>,
     /// Of displacements of a free base along and about its own axes.
     pub base: Twist,
+    /// Of the unstretched length beyond the near hole of each passage of cables with friction.
+    pub beyond: Vec<f64>,
 }
 
 impl Costate {
     /// Nothing.
-    pub fn new(rod: &Rod, motors: usize) -> Self {
+    pub fn new(rod: &Rod, motors: usize, passages: usize) -> Self {
         let list = |n: usize| vec![Twist::default(); n];
         let (nodes, points) = (rod.nodes.len(), rod.points.len());
         Self {
@@ -109,6 +133,7 @@ impl Costate {
             tensions: vec![0.0; rod.cables.len()],
             motors: vec![MotorValues::default(); motors],
             base: Twist::default(),
+            beyond: vec![0.0; passages],
         }
     }
 }
@@ -117,16 +142,9 @@ impl Simulation {
     /// Takes a step of `dt` seconds under each of these commands, and keeps what [`Self::gradient`] needs.
     ///
     /// # Errors
-    /// [`MotionError`] of the first step that fails; [`MotionError::Unsupported`] for what has no gradients: friction of cables, and a tolerance
+    /// [`MotionError`] of the first step that fails; [`MotionError::Unsupported`] for what has no gradients: a tolerance
     /// of steps that are not taken by `accurate`; [`MotionError::NotSmooth`] where the robot touches an obstacle.
     pub fn record(&mut self, commands: &[Commands], dt: f64) -> Result<Record, MotionError> {
-        if self.solver.friction.is_some() {
-            return Err(MotionError::Unsupported {
-                path: "cables.friction".to_owned(),
-                what: "gradients over a motion with friction of cables",
-                advice: "leave the friction out, or use differences",
-            });
-        }
         let touches = |state: &State| !state.contacts.is_empty() || state.impacts > 0;
         if touches(&self.state) {
             return Err(MotionError::NotSmooth { time: self.state.time });
@@ -137,10 +155,13 @@ impl Simulation {
             commands: commands.to_vec(),
             parts: Vec::with_capacity(commands.len()),
             from_equilibrium: is_equilibrium && self.state.time == 0.0,
+            one_sided: Vec::new(),
         };
-        for commands in commands {
+        for (k, commands) in commands.iter().enumerate() {
             let by_length = (0..self.rod.cables.len()).any(|i| self.is_by_length(commands, i));
-            let is_halved = by_length || self.options.method != Method::Accurate;
+            let is_halved = by_length
+                || self.solver.friction.is_some()
+                || self.options.method != Method::Accurate;
             if is_halved && self.options.tolerance.is_some() {
                 return Err(MotionError::Unsupported {
                     path: "motion.tolerance".to_owned(),
@@ -154,6 +175,9 @@ impl Simulation {
             })?;
             if touches(&self.state) || parts.iter().any(|part| touches(&part.before)) {
                 return Err(MotionError::NotSmooth { time: self.state.time });
+            }
+            if self.state.changes > 0 {
+                record.one_sided.push(k);
             }
             record.parts.push(parts);
             record.states.push(self.state.clone());
@@ -194,7 +218,7 @@ impl Simulation {
 
     fn backwards(&mut self, record: &Record, seeds: &[Seed]) -> Result<Gradient, MotionError> {
         let (cables, motors) = (self.rod.cables.len(), self.robot.motors().len());
-        let mut costate = Costate::new(&self.rod, motors);
+        let mut costate = Costate::new(&self.rod, motors, self.state.holes.tensions.len());
         let mut adjoint = StageAdjoint::new(&self.rod);
         let mut gradient = Gradient::default();
         for (k, parts) in record.parts.iter().enumerate().rev() {
@@ -219,10 +243,12 @@ impl Simulation {
         if let (Some(seed), Some(start)) = (seeds.first(), record.states.first()) {
             self.seed(&mut costate, seed, start);
         }
-        if record.from_equilibrium
+        if record.start_follows()
             && let Some(start) = record.states.first()
         {
             self.equilibrium_backwards(start, &mut adjoint, &mut costate, &mut gradient.factors)?;
+        } else if record.from_equilibrium {
+            costate.strains.fill(Twist::default());
         }
         if !self.loads.has_free_base {
             costate.velocities[0] = Twist::default();
@@ -319,6 +345,7 @@ impl Simulation {
         for (tension, cable) in stage.tensions.iter_mut().zip(&start.cables) {
             *tension = cable.tension;
         }
+        stage.passages.clone_from(&start.holes.tensions);
         loads.at(0.0, &mut stage.loads);
         stage.matrix.hold_base(true);
         solver.lengths.cables.clear();
@@ -515,7 +542,9 @@ impl Simulation {
         adjoint.velocities = stage_of(&costate.velocities, &costate.velocity_rates);
         adjoint.strains = stage_of(&costate.strains, &costate.strain_rates);
         adjoint.tensions = core::mem::take(&mut costate.tensions);
+        adjoint.beyond = core::mem::take(&mut costate.beyond);
         adjoint.pull_back(Mechanics { rod, loads }, solver, &scheme, factors)?;
+        costate.beyond.clone_from(&adjoint.beyond);
         let drives = &solver.lengths.drives;
         let by_lengths = &adjoint.cables;
         drives.pull_back(method, h, &tensions, by_lengths, &mut costate.motors, |motor, by| {
@@ -559,7 +588,14 @@ impl Simulation {
         adjoint.velocities.fill(Twist::default());
         adjoint.strains = core::mem::take(&mut costate.strains);
         adjoint.tensions = core::mem::take(&mut costate.tensions);
+        if let Some(friction) = &mut solver.friction {
+            // The lengths beyond the holes are those of the shape.
+            let rows = friction.rows(rod, &Scheme::STATICS, &solver.stage);
+            add(&mut adjoint.strains, &rows.by_beyond(&costate.beyond).0, 1.0);
+        }
+        solver.holds_passages = true;
         let found = adjoint.pull_back(Mechanics { rod, loads }, solver, &Scheme::STATICS, factors);
+        solver.holds_passages = false;
         solver.stage.matrix.hold_base(!loads.has_free_base);
         found.map_err(|_| MotionError::NoGradient { time: start.time })?;
         costate.strains = vec![Twist::default(); rod.points.len()];

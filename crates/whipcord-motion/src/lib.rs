@@ -28,6 +28,7 @@ mod forward;
 mod free_base;
 mod friction;
 mod gradient;
+mod hole_rows;
 mod impact;
 mod iteration;
 mod lengths;

@@ -28,6 +28,8 @@ const AFTER_IMPACT: usize = 2;
 const MOST_ROUNDS: usize = 6;
 /// Halvings from which on a part without an answer is taken without friction at its contacts.
 const HALVINGS_WITH_FRICTION: i32 = 8;
+/// A hole that is so near to another case of its equation, in relative terms, may be in either.
+const ABOUT_TO_CHANGE: f64 = 1e-9;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
 
@@ -359,6 +361,7 @@ impl Simulation {
         friction.measure(rod, scheme, stage);
         let (memory, lost) = friction.holes.end_step();
         next.holes = memory;
+        next.changes += usize::from(friction.holes.margin() < ABOUT_TO_CHANGE);
         Power { cables: work.cables + lost, dissipated: work.dissipated + lost, ..work }
     }
 

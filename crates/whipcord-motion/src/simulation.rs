@@ -241,7 +241,7 @@ impl Simulation {
         commands.check(&self.robot)?;
         self.before.copy_from(&self.state);
         self.state.diagnostics = Default::default();
-        self.state.impacts = 0;
+        (self.state.impacts, self.state.changes) = (0, 0);
         let end = self.state.time + dt;
         loop {
             let time = self.state.time;

@@ -171,6 +171,11 @@ impl Stage {
         self.velocity_history[0] = self.velocities[0];
     }
 
+    /// Tension in N of a chord, by its number.
+    pub fn chord_tension(&self, rod: &Rod, chord: usize) -> f64 {
+        self.passages.get(chord).copied().unwrap_or(self.tensions[rod.chords[chord].cable])
+    }
+
     /// Evaluates the residual; with `fresh` the linearisation as well. Poses and loads must be those of the strains.
     pub fn assemble(&mut self, rod: &Rod, scheme: &Scheme, gravity: Vec3, drag: Vec3, fresh: bool) {
         self.residual.fill(Twist::default());

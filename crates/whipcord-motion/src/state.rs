@@ -158,6 +158,8 @@ pub struct State {
     pub(crate) impact_parts: usize,
     /// Impacts since the start of the step.
     pub(crate) impacts: usize,
+    /// Parts since the start of the step at whose end something is about to change its case.
+    pub(crate) changes: usize,
     /// Where the passages of each cable begin among those of all, and where the last one ends; empty without friction.
     pub(crate) first_passages: Vec<usize>,
     /// What each cable was told last: a tension in N, or a shortening in m.
@@ -214,12 +216,14 @@ impl State {
             contacts,
             impact_parts,
             impacts,
+            changes,
             first_passages,
             commanded,
         } = self;
         first_passages.clone_from(&other.first_passages);
         (*rates_of, *without_rates) = (other.rates_of, other.without_rates);
         (*impact_parts, *impacts) = (other.impact_parts, other.impacts);
+        *changes = other.changes;
         contacts.clone_from(&other.contacts);
         holes.clone_from(&other.holes);
         (*time, *base, *has_rates) = (other.time, other.base, other.has_rates);

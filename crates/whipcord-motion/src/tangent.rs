@@ -10,6 +10,7 @@ use crate::block::{Block, dot, transposed_bracket};
 use crate::cable_work::CableWork;
 use crate::conserving::Conserving;
 use crate::element::{POINTS, add_to_nodes};
+use crate::hole_rows::HoleRows;
 use crate::iteration::{Mechanics, Solver};
 use crate::pose;
 use crate::pull::Pull;
@@ -30,6 +31,8 @@ pub(crate) struct StageTangent {
     pub cables: Vec<f64>,
     /// Of the tension of each cable at the start of the step; after [`Self::push_forward`] at its end, for those that are driven by their lengths.
     pub tensions: Vec<f64>,
+    /// Of the unstretched length beyond the near hole of each passage of cables with friction, at the start of the step; after [`Self::push_forward`] at its end.
+    pub beyond: Vec<f64>,
     /// After [`Self::push_forward`]: of the tension of each cable at the stage.
     pub stage_tensions: Vec<f64>,
     /// Displacement of the base along and about its own axes, but for that by the velocity of the stage.
@@ -60,6 +63,7 @@ impl StageTangent {
             start: list(points),
             cables: vec![0.0; cables],
             tensions: vec![0.0; cables],
+            beyond: Vec::new(),
             stage_tensions: vec![0.0; cables],
             base: Twist::default(),
             base_by_velocity: None,
@@ -83,8 +87,17 @@ impl StageTangent {
     ) -> Result<(), NotSolved> {
         let rod = mechanics.rod;
         linearise(mechanics, solver, scheme, &mut self.conserving)?;
-        let Solver { stage, lengths, .. } = solver;
+        let Solver { stage, lengths, friction, holds_passages, .. } = solver;
         self.gather(mechanics, stage, scheme, factors);
+        if let Some(friction) = friction {
+            if *holds_passages {
+                let start = self.start.clone();
+                (self.velocities, self.strains) = self.solve(mechanics, stage, scheme, &start)?;
+                return Ok(());
+            }
+            let rows = friction.rows(rod, scheme, stage);
+            return self.push_forward_holes(mechanics, stage, scheme, &rows);
+        }
         for i in 0..rod.cables.len() {
             let is_by_length = lengths.cables.contains(&i);
             self.stage_tensions[i] = if is_by_length { 0.0 } else { self.cables[i] };
@@ -143,14 +156,55 @@ impl StageTangent {
                 0.0
             };
         }
-        for ((of_velocities, of_strains), change) in responses.iter().zip(&changes) {
-            for (out, of) in velocities.iter_mut().zip(of_velocities) {
-                *out = *out + *of * *change;
+        add_responses(&mut velocities, &mut strains, &responses, &changes);
+        (self.velocities, self.strains) = (velocities, strains);
+        Ok(())
+    }
+
+    /// The same with cables that have friction, for what the equations of motion lack at hand: the tensions of all passages change so that each hole keeps its case.
+    fn push_forward_holes(
+        &mut self,
+        mechanics: Mechanics<'_>,
+        stage: &Stage,
+        scheme: &Scheme,
+        rows: &HoleRows,
+    ) -> Result<(), NotSolved> {
+        let (rod, n) = (mechanics.rod, rows.count());
+        let start = self.start.clone();
+        let (mut velocities, mut strains) = self.solve(mechanics, stage, scheme, &start)?;
+        let still = vec![Twist::default(); rod.points.len()];
+        let ends = |start: &[Twist], strains: &[Twist]| -> Vec<Twist> {
+            start.iter().zip(strains).map(|(start, strain)| scheme.end(*start, *strain)).collect()
+        };
+        let mut responses = Vec::<Found>::with_capacity(n);
+        let mut matrix = vec![0.0; n * n];
+        for (p, pull) in rows.pulls.iter().enumerate() {
+            self.right.fill(Twist::default());
+            self.history.fill(Twist::default());
+            self.base = Twist::default();
+            self.add_forces(rod, stage, pull, 1.0);
+            let response = self.solve(mechanics, stage, scheme, &still)?;
+            let end = ends(&still, &response.1);
+            for r in 0..n {
+                matrix[r * n + p] = rows.by_strains(r, &end);
             }
-            for (out, of) in strains.iter_mut().zip(of_strains) {
-                *out = *out + *of * *change;
-            }
+            responses.push(response);
         }
+        let free = ends(&start, &strains);
+        let mut changes = vec![0.0; n];
+        for (r, equation) in rows.equations.iter().enumerate() {
+            for &(p, factor) in &equation.tensions {
+                matrix[r * n + p] += factor;
+            }
+            let before = self.beyond.get(r).copied().unwrap_or_default();
+            let command = self.cables[rows.cables[r]];
+            changes[r] = equation.by_before * before + equation.by_command * command
+                - rows.by_strains(r, &free);
+        }
+        self.lu.factor(n, &matrix).map_err(|_| NotSolved)?;
+        self.lu.solve(&mut changes);
+        add_responses(&mut velocities, &mut strains, &responses, &changes);
+        self.beyond = rows.beyond_changes(&ends(&start, &strains), &changes);
         (self.velocities, self.strains) = (velocities, strains);
         Ok(())
     }
@@ -311,7 +365,7 @@ impl StageTangent {
             let sides = (strains, start);
             conserving.add(rod, stage, scheme, loads.gravity, sides, potential);
         } else {
-            let tension = |k: usize| stage.tensions[rod.chords[k].cable];
+            let tension = |k: usize| stage.chord_tension(rod, k);
             let none = |_| Vec3::ZERO;
             let curvature = &mut cable_work.curvature;
             curvature.add(rod, (stage.base, &stage.strains), strains, tension, none, potential);
@@ -340,6 +394,23 @@ impl StageTangent {
             }
         }
         stage.matrix.take_links(&self.before, out);
+    }
+}
+
+/// Adds to velocities and strains what tensions do that change so.
+fn add_responses(
+    velocities: &mut [Twist],
+    strains: &mut [Twist],
+    responses: &[Found],
+    changes: &[f64],
+) {
+    for ((of_velocities, of_strains), change) in responses.iter().zip(changes) {
+        for (out, of) in velocities.iter_mut().zip(of_velocities) {
+            *out = *out + *of * *change;
+        }
+        for (out, of) in strains.iter_mut().zip(of_strains) {
+            *out = *out + *of * *change;
+        }
     }
 }
 

@@ -266,7 +266,7 @@ impl Motions {
     }
 
     /// Derivatives of a number by the commands, and by factors on stiffness, damping and mass, from those by positions (rows, steps + 1, nodes, 3),
-    /// velocities (…, 6) and strains (rows, steps + 1, points, 6). Rows that fail have zeros.
+    /// velocities (…, 6) and strains (rows, steps + 1, points, 6), and whether those of each step are of one side. Rows that fail have zeros.
     #[pyo3(signature = (actuation, commands, position, velocity, strain, threads = None))]
     #[expect(clippy::too_many_arguments, reason = "those of the method in Python")]
     fn gradient<'py>(
@@ -318,18 +318,20 @@ impl Motions {
                 strains: (0..points).map(|q| twist(&strain, k, q)).collect(),
             };
             let seeds: Vec<Seed> = (0..=steps).map(seed).collect();
-            simulation.gradient(&record, &seeds)
+            Ok::<_, MotionError>((simulation.gradient(&record, &seeds)?, record.one_sided().to_vec()))
         })?;
         if found.len() < rows {
             return Err(errors::timed_out(py, "the gradients were ended".to_owned(), None));
         }
         let mut failed = Vec::new();
         let (mut by_commands, mut factors) = (Vec::new(), [(); 3].map(|()| Vec::new()));
+        let mut one_sided = vec![false; rows * steps];
         for (row, result) in found.into_iter().enumerate() {
-            let gradient = result.unwrap_or_else(|error| {
+            let (gradient, sides) = result.unwrap_or_else(|error| {
                 failed.push((row, errors::motion(py, &error)));
-                Gradient::default()
+                Default::default()
             });
+            sides.into_iter().for_each(|k| one_sided[row * steps + k] = true);
             by_commands.extend(actuation.of(&gradient).iter().flatten());
             by_commands.resize((row + 1) * steps * width, 0.0);
             let of = gradient.factors;
@@ -339,6 +341,7 @@ impl Motions {
         }
         let values = PyDict::new(py);
         values.set_item("command", array(py, by_commands, [rows, steps, width])?)?;
+        values.set_item("one_sided", array(py, one_sided, [rows, steps])?)?;
         for (name, of) in ["stiffness", "damping", "mass"].into_iter().zip(factors) {
             values.set_item(name, array(py, of, [rows])?)?;
         }
@@ -380,7 +383,7 @@ impl Motions {
             let mut direction =
                 Gradient { factors: Factors { stiffness, damping, mass }, ..Gradient::default() };
             *actuation.of_mut(&mut direction) = told;
-            simulation.tangent(&record, &direction)
+            Ok::<_, MotionError>((simulation.tangent(&record, &direction)?, record.one_sided().to_vec()))
         })?;
         if found.len() < rows {
             return Err(errors::timed_out(py, "the changes were ended".to_owned(), None));
@@ -388,11 +391,13 @@ impl Motions {
         let states = steps + 1;
         let widths = [3 * nodes, 3 * nodes, 6 * nodes, 6 * points];
         let (mut failed, mut of): (_, [Vec<f64>; 4]) = (Vec::new(), Default::default());
+        let mut one_sided = vec![false; rows * steps];
         for (row, result) in found.into_iter().enumerate() {
-            let all = result.unwrap_or_else(|error| {
+            let (all, sides) = result.unwrap_or_else(|error| {
                 failed.push((row, errors::motion(py, &error)));
-                Vec::new()
+                Default::default()
             });
+            sides.into_iter().for_each(|k| one_sided[row * steps + k] = true);
             for change in all {
                 of[0].extend(flat(change.positions.into_iter()));
                 of[1].extend(flat(change.turns.into_iter()));
@@ -406,6 +411,7 @@ impl Motions {
         let [position, turn, velocity, strain] = of;
         let values = PyDict::new(py);
         values.set_item("position", array(py, position, [rows, states, nodes, 3])?)?;
+        values.set_item("one_sided", array(py, one_sided, [rows, steps])?)?;
         values.set_item("turn", array(py, turn, [rows, states, nodes, 3])?)?;
         values.set_item("velocity", array(py, velocity, [rows, states, nodes, 6])?)?;
         values.set_item("strain", array(py, strain, [rows, states, points, 6])?)?;

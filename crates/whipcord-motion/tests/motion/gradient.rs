@@ -12,11 +12,11 @@ use whipcord_motion::{
 
 use super::robots::{helix, straight};
 
-const DT: f64 = 8e-3;
-const STEPS: usize = 6;
+pub(super) const DT: f64 = 8e-3;
+pub(super) const STEPS: usize = 6;
 
 /// A robot with factors on stiffness and mass.
-fn robot(stiffness: f64, mass: f64, cables: Vec<Cable>) -> Robot {
+pub(super) fn robot(stiffness: f64, mass: f64, cables: Vec<Cable>) -> Robot {
     let backbone = Backbone {
         section: Some(Section::circle(0.003)),
         material: Material {
@@ -37,18 +37,18 @@ fn robot(stiffness: f64, mass: f64, cables: Vec<Cable>) -> Robot {
 }
 
 /// A motion and a number of it.
-struct Problem {
-    robot: Robot,
-    case: Case,
-    options: MotionOptions,
-    commands: Vec<Commands>,
+pub(super) struct Problem {
+    pub robot: Robot,
+    pub case: Case,
+    pub options: MotionOptions,
+    pub commands: Vec<Commands>,
 }
 
-fn weight(k: usize) -> f64 {
+pub(super) fn weight(k: usize) -> f64 {
     (0.7 * k as f64 + 0.3).sin()
 }
 
-fn vector(k: usize) -> Vec3 {
+pub(super) fn vector(k: usize) -> Vec3 {
     Vec3::new(weight(k), weight(k + 5), weight(k + 11))
 }
 
@@ -81,16 +81,16 @@ fn number(states: &[State], has_free_base: bool) -> f64 {
 }
 
 impl Problem {
-    fn simulation(&self) -> Simulation {
+    pub fn simulation(&self) -> Simulation {
         Simulation::new(&self.robot, &self.case, self.options.clone()).unwrap()
     }
 
-    fn number(&self) -> f64 {
+    pub fn number(&self) -> f64 {
         let states = self.simulation().record(&self.commands, DT).unwrap().states;
         number(&states, self.options.has_free_base)
     }
 
-    fn gradient(&self) -> Gradient {
+    pub fn gradient(&self) -> Gradient {
         let mut simulation = self.simulation();
         let record = simulation.record(&self.commands, DT).unwrap();
         let seeds: Vec<Seed> =
@@ -172,18 +172,18 @@ impl Problem {
     }
 }
 
-fn close(found: f64, expected: f64, scale: f64, what: &str) {
+pub(super) fn close(found: f64, expected: f64, scale: f64, what: &str) {
     let apart = (found - expected).abs() / scale.max(expected.abs());
     assert!(apart < 1e-6, "{what}: {found:e} against {expected:e} by differences ({apart:.1e})");
 }
 
 /// By Richardson's extrapolation of central differences.
-fn difference(h: f64, at: impl Fn(f64) -> f64) -> f64 {
+pub(super) fn difference(h: f64, at: impl Fn(f64) -> f64) -> f64 {
     let central = |h: f64| (at(h) - at(-h)) / (2.0 * h);
     (4.0 * central(0.5 * h) - central(h)) / 3.0
 }
 
-fn options() -> MotionOptions {
+pub(super) fn options() -> MotionOptions {
     let factor = Course::table(vec![0.0, 0.03], vec![0.2, 1.0]).unwrap();
     let loads = Loads {
         tip_force: Vec3::new(0.0, 0.03, -0.02),
@@ -200,7 +200,7 @@ fn options() -> MotionOptions {
     }
 }
 
-fn gravity() -> Loads {
+pub(super) fn gravity() -> Loads {
     Loads { gravity: Some(Vec3::new(4.0, -7.0, 3.0)), ..Loads::default() }
 }
 

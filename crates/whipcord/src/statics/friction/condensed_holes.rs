@@ -7,7 +7,7 @@
 use whipcord_numerics::DenseLu;
 
 use super::holes::{History, Holes};
-use super::law::{Iterate, Law, Mode};
+use super::law::{Iterate, Law, Mode, Row};
 use super::linear_problem::right_side;
 use super::newton::FrictionScratch;
 use super::response::{Passages, Response};
@@ -107,6 +107,29 @@ impl CondensedHoles {
             lu.solve(column);
         }
         columns.iter().flatten().all(|x| x.is_finite()).then_some(())
+    }
+
+    /// The equation of a hole in the case that holds at the state that was assessed last, and whether what it keeps is the commanded length.
+    pub(super) fn row(
+        &self,
+        holes: &Holes,
+        commands: &[Command],
+        hole: (usize, usize),
+    ) -> (Row, bool) {
+        let FrictionScratch { tensions, at, beyond, modes, .. } = &self.scratch;
+        let mode = modes[holes.of_cable[hole.0][hole.1]];
+        let law = Law { holes, commands, before: &self.history.beyond, modes: None };
+        let here = Iterate { tensions, beyond, turns: &at.turns };
+        (law.row(hole, mode, here).0, mode == Mode::Held)
+    }
+
+    /// How far the holes are from another case of eq. (2) at the state that was assessed last: the least of all, each in relative terms.
+    pub fn margin(&self, holes: &Holes, commands: &[Command]) -> f64 {
+        let FrictionScratch { tensions, at, beyond, modes, .. } = &self.scratch;
+        let law = Law { holes, commands, before: &self.history.beyond, modes: None };
+        let here = Iterate { tensions, beyond, turns: &at.turns };
+        let margins = holes.all().map(|(hole, p)| law.margin(hole, modes[p], here));
+        margins.fold(f64::INFINITY, f64::min)
     }
 
     /// Whether the equations of the holes, as they were linearised last, change an odd number of directions from stable to unstable.

@@ -149,6 +149,26 @@ impl Law<'_> {
         }
     }
 
+    /// How far a hole is from another case at an iterate that satisfies its equation: a slip or a slack as a part of the length of the robot, a tension as a part of its
+    /// bounds. An angle of zero is at a change too: the tension has the same slope on both of its sides, with another sign.
+    pub fn margin(&self, (cable, place): (usize, usize), mode: Mode, at: Iterate<'_>) -> f64 {
+        let p = self.holes.of_cable[cable][place];
+        let tension = at.tensions[p];
+        let part = |length: f64| length.abs() / self.holes.length;
+        match mode {
+            Mode::Slack => part(self.lack(cable, at)),
+            Mode::Held => tension * self.holes.compliance / self.holes.length,
+            Mode::Free => f64::INFINITY,
+            Mode::Pulled | Mode::Released => part(self.before[p] - at.beyond[p]).min(at.turns[p]),
+            Mode::Sticks => {
+                let incoming = self.incoming((cable, place), at.tensions).unwrap_or_default();
+                let factor = (self.holes.coefficients[cable] * at.turns[p]).exp();
+                let (above, below) = (tension - incoming / factor, factor * incoming - tension);
+                above.min(below) / incoming.max(tension).max(f64::MIN_POSITIVE)
+            }
+        }
+    }
+
     /// The case at a hole after a linear step to these values, and how much it was violated, in m: of the
     /// case before, as long as that goes. `now` is where the step begins, and `turn` how the angle changes.
     pub fn next_mode(

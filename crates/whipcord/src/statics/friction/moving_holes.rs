@@ -4,6 +4,7 @@
 
 use super::condensed_holes::CondensedHoles;
 use super::holes::Holes;
+use super::law::Row;
 use crate::robot::Robot;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
@@ -14,6 +15,24 @@ pub struct HoleFriction {
     holes: Holes,
     commands: Vec<Command>,
     state: CondensedHoles,
+    /// How far the holes were from a change of their cases at the end of the last step, in relative terms.
+    margin: f64,
+}
+
+/// The linearised equation of the near hole of a passage in the case that holds there: the changes of tensions `T`, of the length beyond the hole or of the angle
+/// `φ` in it, less those of the length before the step and of the command, with these factors.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HoleEquation {
+    /// Passages with what their tensions are multiplied by.
+    pub tensions: Vec<(usize, f64)>,
+    /// Whether it contains the length of the passage and of those behind it on the cable: where the cable does not slide.
+    pub keeps_length: bool,
+    /// What the angle in the hole is multiplied by, in N/rad.
+    pub by_turn: f64,
+    /// What the change of the length beyond the hole before the step is multiplied by.
+    pub by_before: f64,
+    /// What the change of the command of the cable is multiplied by: of its tension in N, or of the unstretched length in m that the drive leaves.
+    pub by_command: f64,
 }
 
 /// What the holes remember from step to step.
@@ -39,7 +58,7 @@ impl HoleFriction {
         let commands = vec![Command::Tension(0.0); robot.cables().len()];
         let mut state = CondensedHoles::default();
         state.reset(&holes);
-        Self { holes, commands, state }
+        Self { holes, commands, state, margin: f64::INFINITY }
     }
 
     /// Commands a cable by its tension in N.
@@ -125,9 +144,57 @@ impl HoleFriction {
         self.state.advance(changes, 1.0);
     }
 
+    /// How far the holes were from another case of their equations at the end of the last step: the least slip where a cable slides and slack where it is slack, as parts of the
+    /// length of the robot, and the least distance of a tension from its bounds as a part of it. Derivatives where this is about zero are those of one side.
+    #[must_use]
+    pub const fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// How far in m a tension of 1 N stretches the piece of cable in each passage.
+    #[must_use]
+    pub fn yielding(&self) -> &[f64] {
+        &self.holes.yielding
+    }
+
+    /// The linearised equations of all holes, by passage, in the cases that hold at the state that was assessed last.
+    #[must_use]
+    pub fn equations(&self) -> Vec<HoleEquation> {
+        let kappa = self.holes.compliance;
+        let mut equations = vec![HoleEquation::default(); self.holes.count()];
+        for ((cable, place), p) in self.holes.all() {
+            let passages = &self.holes.of_cable[cable];
+            let out = &mut equations[p];
+            match self.state.row(&self.holes, &self.commands, (cable, place)) {
+                (Row::Slack, _) => out.tensions.push((p, kappa)),
+                (Row::Held, is_commanded) => {
+                    out.keeps_length = true;
+                    let stretch = |&k: &usize| (k, -self.holes.yielding[k]);
+                    out.tensions.extend(passages[place..].iter().map(stretch));
+                    if is_commanded {
+                        out.tensions[0].1 -= self.holes.outside[cable];
+                        out.by_command = 1.0;
+                    } else {
+                        out.by_before = 1.0;
+                    }
+                }
+                (Row::Slides { factor, by_turn, incoming }, _) => {
+                    out.tensions.push((p, kappa));
+                    match place.checked_sub(1) {
+                        Some(before) => out.tensions.push((passages[before], -kappa * factor)),
+                        None => out.by_command = kappa * factor,
+                    }
+                    out.by_turn = -kappa * by_turn * incoming;
+                }
+            }
+        }
+        equations
+    }
+
     /// Ends a step at the state that was assessed last: what the holes remember then, and the work in J that friction has taken.
     pub fn end_step(&mut self) -> (HoleMemory, f64) {
         let before = self.state.history().beyond.clone();
+        self.margin = self.state.margin(&self.holes, &self.commands);
         self.state.keep(&self.holes, &self.commands);
         let memory = self.memory();
         let mut lost = 0.0;

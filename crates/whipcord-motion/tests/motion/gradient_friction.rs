@@ -1,0 +1,203 @@
+//! Gradients over motions with friction of cables against central differences of the same steps.
+
+use whipcord::shape::SlipState;
+use whipcord::{Cable, Case, ModelKind, Vec3};
+use whipcord_motion::{
+    CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions, Seed, State,
+};
+
+use super::gradient::{
+    DT, Problem, STEPS, close, difference, gravity, options, robot, vector, weight,
+};
+use super::robots::{helix, straight};
+
+const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
+
+/// Properties of the robot and changes of its commands.
+#[derive(Clone, Copy)]
+struct Changed {
+    stiffness: f64,
+    mass: f64,
+    damping: f64,
+    /// A factor on the friction.
+    grip: f64,
+    /// Step, cable and what is added to its command.
+    command: (usize, usize, f64),
+}
+
+const UNCHANGED: Changed =
+    Changed { stiffness: 1.0, mass: 1.0, damping: 1.0, grip: 1.0, command: (STEPS, 0, 0.0) };
+
+/// Up, on, and down again: holes slide both ways and stick in between.
+const COURSE: [f64; STEPS] = [0.6, 1.0, 1.2, 1.15, 1.1, 0.6];
+
+/// An elastic helical cable and a rigid straight one with friction, beside one without.
+fn problem(
+    model: ModelKind,
+    by_length: bool,
+    initial: Initial,
+    start: f64,
+    of: Changed,
+) -> Problem {
+    let with_friction = |cable: Cable, friction: f64, axial_stiffness: Option<f64>| Cable {
+        friction: Some(friction * of.grip),
+        axial_stiffness,
+        ..cable
+    };
+    let cables = vec![
+        with_friction(helix(), 0.7, Some(9000.0)),
+        with_friction(straight("rigid", 2.0, 0.008), 0.9, None),
+        straight("free", 4.0, 0.008),
+    ];
+    let told = |k: usize| {
+        let drive = |i: usize| {
+            let (step, cable, by) = of.command;
+            let by = if (step, cable) == (k, i) { by } else { 0.0 };
+            let size = [1.0, -0.4, 0.7][i] * COURSE[k] + 0.005 * weight(k + i);
+            if by_length && i < 2 {
+                CableDrive::Shortening(Course::constant(2e-3 * size + by))
+            } else {
+                CableDrive::Tension(Course::constant(2.5 * size.abs() + by))
+            }
+        };
+        Commands::new((0..3).map(drive).collect())
+    };
+    Problem {
+        robot: robot(of.stiffness, of.mass, cables),
+        case: Case { loads: gravity(), ..Case::with_tensions(&[start, 0.5 * start, 0.0]) },
+        options: MotionOptions {
+            model,
+            initial,
+            method: Method::Robust,
+            damping: Damping::Time(2e-2 * of.damping / of.stiffness),
+            ..options()
+        },
+        commands: (0..STEPS).map(told).collect(),
+    }
+}
+
+/// How often a hole sticks.
+fn check(model: ModelKind, by_length: bool, initial: &Initial, start: f64, grip: f64) -> usize {
+    let at =
+        |of: Changed| problem(model, by_length, initial.clone(), start, Changed { grip, ..of });
+    let name = format!("{model:?}, by length {by_length}, {initial:?} {start}, grip {grip}");
+    let base = at(UNCHANGED);
+    let record = base.simulation().record(&base.commands, DT).unwrap();
+    let mut seen = [0; 3];
+    for state in &record.states[1..] {
+        for slip in &state.holes.slip_states {
+            seen[match slip {
+                SlipState::Sticks => 0,
+                SlipState::Pulled => 1,
+                SlipState::Released => 2,
+            }] += 1;
+        }
+    }
+    assert!(seen[1] > 0 && seen[2] > 0, "{name}: {seen:?}");
+    assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
+    assert_eq!(record.holds_start(), start > 0.0, "{name}");
+    let gradient = base.gradient();
+    let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+    for k in 0..STEPS {
+        for i in 0..3 {
+            let unit = if by_length && i < 2 { 2e-8 } else { 2e-5 };
+            let expected =
+                difference(unit, |by| at(Changed { command: (k, i, by), ..UNCHANGED }).number());
+            close(gradient.cables[k][i], expected, scale, &format!("{name}: {k} {i}"));
+        }
+    }
+    let of = |change: &dyn Fn(f64) -> Changed| difference(1e-5, |by| at(change(1.0 + by)).number());
+    if record.holds_start() {
+        return seen[0];
+    }
+    let factors = gradient.factors;
+    let size = factors.stiffness.abs().max(factors.mass.abs());
+    let stiffness = of(&|stiffness| Changed { stiffness, ..UNCHANGED });
+    close(factors.stiffness, stiffness, size, &format!("{name}: stiffness"));
+    let mass = of(&|mass| Changed { mass, ..UNCHANGED });
+    close(factors.mass, mass, size, &format!("{name}: mass"));
+    let damping = of(&|damping| Changed { damping, ..UNCHANGED });
+    close(factors.damping, damping, size, &format!("{name}: damping"));
+    seen[0]
+}
+
+/// From an equilibrium without tension, from rest, and from one in which the cables are taut.
+#[test]
+fn gradients_with_friction_are_those_of_differences() {
+    let starts = [
+        (Initial::Equilibrium, 0.0, 1.0),
+        (Initial::Equilibrium, 0.0, 8.0),
+        (Initial::Rest, 0.0, 1.0),
+        (Initial::Equilibrium, 1.2, 1.0),
+        (Initial::Equilibrium, 1.2, 8.0),
+    ];
+    for model in MODELS {
+        let mut sticking = 0;
+        for by_length in [false, true] {
+            for (initial, start, grip) in &starts {
+                sticking += check(model, by_length, initial, *start, *grip);
+            }
+        }
+        assert!(sticking > 20, "{model:?}: {sticking}");
+    }
+}
+
+/// From a state in the middle of a motion, whose holes remember what was before.
+#[test]
+fn gradients_with_friction_by_the_start_are_those_of_differences() {
+    for model in MODELS {
+        let problem = problem(model, false, Initial::Equilibrium, 0.0, UNCHANGED);
+        let (before, after) = problem.commands.split_at(3);
+        let mut simulation = problem.simulation();
+        simulation.record(before, DT).unwrap();
+        let start = simulation.state().clone();
+        let tip = |change: &dyn Fn(&mut State)| {
+            let (mut simulation, mut state) = (simulation.clone(), start.clone());
+            change(&mut state);
+            simulation.set_state(&state).unwrap();
+            let record = simulation.record(after, DT).unwrap();
+            (record.states.last().unwrap().tip().position.dot(vector(1)), record)
+        };
+        let (_, record) = tip(&|_| ());
+        let mut seeds = vec![Seed::default(); record.states.len()];
+        let nodes = start.velocities.len();
+        let mut positions = vec![Vec3::ZERO; nodes];
+        positions[nodes - 1] = vector(1);
+        seeds.last_mut().unwrap().positions = positions;
+        let gradient = problem.simulation().gradient(&record, &seeds).unwrap();
+        let by = |axis: usize, size: f64| {
+            let mut change = Vec3::ZERO;
+            change[axis] = size;
+            change
+        };
+        for axis in 0..3 {
+            let velocity = difference(1e-4, |size| {
+                tip(&|state| state.velocities[5].linear += by(axis, size)).0
+            });
+            close(
+                gradient.velocities[5].linear[axis],
+                velocity,
+                1e-3,
+                &format!("{model:?} {axis}"),
+            );
+            let strain =
+                difference(1e-4, |size| tip(&|state| state.strains[3].angular += by(axis, size)).0);
+            close(gradient.strains[3].angular[axis], strain, 1e-3, &format!("{model:?} {axis}"));
+        }
+    }
+}
+
+/// Where a motion comes to rest a hole is between sliding on and sticking: the record says in which steps derivatives are those of one side.
+#[test]
+fn steps_between_two_cases_are_named() {
+    let mut problem =
+        problem(ModelKind::CosseratDisks, false, Initial::Equilibrium, 0.0, UNCHANGED);
+    problem.case.loads = Default::default();
+    problem.options.loads.clear();
+    // The cables run straight through the holes of a straight robot: the angle has a kink at zero.
+    problem.robot = robot(1.0, 1.0, vec![Cable { friction: Some(0.3), ..straight("a", 0.0, 0.0) }]);
+    problem.case.commands.truncate(1);
+    problem.commands = vec![Commands::tensions(&[1.0]), Commands::tensions(&[2.0])];
+    let record = problem.simulation().record(&problem.commands, DT).unwrap();
+    assert_eq!(record.one_sided(), [0, 1]);
+}
