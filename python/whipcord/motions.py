@@ -67,14 +67,15 @@ class MotionGradient:
     command: Array
     """(..., N, c) by the command of each cable, or (..., N, m) of each motor, in each step."""
     stiffness: Array
-    """(...) by a factor on the stiffness of the backbone, the equilibrium that the motion starts from included. An equilibrium with taut cables that have friction is held,
-    since its tensions depend on the way to it."""
+    """(...) by a factor on the stiffness of the backbone, the equilibrium that the motion starts from included. An equilibrium with taut cables that have friction, or in
+    contact with an obstacle, is held, since it depends on the way to it."""
     damping: Array
     """(...) by a factor on its damping."""
     mass: Array
     """(...) by a factor on all masses, and on their weight."""
     one_sided: npt.NDArray[np.bool_]
-    """(..., N) steps whose derivatives are those of one side: a cable with friction is between sticking and sliding in a hole there."""
+    """(..., N) steps whose derivatives are those of one side: a cable with friction is between sticking and sliding in a hole there, or a contact
+    between two of open, sticking and sliding."""
 
     def __repr__(self) -> str:
         return f"<MotionGradient by commands {self.command.shape}>"
@@ -108,7 +109,8 @@ class Motions:
     """How a robot moves as a function of its commands, which are constant in each step: many motions at once, on all cores, and their gradients.
 
     Gradients are those of the computed motion, by the transposed equations of its steps, not by differences (:doc:`/theory/motion`):
-    :meth:`pull_back` for one number and all commands, :meth:`push_forward` for one direction and all that moves.
+    :meth:`pull_back` for one number and all commands, :meth:`push_forward` for one direction and all that moves. They hold with friction of cables and while the robot
+    touches obstacles; a motion in which it hits one has none, since the time of the impact divides the steps.
     :class:`whipcord.jax.Motions` and ``whipcord.torch.Motions`` are the same as differentiable functions.
 
     Parameters

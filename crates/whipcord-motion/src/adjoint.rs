@@ -4,7 +4,7 @@
 use whipcord::Wrench;
 use whipcord_numerics::{DenseLu, Twist, Vec3};
 
-use crate::block::{Block, dot};
+use crate::block::{Block, add, dot};
 use crate::cable_work::CableWork;
 use crate::conserving::{Conserving, along};
 use crate::element::{POINTS, add_to_nodes};
@@ -135,7 +135,8 @@ impl StageAdjoint {
     ) -> Result<(), NotSolved> {
         let Mechanics { rod, loads } = mechanics;
         linearise(mechanics, solver, scheme, &mut self.conserving)?;
-        let Solver { stage, lengths, friction, holds_passages, .. } = solver;
+        let Solver { stage, lengths, contacts, friction, holds_passages, .. } = solver;
+        let touching = contacts.rows(rod, scheme, stage);
         self.start.fill(Twist::default());
         let mut tensions = Vec::new();
         let holes = friction.as_mut().filter(|_| !*holds_passages);
@@ -162,18 +163,23 @@ impl StageAdjoint {
         // Cables that are driven by their lengths and taut, section "Gradients".
         let taut: Vec<usize> =
             lengths.cables.iter().copied().filter(|&i| stage.tensions[i] > 0.0).collect();
-        let mut forces = vec![0.0; taut.len()];
+        let n = taut.len() + touching.unknowns();
+        let mut forces = vec![0.0; n];
         let ends = core::mem::replace(&mut self.tensions, vec![0.0; rod.cables.len()]);
-        if !taut.is_empty() {
-            self.of_lengths.resize(taut.len(), Default::default());
+        if n > 0 {
+            self.of_lengths.resize(n, Default::default());
             let none = vec![Twist::default(); rod.nodes.len()];
             let mut of_lengths = core::mem::take(&mut self.of_lengths);
-            for (&cable, (of_length, gradient)) in taut.iter().zip(&mut of_lengths) {
+            let (of_taut, of_touching) = of_lengths.split_at_mut(taut.len());
+            for (&cable, (of_length, gradient)) in taut.iter().zip(of_taut) {
                 self.cable_work.length_gradient(rod, stage, scheme, cable, gradient);
                 // Lengths are the same wherever the base is.
                 find(self, of_length, &none, gradient, Twist::default())?;
             }
-            let n = taut.len();
+            for (row, (of_row, gradient)) in touching.rows.iter().zip(of_touching) {
+                gradient.clone_from(&row.stage);
+                find(self, of_row, &none, gradient, Twist::default())?;
+            }
             let mut matrix = vec![0.0; n * n];
             for (j, &cable) in taut.iter().enumerate() {
                 for (i, (of_length, _)) in of_lengths.iter().enumerate() {
@@ -191,6 +197,18 @@ impl StageAdjoint {
                     - self.tensions[cable] / scheme.place
                     - self.stage_tensions[cable];
             }
+            for push in &touching.pushes {
+                let j = taut.len() + push.unknown;
+                for (i, (of_row, _)) in of_lengths.iter().enumerate() {
+                    matrix[j * n + i] = push.work(of_row);
+                }
+                forces[j] = push.work(&multipliers);
+            }
+            for (row, i) in touching.rows.iter().zip(taut.len()..) {
+                for (j, by) in &row.unknowns {
+                    matrix[(taut.len() + j) * n + i] -= by;
+                }
+            }
             // Motors with inertia yield to the tensions of their cables.
             let drives = &lengths.drives;
             let yields = |i: usize, j: usize, by: f64| matrix[j * n + i] += by;
@@ -201,14 +219,13 @@ impl StageAdjoint {
                 let by_end = self.tensions[cable] + rod.cables[cable].compliance * force;
                 self.tensions[cable] = by_end * (1.0 - 1.0 / scheme.place);
             }
-            for (force, (of_length, gradient)) in forces.iter().zip(&of_lengths) {
-                for (multiplier, of) in multipliers.iter_mut().zip(of_length) {
-                    *multiplier = *multiplier - *of * *force;
-                }
-                for ((strain, start), of) in strains.iter_mut().zip(&mut self.start).zip(gradient) {
-                    *strain = *strain - *of * *force;
+            for (k, (force, (of_length, gradient))) in forces.iter().zip(&of_lengths).enumerate() {
+                add(&mut multipliers, of_length, -force);
+                add(&mut strains, gradient, -force);
+                match k.checked_sub(taut.len()) {
                     // Where the stage is not at the end, the end lies beyond it, away from the start.
-                    *start = *start - *of * (*force * (scheme.place - 1.0));
+                    None => add(&mut self.start, gradient, -force * (scheme.place - 1.0)),
+                    Some(k) => add(&mut self.start, &touching.rows[k].start, -force),
                 }
             }
             self.of_lengths = of_lengths;
@@ -247,10 +264,8 @@ impl StageAdjoint {
     /// Adds derivatives by the strains at the end of the step, times a factor, to those by the strains of the stage and at the start.
     fn add_by_end(&mut self, scheme: &Scheme, by_end: &[Twist], factor: f64) {
         let by_stage = factor / scheme.place;
-        for ((strain, start), of) in self.strains.iter_mut().zip(&mut self.start).zip(by_end) {
-            *strain = *strain + *of * by_stage;
-            *start = *start + *of * (factor - by_stage);
-        }
+        add(&mut self.strains, by_end, by_stage);
+        add(&mut self.start, by_end, factor - by_stage);
     }
 
     /// The holes of cables with friction, in the cases that hold there: adds the multipliers of their equations, for derivatives by the tensions of all passages beside
@@ -288,9 +303,7 @@ impl StageAdjoint {
         self.cables.fill(0.0);
         self.beyond.clear();
         for (r, (equation, worth)) in rows.equations.iter().zip(&worth).enumerate() {
-            for (multiplier, of) in multipliers.iter_mut().zip(&of_rows[r]) {
-                *multiplier = *multiplier - *of * *worth;
-            }
+            add(multipliers, &of_rows[r], -worth);
             self.add_by_end(scheme, &rows.gradient(r), -worth);
             self.cables[rows.cables[r]] += equation.by_command * worth;
             self.beyond.push(equation.by_before * worth);

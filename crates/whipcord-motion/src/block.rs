@@ -114,6 +114,18 @@ pub(crate) fn dot(a: &Twist, b: &Twist) -> f64 {
     a.linear.dot(b.linear) + a.angular.dot(b.angular)
 }
 
+/// Sum of the scalar products of wrenches and twists.
+pub(crate) fn sum(a: &[Twist], b: &[Twist]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
+}
+
+/// `out += factor by`.
+pub(crate) fn add(out: &mut [Twist], by: &[Twist], factor: f64) {
+    for (out, by) in out.iter_mut().zip(by) {
+        *out = *out + *by * factor;
+    }
+}
+
 /// `ad_ξᵀ W` = (n × u, n × v + m × u): what a wrench `W = (n, m)` at a section exerts on the velocities, eq. (4) of the page on motion.
 #[inline]
 pub(crate) fn transposed_bracket(strain: &Twist, wrench: &Twist) -> Twist {

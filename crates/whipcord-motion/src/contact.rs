@@ -22,8 +22,9 @@ pub(crate) struct Contact {
     pub coefficient: f64,
     /// Pose of the cross-section at the start of the step.
     pub start: Pose,
-    /// Gap in m at the start of the step.
+    /// Gap in m at the start of the step, and of which place of the section, in its axes x and y.
     pub start_gap: f64,
+    pub start_place: [f64; 2],
     /// Least gap in m at the end of the step: what overlapped at its start is pushed out slowly.
     pub least: f64,
     /// At the end of the step.
@@ -69,6 +70,7 @@ impl Contact {
             coefficient: obstacle.friction,
             start,
             start_gap,
+            start_place: near.nearest.local,
             least: 0.0,
             nearest: near.nearest,
             slip: Vec3::ZERO,

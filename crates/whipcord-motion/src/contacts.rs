@@ -20,8 +20,9 @@ pub(crate) struct Contacts {
     pub list: Vec<Contact>,
     /// Whether friction is left out: of a part of a step that has no answer with it.
     pub is_frictionless: bool,
-    /// Pose of the base at the end of the step.
+    /// Pose of the base at the end of the step, and at its start.
     pub base: Pose,
+    pub start_base: Pose,
     strains: Vec<Twist>,
     poses: Vec<Pose>,
     start_poses: Vec<Pose>,
@@ -66,6 +67,7 @@ impl Contacts {
         (known, world): (&[whipcord::shape::Contact], Pose),
     ) {
         let Some(surroundings) = &self.surroundings else { return };
+        self.start_base = base;
         pose::nodes(rod, base, strains, &mut self.poses);
         let shape = Posed { rod, strains, poses: &self.poses };
         surroundings.near(&shape, within, OVERLAP * rod.length, &mut self.found);
@@ -147,6 +149,11 @@ impl Contacts {
             contact.at_stage = at_stage.at(contact.station).rotation;
             contact.bend = bend(obstacle, pose.position + contact.nearest.arm, rod.length);
         }
+    }
+
+    /// Strains and poses at the end of the step, as they were looked at last.
+    pub fn end(&self) -> (&[Twist], &[Pose]) {
+        (&self.strains, &self.poses)
     }
 
     /// Adds the forces to the residual of a stage, and what they change by to its matrix where that is `fresh`.

@@ -139,9 +139,9 @@ pub enum MotionError {
         time: f64,
     },
 
-    /// A motion that touches an obstacle, which is not smooth there.
+    /// A motion that hits an obstacle, which is not smooth there.
     #[error(
-        "no gradient: the robot touches an obstacle in the step that ends at {time:.6} s, where the motion is not smooth; take gradients of the steps before, or move the obstacle"
+        "no gradient: the robot hits an obstacle in the step that ends at {time:.6} s, where the time of the impact divides the step; take gradients of the steps before or of those behind, or move the obstacle"
     )]
     NotSmooth {
         /// Time at the end of the step in s.

@@ -5,11 +5,12 @@ use whipcord_numerics::{Twist, Vec3};
 
 use crate::accurate;
 use crate::adjoint::{Factors, NotSolved};
+use crate::block::add;
 use crate::coefficients::OneStage;
 use crate::commands::Commands;
 use crate::error::{MotionError, count};
 use crate::free_base::BaseTangent;
-use crate::gradient::{Costate as Change, Gradient, Part, Record, Seed, add};
+use crate::gradient::{Costate as Change, Gradient, Part, Record, Seed};
 use crate::iteration::Mechanics;
 use crate::options::Method;
 use crate::pose;

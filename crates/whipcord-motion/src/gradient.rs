@@ -5,6 +5,7 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::accurate;
 use crate::adjoint::{Factors, NotSolved, StageAdjoint};
+use crate::block::add;
 use crate::coefficients::OneStage;
 use crate::commands::Commands;
 use crate::drives::MotorValues;
@@ -35,17 +36,22 @@ pub struct Record {
 }
 
 impl Record {
-    /// The steps, from zero on, whose derivatives are those of one side: a hole of a cable with friction is between sticking and sliding there.
+    /// The steps, from zero on, whose derivatives are those of one side: a hole of a cable with friction is between sticking and sliding there, or a contact between open and closed or
+    /// between sticking and sliding.
     #[must_use]
     pub fn one_sided(&self) -> &[usize] {
         &self.one_sided
     }
 
-    /// Whether the state at the start is held for the derivatives by factors, which is so for an equilibrium with taut cables that have friction: its tensions depend on the way to it.
+    /// Whether the state at the start is held for the derivatives by factors. That is so for an equilibrium that depends on the way to it: with taut cables that have friction, or in
+    /// contact with an obstacle.
     #[must_use]
     pub fn holds_start(&self) -> bool {
-        let is_taut = |start: &State| start.holes.tensions.iter().any(|tension| *tension > 0.0);
-        self.from_equilibrium && self.states.first().is_some_and(is_taut)
+        let depends = |start: &State| {
+            let is_taut = start.holes.tensions.iter().any(|tension| *tension > 0.0);
+            is_taut || !start.contacts.is_empty()
+        };
+        self.from_equilibrium && self.states.first().is_some_and(depends)
     }
 
     /// Whether what the motion starts from follows from the factors.
@@ -143,12 +149,8 @@ impl Simulation {
     ///
     /// # Errors
     /// [`MotionError`] of the first step that fails; [`MotionError::Unsupported`] for what has no gradients: a tolerance
-    /// of steps that are not taken by `accurate`; [`MotionError::NotSmooth`] where the robot touches an obstacle.
+    /// of steps that are not taken by `accurate`; [`MotionError::NotSmooth`] where the robot hits an obstacle.
     pub fn record(&mut self, commands: &[Commands], dt: f64) -> Result<Record, MotionError> {
-        let touches = |state: &State| !state.contacts.is_empty() || state.impacts > 0;
-        if touches(&self.state) {
-            return Err(MotionError::NotSmooth { time: self.state.time });
-        }
         let is_equilibrium = self.options.initial == Initial::Equilibrium;
         let mut record = Record {
             states: vec![self.state.clone()],
@@ -173,7 +175,8 @@ impl Simulation {
             self.step_in_parts(commands, dt, &mut |before, length, warm| {
                 parts.push(Part { before: before.clone(), length, warm });
             })?;
-            if touches(&self.state) || parts.iter().any(|part| touches(&part.before)) {
+            // An impact divides the step at its time, and contacts that jam are solved in another way.
+            if self.state.impacts > 0 || self.state.diagnostics.frictionless_parts > 0 {
                 return Err(MotionError::NotSmooth { time: self.state.time });
             }
             if self.state.changes > 0 {
@@ -348,6 +351,7 @@ impl Simulation {
         stage.passages.clone_from(&start.holes.tensions);
         loads.at(0.0, &mut stage.loads);
         stage.matrix.hold_base(true);
+        solver.contacts.clear();
         solver.lengths.cables.clear();
         solver.lengths.cables.extend_from_slice(&self.start_lengths);
         solver.lengths.drives.clone_from(&self.start_drives);
@@ -600,12 +604,5 @@ impl Simulation {
         found.map_err(|_| MotionError::NoGradient { time: start.time })?;
         costate.strains = vec![Twist::default(); rod.points.len()];
         Ok(())
-    }
-}
-
-/// `out += factor by`.
-pub(crate) fn add(out: &mut [Twist], by: &[Twist], factor: f64) {
-    for (out, by) in out.iter_mut().zip(by) {
-        *out = *out + *by * factor;
     }
 }

@@ -3,7 +3,7 @@
 use whipcord::HoleEquation;
 use whipcord_numerics::Twist;
 
-use crate::block::dot;
+use crate::block::{add, sum};
 use crate::conserving::along;
 use crate::rod::Rod;
 use crate::stage::Stage;
@@ -21,10 +21,6 @@ pub(crate) struct HoleRows {
     pub turns: Vec<Vec<Twist>>,
     /// How far in m a tension of 1 N stretches the cable in each passage.
     pub yielding: Vec<f64>,
-}
-
-fn sum(a: &[Twist], b: &[Twist]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| dot(a, b)).sum()
 }
 
 impl HoleRows {
@@ -78,9 +74,7 @@ impl HoleRows {
         let mut strains = vec![Twist::default(); points];
         let mut tensions = vec![0.0; self.count()];
         for (p, by) in beyond.iter().enumerate() {
-            for (out, of) in strains.iter_mut().zip(&self.beyond[p]) {
-                *out = *out + *of * *by;
-            }
+            add(&mut strains, &self.beyond[p], *by);
             for k in self.from(p) {
                 tensions[k] -= self.yielding[k] * by;
             }

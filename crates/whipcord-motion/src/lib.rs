@@ -16,6 +16,7 @@ mod commands;
 mod complementarity;
 mod conserving;
 mod contact;
+mod contact_rows;
 mod contacts;
 mod course;
 mod drives;

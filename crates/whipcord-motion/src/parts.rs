@@ -28,7 +28,7 @@ const AFTER_IMPACT: usize = 2;
 const MOST_ROUNDS: usize = 6;
 /// Halvings from which on a part without an answer is taken without friction at its contacts.
 const HALVINGS_WITH_FRICTION: i32 = 8;
-/// A hole that is so near to another case of its equation, in relative terms, may be in either.
+/// A hole or a contact that is so near to another case of its equations, in relative terms, may be in either.
 const ABOUT_TO_CHANGE: f64 = 1e-9;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
@@ -301,6 +301,10 @@ impl Simulation {
             *motor_work = drives.finish(&mut next.motors, &scheme, h, &solver.stage.tensions);
             drives.write_efforts(commands, end, &mut next.motors);
             let work = this.end_friction(work, &scheme.scheme(h));
+            let Self { rod, solver, next, .. } = &mut *this;
+            if touches && solver.contacts.margin(rod) < ABOUT_TO_CHANGE {
+                next.changes += 1;
+            }
             this.finish(commands, end, &work, scheme.scheme(h).place);
             let keeps_rates = scheme.uses_rates() && this.next.contacts.is_empty();
             this.next.rates_of = if keeps_rates { h.max(this.state.rates_of) } else { h };

@@ -6,7 +6,7 @@ use whipcord_numerics::{DenseLu, Twist, Vec3};
 use crate::adjoint::{
     Factors, MOST_CORRECTIONS, NotSolved, dead_load, inertia_and_weight, is_settled, linearise,
 };
-use crate::block::{Block, dot, transposed_bracket};
+use crate::block::{Block, add, sum, transposed_bracket};
 use crate::cable_work::CableWork;
 use crate::conserving::Conserving;
 use crate::element::{POINTS, add_to_nodes};
@@ -87,7 +87,7 @@ impl StageTangent {
     ) -> Result<(), NotSolved> {
         let rod = mechanics.rod;
         linearise(mechanics, solver, scheme, &mut self.conserving)?;
-        let Solver { stage, lengths, friction, holds_passages, .. } = solver;
+        let Solver { stage, lengths, contacts, friction, holds_passages, .. } = solver;
         self.gather(mechanics, stage, scheme, factors);
         if let Some(friction) = friction {
             if *holds_passages {
@@ -110,7 +110,8 @@ impl StageTangent {
         // Cables that are driven by their lengths and taut: each has a tension that keeps its length.
         let taut: Vec<usize> =
             lengths.cables.iter().copied().filter(|&i| stage.tensions[i] > 0.0).collect();
-        let n = taut.len();
+        let touching = contacts.rows(rod, scheme, stage);
+        let n = taut.len() + touching.unknowns();
         let (mut responses, mut gradients) = (Vec::<Found>::new(), Vec::new());
         for &cable in &taut {
             self.right.fill(Twist::default());
@@ -123,22 +124,40 @@ impl StageTangent {
             self.cable_work.length_gradient(rod, stage, scheme, cable, &mut gradient);
             gradients.push(gradient);
         }
+        // The unknown of each response: tensions, then pushes of contacts.
+        let mut unknowns: Vec<usize> = (0..taut.len()).collect();
+        for push in &touching.pushes {
+            self.right.fill(Twist::default());
+            self.history.fill(Twist::default());
+            self.base = Twist::default();
+            push.add(&mut self.right);
+            let still = vec![Twist::default(); rod.points.len()];
+            responses.push(self.solve(mechanics, stage, scheme, &still)?);
+            unknowns.push(taut.len() + push.unknown);
+        }
         let mut matrix = vec![0.0; n * n];
         let mut changes = vec![0.0; n];
         for (i, (&cable, gradient)) in taut.iter().zip(&gradients).enumerate() {
-            let along = |strains: &[Twist]| -> f64 {
-                gradient.iter().zip(strains).map(|(a, b)| dot(a, b)).sum()
-            };
+            let along = |strains: &[Twist]| sum(gradient, strains);
             let compliance = rod.cables[cable].compliance;
             // Straight through start and stage to the end.
             let carried = compliance * self.tensions[cable] * (1.0 - 1.0 / scheme.place);
             changes[i] = along(&strains) + along(&start) * (scheme.place - 1.0)
                 - self.cables[cable]
                 - carried;
-            for (j, (_, response)) in responses.iter().enumerate() {
+            for (j, (_, response)) in unknowns.iter().zip(&responses) {
                 matrix[i * n + j] = -along(response);
             }
             matrix[i * n + i] += compliance / scheme.place;
+        }
+        for (row, i) in touching.rows.iter().zip(taut.len()..) {
+            changes[i] = row.by_stage(&strains) + row.by_start(&start);
+            for (j, by) in &row.unknowns {
+                matrix[i * n + taut.len() + j] -= by;
+            }
+            for (j, (_, response)) in unknowns.iter().zip(&responses) {
+                matrix[i * n + j] -= row.by_stage(response);
+            }
         }
         let yields = |i: usize, j: usize, by: f64| matrix[i * n + j] += by;
         lengths.drives.add_lengths(scheme, &taut, &stage.tensions, |_, _| (), yields);
@@ -156,6 +175,7 @@ impl StageTangent {
                 0.0
             };
         }
+        let changes: Vec<f64> = unknowns.iter().map(|j| changes[*j]).collect();
         add_responses(&mut velocities, &mut strains, &responses, &changes);
         (self.velocities, self.strains) = (velocities, strains);
         Ok(())
@@ -405,12 +425,8 @@ fn add_responses(
     changes: &[f64],
 ) {
     for ((of_velocities, of_strains), change) in responses.iter().zip(changes) {
-        for (out, of) in velocities.iter_mut().zip(of_velocities) {
-            *out = *out + *of * *change;
-        }
-        for (out, of) in strains.iter_mut().zip(of_strains) {
-            *out = *out + *of * *change;
-        }
+        add(velocities, of_velocities, *change);
+        add(strains, of_strains, *change);
     }
 }
 

@@ -180,24 +180,36 @@ impl Plan {
     }
 
     /// Ticks with a step that is the same on all axes, but for a short axis on which there would be
-    /// too few: it has a finer one where its labels fit.
+    /// too few: it has a finer one where its labels fit. Of labels that touch some are left out.
     fn labels_of(&self, axis: usize, vertical: bool) -> Vec<(f64, String)> {
         let range = self.ranges[axis];
+        let fit = |of: &[(f64, String)]| {
+            let widths = of.iter().map(|(_, text)| font::width(text, TICK_SIZE, false));
+            let widest = widths.fold(0.0, f64::max);
+            let size = if vertical { TICK_SIZE } else { widest };
+            // Finer ticks may have a decimal or a sign more than the margin has room for.
+            let in_margin = !vertical || widest <= self.margin - LEFT;
+            let apart = |w: &[(f64, String)]| self.scale * (w[1].0 - w[0].0);
+            in_margin && of.windows(2).all(|w| apart(w) >= size + LEAST_GAP)
+        };
         let common = labels(range, self.tick);
-        if common.len() >= FEWEST {
+        if common.len() >= FEWEST && fit(&common) {
             return common;
         }
-        let fitting =
-            [0.2, 0.5].map(|share| labels(range, share * self.tick)).into_iter().find(|finer| {
-                let widths = finer.iter().map(|(_, text)| font::width(text, TICK_SIZE, false));
-                let widest = widths.fold(0.0, f64::max);
-                let size = if vertical { TICK_SIZE } else { widest };
-                // Finer ticks may have a decimal or a sign more than the margin has room for.
-                let in_margin = !vertical || widest <= self.margin - LEFT;
-                let apart = |w: &[(f64, String)]| self.scale * (w[1].0 - w[0].0);
-                in_margin && finer.windows(2).all(|w| apart(w) >= size + LEAST_GAP)
-            });
-        fitting.unwrap_or(common)
+        let finer = [0.2, 0.5].map(|share| labels(range, share * self.tick));
+        if common.len() < FEWEST
+            && let Some(finer) = finer.into_iter().find(|finer| fit(finer))
+        {
+            return finer;
+        }
+        // Those that are left are as far apart as before from zero, or from the first.
+        let zero = common.iter().position(|(value, _)| *value == 0.0).unwrap_or(0);
+        let every = |n: usize| {
+            let kept = common.iter().enumerate().filter(|(i, _)| i.abs_diff(zero) % n == 0);
+            kept.map(|(_, label)| label.clone()).collect::<Vec<_>>()
+        };
+        let thinned = (1..common.len()).map(every);
+        thinned.into_iter().find(|of| of.len() > 1 && fit(of)).unwrap_or(common.clone())
     }
 
     fn draw_axes(

@@ -318,7 +318,10 @@ impl Motions {
                 strains: (0..points).map(|q| twist(&strain, k, q)).collect(),
             };
             let seeds: Vec<Seed> = (0..=steps).map(seed).collect();
-            Ok::<_, MotionError>((simulation.gradient(&record, &seeds)?, record.one_sided().to_vec()))
+            Ok::<_, MotionError>((
+                simulation.gradient(&record, &seeds)?,
+                record.one_sided().to_vec(),
+            ))
         })?;
         if found.len() < rows {
             return Err(errors::timed_out(py, "the gradients were ended".to_owned(), None));
@@ -383,7 +386,10 @@ impl Motions {
             let mut direction =
                 Gradient { factors: Factors { stiffness, damping, mass }, ..Gradient::default() };
             *actuation.of_mut(&mut direction) = told;
-            Ok::<_, MotionError>((simulation.tangent(&record, &direction)?, record.one_sided().to_vec()))
+            Ok::<_, MotionError>((
+                simulation.tangent(&record, &direction)?,
+                record.one_sided().to_vec(),
+            ))
         })?;
         if found.len() < rows {
             return Err(errors::timed_out(py, "the changes were ended".to_owned(), None));

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use whipcord::Vec3;
 use whipcord_io::{
     CaseFile, CsvTable, motion_contacts_table, motion_json, motion_table, poses_table,
     warnings_json,
@@ -18,7 +19,7 @@ use crate::warnings::Warnings;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
 use whipcord_study::motors::{command_words, effort_words};
-use whipcord_study::quantity::{fixed_millimetres, millimetres, newtons, number, vector};
+use whipcord_study::quantity::{fixed_millimetres, millimetres, newtons, number};
 use whipcord_study::style::Style;
 use whipcord_study::table::{Align, Table};
 
@@ -159,8 +160,12 @@ fn summary(args: &SimulateArgs, file: &CaseFile, trajectory: &Trajectory, style:
         let number = trajectory.frictionless_parts;
         line("contact", format!("{number} parts without friction, which had no answer with it"));
     }
-    line("start", vector(first.tip().position));
-    line("end", vector(last.tip().position));
+    let tip = |position: Vec3| {
+        let [x, y, z] = position.to_array().map(|metres| fixed_millimetres(metres, 2));
+        format!("tip at ({x}, {y}, {z}) mm")
+    };
+    line("start", tip(first.tip().position));
+    line("end", tip(last.tip().position));
     let farthest = trajectory
         .states
         .iter()

@@ -216,7 +216,12 @@ const WAYS: [(ModelKind, Method); 4] = [
 const CONSERVING: [(ModelKind, Method); 2] =
     [(ModelKind::Cosserat, Method::Energy), (ModelKind::CosseratDisks, Method::Energy)];
 
-fn by_tensions(way: (ModelKind, Method), stiffness: f64, mass: f64, damping: f64) -> Problem {
+pub(super) fn by_tensions(
+    way: (ModelKind, Method),
+    stiffness: f64,
+    mass: f64,
+    damping: f64,
+) -> Problem {
     let (model, method) = way;
     let commands = (0..STEPS).map(|k| Commands::tensions(&[2.0 + weight(k), 1.5 - weight(k)]));
     Problem {
@@ -510,7 +515,7 @@ fn gradients_by_motors_with_inertia_are_those_of_differences() {
     }
 }
 
-/// An obstacle that is not touched changes nothing; of one that is, the time is named.
+/// An obstacle that is not touched changes nothing; of one that is hit, the time is named.
 #[test]
 fn gradients_beside_obstacles_are_those_without_them() {
     let mut problem = by_tensions((ModelKind::Cosserat, Method::Accurate), 1.0, 1.0, 1.0);
@@ -527,6 +532,7 @@ fn gradients_beside_obstacles_are_those_without_them() {
     }
     let mut simulation = problem.simulation();
     let commands = vec![Commands::tensions(&[2.0, 7.0]), Commands::tensions(&[2.0, 7.0])];
+    // The time of an impact divides the step.
     let refused = (0..30).find_map(|_| simulation.record(&commands, DT).err()).unwrap();
     assert!(matches!(refused, MotionError::NotSmooth { .. }), "{refused}");
 }

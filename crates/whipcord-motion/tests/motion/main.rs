@@ -15,6 +15,7 @@ mod energy;
 mod free;
 mod friction;
 mod gradient;
+mod gradient_contact;
 mod gradient_friction;
 mod invariance;
 mod lengths;

@@ -197,6 +197,12 @@ pub(super) fn course(
         times.push(time);
         values.push(value);
     }
+    // Rows that cannot be read are missing in the list, and reported.
+    let is_list =
+        matches!(&reader.document.locate(path).value, Value::List(all) if !all.is_empty());
+    if rows.is_empty() && is_list {
+        return None;
+    }
     match Course::table(times, values) {
         Ok(course) => Some((course, kind.unwrap_or(plain))),
         Err(MotionError::Course { row, problem }) => {

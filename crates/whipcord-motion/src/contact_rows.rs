@@ -1,0 +1,335 @@
+//! The equations of contacts beside the linearised stage, for derivatives over motions, section "Gradients" of the page on motion.
+//!
+//! Each contact that pushes has its push on the section as six unknowns and its forces in the lines as further ones, so that a push may change with the pose of the section
+//! as stiffly as it will.
+
+use whipcord::contact::body::{along, tangents};
+use whipcord::{Obstacle, Wrench};
+use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
+
+use crate::block::{add, sum};
+use crate::contact::{Contact, in_section};
+use crate::contacts::Contacts;
+use crate::element::{POINTS, pose_at};
+use crate::pose;
+use crate::rod::Rod;
+use crate::scheme::Scheme;
+use crate::stage::Stage;
+use crate::surroundings::{Posed, Station};
+
+/// Displacements of a section: along and about the axes of the base.
+const MOTIONS: usize = 6;
+/// A slip below this part of the length has no direction.
+const LEAST_SLIP: f64 = 1e-13;
+
+/// An equation: what it has for changes of the strains of the stage, of those at the start of the step and of the unknowns of the contacts.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactRow {
+    pub stage: Vec<Twist>,
+    pub start: Vec<Twist>,
+    pub unknowns: Vec<(usize, f64)>,
+}
+
+/// All equations, as many as unknowns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactRows {
+    pub rows: Vec<ContactRow>,
+    /// The unknowns that are a component of a push on a section, each with the nodes that bear it and their weights.
+    pub pushes: Vec<Push>,
+}
+
+/// A unit push along or about an axis of a section.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push {
+    pub unknown: usize,
+    axis: usize,
+    station: Station,
+}
+
+/// What a contact does at a pose of its section.
+struct Doing {
+    /// Gap, then the slip along both tangents.
+    lines: [f64; 3],
+    push: Twist,
+}
+
+/// A contact with the forces in its lines held, at poses of its section.
+struct Held<'a> {
+    contact: Contact,
+    obstacle: &'a Obstacle,
+    tangents: [Vec3; 2],
+    forces: [f64; 3],
+}
+
+fn component(of: &Twist, i: usize) -> f64 {
+    if i < 3 { of.linear[i] } else { of.angular[i - 3] }
+}
+
+fn unit(axis: usize) -> Twist {
+    let mut out = Twist::default();
+    let part = if axis < 3 { &mut out.linear } else { &mut out.angular };
+    part[axis % 3] = 1.0;
+    out
+}
+
+/// A pose displaced along, or turned about, an axis of the base.
+fn moved(pose: &Pose, axis: usize, by: f64) -> Pose {
+    let motion = unit(axis);
+    let turn = Pose::exp(Twist { linear: Vec3::ZERO, angular: motion.angular * by }).rotation;
+    Pose { position: pose.position + motion.linear * by, rotation: turn * pose.rotation }
+}
+
+impl Held<'_> {
+    fn at(&self, start: &Pose, end: &Pose) -> Doing {
+        let mut contact = self.contact;
+        contact.start = *start;
+        contact.look(self.obstacle, end);
+        let (nearest, rounding) = (contact.nearest, contact.member.body.rounding);
+        let basis = self.tangents.map(|of| along(of, nearest.normal));
+        contact.force = self.forces[0];
+        contact.traction = basis[0] * self.forces[1] + basis[1] * self.forces[2];
+        let slip = nearest.slip(start, end, rounding);
+        let least = match contact.least < 0.0 {
+            true => contact.member.body.at_place(self.obstacle, start, contact.start_place).gap,
+            false => 0.0,
+        };
+        let [x, y] = basis.map(|of| of.dot(slip));
+        Doing { lines: [nearest.gap - least, x, y], push: contact.push() }
+    }
+}
+
+impl Push {
+    /// What it adds to the residual of the equations of motion.
+    pub fn add(&self, out: &mut [Twist]) {
+        for (a, f) in self.station.shapes().into_iter().enumerate() {
+            let node = POINTS * self.station.element + a;
+            out[node] = out[node] - unit(self.axis) * f;
+        }
+    }
+
+    /// The same times multipliers.
+    pub fn work(&self, on: &[Twist]) -> f64 {
+        let nodes = &on[POINTS * self.station.element..];
+        let of = |(f, on): (f64, &Twist)| -f * component(on, self.axis);
+        self.station.shapes().into_iter().zip(nodes).map(of).sum()
+    }
+}
+
+/// The gradient by the strains of the displacement of a section along a wrench, in the frame that the poses are given in.
+fn gradient(shape: &Posed<'_>, station: Station, along: Twist) -> Vec<Twist> {
+    let Posed { rod, strains, poses } = *shape;
+    let mut out = vec![Twist::default(); strains.len()];
+    let (e, h) = (station.element, rod.lengths[station.element]);
+    let (q, x) = (POINTS * e, station.fraction);
+    // From the last node before it on.
+    let from = q + if x < 0.5 {
+        0
+    } else if x < 1.0 {
+        1
+    } else {
+        2
+    };
+    let place = shape.at(station).position;
+    let moment = along.angular + (place - poses[from].position).cross(along.linear);
+    let wrench = |node: usize| match node == from {
+        true => Wrench { force: along.linear, moment },
+        false => Wrench::default(),
+    };
+    pose::work_gradient(rod, strains, poses, wrench, &mut out);
+    if x == 0.0 || x == 0.5 || x == 1.0 {
+        return out;
+    }
+    let own = [strains[q], strains[q + 1]];
+    for k in 0..POINTS {
+        for axis in 0..MOTIONS {
+            let step = if axis < 3 { 1e-6 } else { 1e-6 / rod.length };
+            let at = |by: f64| {
+                let mut points = own;
+                points[k] = points[k] + unit(axis) * by;
+                pose_at(&poses[q..], &points, h, x)
+            };
+            let (above, below) = (at(step), at(-step));
+            let shift = (above.position - below.position) * (0.5 / step);
+            let turn = (above.rotation * below.rotation.conjugate()).log() * (0.5 / step);
+            let change = along.linear.dot(shift) + along.angular.dot(turn);
+            out[q + k] = out[q + k] + unit(axis) * change;
+        }
+    }
+    out
+}
+
+impl Contacts {
+    /// The linearised equations of all contacts that push at the stage that is solved, in the state each of them has.
+    pub fn rows(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) -> ContactRows {
+        let mut out = ContactRows::default();
+        if !self.list.iter().any(|contact| contact.force > 0.0) {
+            return out;
+        }
+        self.refresh(rod, scheme, stage);
+        let mut start_poses = vec![Pose::IDENTITY; rod.nodes.len()];
+        pose::nodes(rod, self.start_base, &stage.start, &mut start_poses);
+        let (strains, poses) = self.end();
+        let end = Posed { rod, strains, poses };
+        let start = Posed { rod, strains: &stage.start, poses: &start_poses };
+        let at_stage = Posed { rod, strains: &stage.strains, poses: &stage.poses };
+        let Some(surroundings) = &self.surroundings else { return out };
+        for contact in self.list.iter().filter(|contact| contact.force > 0.0) {
+            let held = Held {
+                contact: *contact,
+                obstacle: &surroundings.obstacles[contact.obstacle],
+                tangents: tangents(contact.nearest.normal),
+                forces: contact.forces(),
+            };
+            out.add(&held, scheme, (&start, &end, &at_stage));
+        }
+        out
+    }
+}
+
+impl Contacts {
+    /// How far the contacts of the step that was solved last are from another state, in relative terms: a gap or slip as a part of the length, a force as a part of EI/L², and a traction as a
+    /// part of its bound.
+    pub fn margin(&self, rod: &Rod) -> f64 {
+        let unit = rod.points[0].stiffness.d.rows[0].x / (rod.length * rod.length);
+        let of = |contact: &Contact| {
+            let gap = (contact.nearest.gap - contact.least).abs() / rod.length;
+            if contact.force <= 0.0 {
+                return gap;
+            }
+            let most = contact.coefficient * contact.force;
+            let way = match (contact.lines(), contact.sticks) {
+                (1, _) => f64::INFINITY,
+                (_, true) => 1.0 - contact.traction.norm() / most,
+                (_, false) => contact.slip.norm() / rod.length,
+            };
+            way.min(contact.force / unit)
+        };
+        self.list.iter().map(of).fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl ContactRows {
+    pub fn unknowns(&self) -> usize {
+        self.rows.len()
+    }
+
+    fn add(
+        &mut self,
+        held: &Held<'_>,
+        scheme: &Scheme,
+        (start, end, stage): (&Posed<'_>, &Posed<'_>, &Posed<'_>),
+    ) {
+        let contact = &held.contact;
+        let (station, length) = (contact.station, end.rod.length);
+        let poses = [start, end].map(|shape| shape.at(station));
+        // How lines and push change with displacements of the section at the start and at the end of the step.
+        let changes: [[Doing; MOTIONS]; 2] = [0, 1].map(|which| {
+            core::array::from_fn(|axis| {
+                let step = if axis < 3 { 1e-6 * length } else { 1e-6 };
+                let at = |by: f64| {
+                    let mut of = poses;
+                    of[which] = moved(&of[which], axis, by);
+                    held.at(&of[0], &of[1])
+                };
+                let (above, below) = (at(step), at(-step));
+                let per = 0.5 / step;
+                Doing {
+                    lines: [0, 1, 2].map(|i| (above.lines[i] - below.lines[i]) * per),
+                    push: (above.push - below.push) * per,
+                }
+            })
+        });
+        let along_line = |which: usize, line: usize| {
+            let of: [f64; MOTIONS] = core::array::from_fn(|axis| changes[which][axis].lines[line]);
+            wrench(of)
+        };
+        let first = self.rows.len();
+        let line_unknown = |line: usize| first + MOTIONS + line;
+        let rotation: UnitQuaternion = contact.at_stage;
+        let now = contact.push();
+        let world = |of: Vec3| rotation.rotate(of);
+        for axis in 0..MOTIONS {
+            let of_end: [f64; MOTIONS] =
+                core::array::from_fn(|by| -component(&changes[1][by].push, axis));
+            // The push stays while the section turns at the stage.
+            let part = if axis < 3 { now.linear } else { now.angular };
+            let turning = world(unit(axis % 3).linear).cross(world(part)) * -1.0;
+            let of_stage = Twist { linear: Vec3::ZERO, angular: turning };
+            let mut row = ContactRow { unknowns: vec![(first + axis, 1.0)], ..Default::default() };
+            let by_line = [
+                in_section(rotation, contact.nearest.normal, contact.nearest.arm),
+                in_section(rotation, held.tangents[0], lever(contact)),
+                in_section(rotation, held.tangents[1], lever(contact)),
+            ];
+            for (line, by) in by_line.iter().enumerate().take(contact.lines()) {
+                row.unknowns.push((line_unknown(line), -component(by, axis)));
+            }
+            row.take_end(scheme, &gradient(end, station, wrench(of_end)));
+            add(&mut row.stage, &gradient(stage, station, of_stage), 1.0);
+            self.rows.push(row);
+            self.pushes.push(Push { unknown: first + axis, axis, station });
+        }
+        let line_row = |weights: &[(usize, f64)]| {
+            let sum = |which: usize| {
+                weights
+                    .iter()
+                    .fold(Twist::default(), |sum, (line, by)| sum + along_line(which, *line) * *by)
+            };
+            let mut row = ContactRow::default();
+            row.take_end(scheme, &gradient(end, station, sum(1)));
+            for (out, of) in row.start.iter_mut().zip(gradient(start, station, sum(0))) {
+                *out = *out + of;
+            }
+            row
+        };
+        self.rows.push(line_row(&[(0, 1.0)]));
+        if contact.lines() == 1 {
+            return;
+        }
+        let [_, x, y] = held.at(&poses[0], &poses[1]).lines;
+        let size = x.hypot(y);
+        if contact.sticks || size < LEAST_SLIP * length {
+            self.rows.push(line_row(&[(1, 1.0)]));
+            self.rows.push(line_row(&[(2, 1.0)]));
+            return;
+        }
+        // The traction is μ times the force, against the slip.
+        let way = [x / size, y / size];
+        for k in 0..2 {
+            let grip = contact.coefficient * contact.force / size;
+            let own = |j: usize| if j == k { 1.0 } else { 0.0 };
+            let weights = [0, 1].map(|j| (j + 1, grip * (own(j) - way[k] * way[j])));
+            let mut row = line_row(&weights);
+            row.unknowns.push((line_unknown(k + 1), 1.0));
+            row.unknowns.push((line_unknown(0), contact.coefficient * way[k]));
+            self.rows.push(row);
+        }
+    }
+}
+
+fn wrench([a, b, c, d, e, f]: [f64; MOTIONS]) -> Twist {
+    Twist { linear: Vec3::new(a, b, c), angular: Vec3::new(d, e, f) }
+}
+
+fn lever(contact: &Contact) -> Vec3 {
+    contact.nearest.lever(contact.member.body.rounding)
+}
+
+impl ContactRow {
+    /// Takes what it has for changes of the strains at the end of the step.
+    fn take_end(&mut self, scheme: &Scheme, end: &[Twist]) {
+        let by_stage = 1.0 / scheme.place;
+        self.stage = end.iter().map(|of| *of * by_stage).collect();
+        self.start = end.iter().map(|of| *of * (1.0 - by_stage)).collect();
+    }
+
+    /// What it has for changes of the strains of the stage.
+    pub fn by_stage(&self, strains: &[Twist]) -> f64 {
+        sum(&self.stage, strains)
+    }
+
+    /// What it has for changes of the strains at the start of the step.
+    pub fn by_start(&self, strains: &[Twist]) -> f64 {
+        sum(&self.start, strains)
+    }
+}

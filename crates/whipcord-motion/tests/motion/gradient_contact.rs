@@ -1,0 +1,164 @@
+//! Gradients over motions in contact with obstacles against central differences of the same steps.
+
+use whipcord::{Case, Form, ModelKind, Obstacle, Pose, Shortening, Vec3};
+use whipcord_motion::{CableDrive, Commands, Course, Initial, Method, Seed, State};
+
+use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, vector, weight};
+
+const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
+
+/// A robot that leans on a ball, and is pulled so that it goes on to touch it; one command is changed.
+fn problem(model: ModelKind, friction: f64, overlap: f64, command: (usize, usize, f64)) -> Problem {
+    let mut problem = by_tensions((model, Method::Robust), 1.0, 1.0, 1.0);
+    problem.options.loads.clear();
+    problem.commands = (0..STEPS)
+        .map(|k| {
+            let pull = |i: usize| {
+                let by = if command.0 == k && command.1 == i { command.2 } else { 0.0 };
+                [1.0, 0.5][i] + 0.05 * weight(3 * k + i) + by
+            };
+            Commands::tensions(&[pull(0), pull(1)])
+        })
+        .collect();
+    let tip = problem.simulation().state().tip().position;
+    let side = Vec3::new(tip.x, tip.y, 0.0);
+    let side = side * (1.0 / side.norm());
+    // The last disk has a radius of 10 mm.
+    let pose = Pose { position: tip + side * (0.06 - overlap), ..Pose::IDENTITY };
+    let form = Form::Sphere { radius: 0.05 };
+    let ball = Obstacle { name: "ball".to_owned(), form, pose, friction, movable: None };
+    problem.case.obstacles = vec![ball];
+    problem
+}
+
+/// Without friction, sliding, and sticking.
+#[test]
+fn gradients_in_contact_are_those_of_differences() {
+    for model in MODELS {
+        for friction in [0.0, 0.05, 3.0] {
+            let name = format!("{model:?}, {friction}");
+            let base = problem(model, friction, 6e-3, (STEPS, 0, 0.0));
+            let record = base.simulation().record(&base.commands, DT).unwrap();
+            let contacts = record.states.iter().map(|state| state.contacts.len()).min().unwrap();
+            let sticks = record.states.iter().flat_map(|of| &of.contacts).filter(|of| of.sticks);
+            let sticking = sticks.count();
+            assert!(contacts > 0, "{name}");
+            assert!(if friction == 3.0 { sticking > 0 } else { sticking < 3 }, "{name} {sticking}");
+            assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
+            assert!(record.holds_start());
+            let gradient = base.gradient();
+            let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+            for k in 0..STEPS {
+                for i in 0..2 {
+                    let expected =
+                        difference(1e-5, |by| problem(model, friction, 6e-3, (k, i, by)).number());
+                    close(gradient.cables[k][i], expected, scale, &format!("{name}: {k} {i}"));
+                }
+            }
+        }
+    }
+}
+
+/// Beside cables that are driven by their lengths.
+#[test]
+fn gradients_in_contact_by_lengths_are_those_of_differences() {
+    for friction in [0.0, 0.05, 3.0] {
+        let by_lengths = |command: (usize, usize, f64)| {
+            let mut problem = problem(ModelKind::Cosserat, friction, 6e-3, (STEPS, 0, 0.0));
+            // As wound up as under the tensions.
+            let lengths = |problem: &Problem| {
+                let simulation = problem.simulation();
+                [0, 1].map(|i| simulation.state().cables[i].length)
+            };
+            let now = lengths(&problem);
+            let initial = core::mem::replace(&mut problem.options.initial, Initial::Rest);
+            let obstacles = core::mem::take(&mut problem.case.obstacles);
+            let rest = lengths(&problem);
+            (problem.options.initial, problem.case.obstacles) = (initial, obstacles);
+            let start = [0, 1].map(|i| rest[i] - now[i]);
+            let case = Case::with_shortenings(&start.map(Shortening::Length));
+            problem.case = Case { commands: case.commands, ..problem.case };
+            let told = |k: usize| {
+                let drive = |i: usize| {
+                    let by = if (k, i) == (command.0, command.1) { command.2 } else { 0.0 };
+                    let shortening = start[i] + 5e-5 * weight(3 * k + i) + by;
+                    CableDrive::Shortening(Course::constant(shortening))
+                };
+                Commands::new(vec![drive(0), drive(1)])
+            };
+            problem.commands = (0..STEPS).map(told).collect();
+            problem
+        };
+        let base = by_lengths((STEPS, 0, 0.0));
+        let record = base.simulation().record(&base.commands, DT).unwrap();
+        assert!(record.states.iter().any(|state| !state.contacts.is_empty()), "{friction}");
+        assert!(record.states.iter().any(|state| state.cables[0].tension > 0.0), "{friction}");
+        let gradient = base.gradient();
+        let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+        for k in 0..STEPS {
+            for i in 0..2 {
+                let expected = difference(1e-8, |by| by_lengths((k, i, by)).number());
+                close(gradient.cables[k][i], expected, scale, &format!("{friction}: {k} {i}"));
+            }
+        }
+    }
+}
+
+/// A robot that leaves the obstacle.
+#[test]
+fn gradients_through_a_release_are_those_of_differences() {
+    let released = |command| problem(ModelKind::Cosserat, 0.0, 3e-3, command);
+    let base = released((STEPS, 0, 0.0));
+    let record = base.simulation().record(&base.commands, DT).unwrap();
+    assert!(record.states.last().unwrap().contacts.is_empty());
+    assert!(!record.states[1].contacts.is_empty());
+    let gradient = base.gradient();
+    let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+    for k in 0..STEPS {
+        for i in 0..2 {
+            let expected = difference(1e-5, |by| released((k, i, by)).number());
+            close(gradient.cables[k][i], expected, scale, &format!("{k} {i}"));
+        }
+    }
+}
+
+/// From a state in the middle of a motion.
+#[test]
+fn gradients_in_contact_by_the_start_are_those_of_differences() {
+    for friction in [0.0, 0.05, 3.0] {
+        let problem = problem(ModelKind::Cosserat, friction, 6e-3, (STEPS, 0, 0.0));
+        let (before, after) = problem.commands.split_at(3);
+        let mut simulation = problem.simulation();
+        simulation.record(before, DT).unwrap();
+        let start = simulation.state().clone();
+        let tip = |change: &dyn Fn(&mut State)| {
+            let (mut simulation, mut state) = (simulation.clone(), start.clone());
+            change(&mut state);
+            simulation.set_state(&state).unwrap();
+            let record = simulation.record(after, DT).unwrap();
+            (record.states.last().unwrap().tip().position.dot(vector(1)), record)
+        };
+        let (_, record) = tip(&|_| ());
+        let mut seeds = vec![Seed::default(); record.states.len()];
+        let nodes = start.velocities.len();
+        let mut positions = vec![Vec3::ZERO; nodes];
+        positions[nodes - 1] = vector(1);
+        seeds.last_mut().unwrap().positions = positions;
+        let gradient = problem.simulation().gradient(&record, &seeds).unwrap();
+        let by = |axis: usize, size: f64| {
+            let mut change = Vec3::ZERO;
+            change[axis] = size;
+            change
+        };
+        for axis in 0..3 {
+            let name = format!("{friction} {axis}");
+            let velocity = difference(1e-5, |size| {
+                tip(&|state| state.velocities[5].linear += by(axis, size)).0
+            });
+            close(gradient.velocities[5].linear[axis], velocity, 1e-3, &name);
+            let strain =
+                difference(1e-5, |size| tip(&|state| state.strains[3].angular += by(axis, size)).0);
+            close(gradient.strains[3].angular[axis], strain, 1e-3, &name);
+        }
+    }
+}
