@@ -53,6 +53,7 @@ def test_a_measurement_in_another_frame_is_compared(case: whipcord.Case, tmp_pat
         model_has = found.solution.disks.position
         moved = kabsch(there, model_has)
         assert np.allclose(found.measured.measured, moved, atol=1e-12)
+        assert found.measured.down_weighted == ()
         expected = np.sqrt(np.mean(np.sum((moved - model_has)[1:] ** 2, axis=1)))
         assert found.distance_to_measured == pytest.approx(expected, rel=1e-9)
         assert found.measured.disk == tuple(range(1, 11)) and found.measured.at_base == (True,) + 9 * (False,)

@@ -40,6 +40,7 @@ def test_a_score_has_models_cases_and_rows(scored: Score) -> None:
     errors = np.array([row.error for row in rows], dtype=float)
     assert errors.max() == pytest.approx(best.distance.worst)
     assert best.worst_row is not None and rows[int(errors.argmax())].row == best.worst_row["row"]
+    assert best.down_weighted == 0 and not any(row.down_weighted for row in rows)
     assert scored["four-bar"].distance is None and scored["four-bar"].reasons
     assert "RMS" in repr(scored)
     with pytest.raises(KeyError):

@@ -527,6 +527,7 @@ def distances(
         _Array,
         _Array,
         tuple[list[float], list[float]] | None,
+        list[int],
     ]
     | None
 ): ...

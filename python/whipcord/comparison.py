@@ -45,13 +45,15 @@ class Distances:
     """RMS distance in m over the markers of all steps that are not at the base; None where there are none."""
     motion: tuple[Array, Array] | None
     """The (3,) translation in m and the (4,) quaternion (w, x, y, z) by which the measurement was moved."""
+    down_weighted: tuple[int, ...]
+    """Places in these arrays of the markers that count less in this motion, as they are far off, like jumps of a tracker."""
 
     @classmethod
     def _of(cls, given: tuple[Any, ...]) -> Distances:
-        rms, kinds, measured, model, motion = given
+        rms, kinds, measured, model, motion, lowered = given
         disk, at_base, step, places = zip(*kinds)
         moved = None if motion is None else (np.array(motion[0]), np.array(motion[1]))
-        return cls(disk, at_base, step, np.array(places), measured, model, rms, moved)
+        return cls(disk, at_base, step, np.array(places), measured, model, rms, moved, tuple(lowered))
 
     @property
     def steps(self) -> int:

@@ -203,6 +203,9 @@ class Suspect:
     """Standard deviation of that."""
     share: float
     """Part of the sum of squares that its estimate would take away, to first order."""
+    alike: Sequence[Mapping[str, Any]]
+    """Where it stands out, the same numbers of other cables that the measurements hardly tell from it, such as that of an antagonist. Each has
+    its path, ``parameter``, and ``same_way``, whether it would be off the same way."""
     confirmed: Mapping[str, Any] | None
     """Where it stands out from the other cables: change, deviation and RMS distance without and with it, by a fit."""
 

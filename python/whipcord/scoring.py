@@ -45,6 +45,8 @@ class RowScore:
     """Its key there."""
     status: str
     """``"solved"``, ``"least-squares"`` (cable lengths that contradict each other), ``"unstable"``, ``"failed"`` or ``"not compared"``."""
+    down_weighted: bool
+    """Whether the row counts less in the rigid motion of the measurement, as it is far off."""
     reason: str | None
     """Why there is no answer."""
     error: float | None
@@ -73,6 +75,8 @@ class ModelScore:
     """Rows whose answer is unstable."""
     over_determined: int
     """Rows whose cable lengths contradict each other, which are met in the least-squares sense."""
+    down_weighted: int
+    """Rows that count less in the rigid motion of the measurement, as they are far off, like jumps of a tracker."""
     greatest_miss: Mapping[str, Any] | None
     """The cable that misses its length most in these rows: file, row (from 1), cable, and excess in m."""
     markers: int

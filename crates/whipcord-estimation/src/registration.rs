@@ -13,6 +13,16 @@ const SAME_POINT: f64 = 1e-9;
 /// Singular values of the covariance that are below this part of the largest one are rounding.
 const ROUNDING: f64 = 1e-12;
 
+/// Of fewer pairs none can be told to be a jump.
+const FEWEST: usize = 10;
+/// A pair counts less where it is farther apart than this many times the distance that three quarters of them do not exceed: twelve standard
+/// deviations of normal noise.
+const FAR: f64 = 6.0;
+/// Where a greater part of the pairs is so far apart, it is the model that is wrong for some of them: then all count the same.
+const MOST: f64 = 0.1;
+/// Of the search for the weights.
+const ROUNDS: usize = 50;
+
 /// The best rigid motion, and what it leaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Registration {
@@ -104,8 +114,17 @@ impl Alignment {
     }
 }
 
-/// The motion of an alignment, from pairs `[measured, target]` and whether each is on the base; `None` where
-/// nothing is to be moved. Of turns that the pairs leave open it takes the least.
+/// The motion of an alignment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Aligned {
+    /// Takes a measured point to the answer; `None` where nothing is to be moved.
+    pub motion: Option<Pose>,
+    /// Numbers of the pairs that count less than the others, as they are far off: [`register_robustly`].
+    pub lowered: Vec<usize>,
+}
+
+/// The motion of an alignment, from pairs `[measured, target]` and whether each is on the base. Of turns that the pairs leave open it takes the
+/// least; pairs that are far off count less.
 ///
 /// # Errors
 /// [`RegistrationError`] where there are too few points, or what they leave open is not a turn about their
@@ -113,24 +132,32 @@ impl Alignment {
 pub fn align(
     pairs: impl IntoIterator<Item = ([Vec3; 2], bool)>,
     alignment: Alignment,
-) -> Result<Option<Pose>, RegistrationError> {
-    let pairs = pairs.into_iter().filter(|(_, at_base)| alignment == Alignment::Rigid || *at_base);
-    let pairs: Vec<[Vec3; 2]> = pairs.map(|(pair, _)| pair).collect();
-    match (alignment, pairs.as_slice()) {
-        (Alignment::None, _) => Ok(None),
-        // One point on the base says where the base is, and nothing of how it is turned; the same point measured
-        // in several steps says no more.
-        (Alignment::Base, [[_, first], ..])
-            if pairs.iter().all(|[_, target]| (*target - *first).norm() <= SAME_POINT) =>
-        {
-            let shifts = pairs.iter().map(|[measured, target]| *target - *measured);
-            let sum = shifts.fold(Vec3::ZERO, |sum, shift| sum + shift);
-            Ok(Some(Pose { position: sum / pairs.len() as f64, ..Pose::IDENTITY }))
-        }
-        (Alignment::Base | Alignment::Rigid, pairs) => {
-            Ok(Some(register_by_least_turn(pairs)?.motion))
-        }
+) -> Result<Aligned, RegistrationError> {
+    if alignment == Alignment::None {
+        return Ok(Aligned::default());
     }
+    let counts = |at_base: bool| alignment == Alignment::Rigid || at_base;
+    let own = pairs.into_iter().enumerate().filter(|(_, (_, at_base))| counts(*at_base));
+    let (numbers, pairs): (Vec<usize>, Vec<[Vec3; 2]>) =
+        own.map(|(number, (pair, _))| (number, pair)).unzip();
+    // One point on the base says where the base is, and nothing of how it is turned; the same point measured
+    // in several steps says no more.
+    let is_one_point = |[_, first]: &[Vec3; 2]| {
+        pairs.iter().all(|[_, target]| (*target - *first).norm() <= SAME_POINT)
+    };
+    let (motion, lowered) =
+        match alignment == Alignment::Base && pairs.first().is_some_and(is_one_point) {
+            true => robustly(&pairs, |weights| Ok(shift(&pairs, weights)))?,
+            false => robustly(&pairs, |weights| Ok(fit(&pairs, weights, 2)?.motion))?,
+        };
+    Ok(Aligned { motion: Some(motion), lowered: lowered.iter().map(|k| numbers[*k]).collect() })
+}
+
+/// The shift alone that brings the pairs nearest to one another.
+fn shift(pairs: &[[Vec3; 2]], weights: &[f64]) -> Pose {
+    let weighted = pairs.iter().zip(weights);
+    let sum = weighted.fold(Vec3::ZERO, |sum, ([from, to], weight)| sum + (*to - *from) * *weight);
+    Pose { position: sum / weights.iter().sum::<f64>(), ..Pose::IDENTITY }
 }
 
 fn rounded(component: f64) -> f64 {
@@ -156,7 +183,7 @@ fn rounded(component: f64) -> f64 {
 /// # Errors
 /// [`RegistrationError`] where there are too few points, or they do not fix the motion.
 pub fn register(pairs: &[[Vec3; 2]]) -> Result<Registration, RegistrationError> {
-    let found = fit(pairs, 3)?;
+    let found = fit(pairs, &vec![1.0; pairs.len()], 3)?;
     if found.turn_deviation.is_none() {
         return Err(RegistrationError::FreeTurn { axis: found.axis });
     }
@@ -170,19 +197,126 @@ pub fn register(pairs: &[[Vec3; 2]]) -> Result<Registration, RegistrationError> 
 /// [`RegistrationError`] where there are too few points, or what they leave open is not a turn about their
 /// line.
 pub fn register_by_least_turn(pairs: &[[Vec3; 2]]) -> Result<Registration, RegistrationError> {
-    fit(pairs, 2)
+    fit(pairs, &vec![1.0; pairs.len()], 2)
 }
 
-fn fit(pairs: &[[Vec3; 2]], least: usize) -> Result<Registration, RegistrationError> {
+/// As [`register_by_least_turn`], with the numbers of the pairs that count less than the others because they are far off, as where a tracker
+/// jumps: eq. (r5) of `docs/theory/cameras.md`. Where none is, it is the motion of least squares. The root mean square distance is weighted too.
+///
+/// # Errors
+/// As [`register_by_least_turn`].
+pub fn register_robustly(
+    pairs: &[[Vec3; 2]],
+) -> Result<(Registration, Vec<usize>), RegistrationError> {
+    let mut last = None;
+    let (_, lowered) = robustly(pairs, |weights| {
+        let found = fit(pairs, weights, 2)?;
+        let motion = found.motion;
+        last = Some(found);
+        Ok(motion)
+    })?;
+    // The last fit is that of the weights in the end, but for those where all count the same after all.
+    match last {
+        Some(found) if !lowered.is_empty() => Ok((found, lowered)),
+        _ => Ok((register_by_least_turn(pairs)?, lowered)),
+    }
+}
+
+/// The distance that this part of the distances does not exceed; 0 of none.
+fn exceeded(distances: &[f64], part: f64) -> f64 {
+    let mut sorted = distances.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1);
+    sorted.get(((sorted.len() as f64 * part) as usize).min(last)).copied().unwrap_or(0.0)
+}
+
+/// The distance beyond which one is far off.
+pub(crate) fn far_limit(distances: &[f64]) -> f64 {
+    FAR * exceeded(distances, 0.75)
+}
+
+/// The numbers of those that are far off; none where they are too few to tell, or so many that it is the model that is wrong for some.
+pub(crate) fn far_off(distances: &[f64], limit: f64) -> Vec<usize> {
+    let far: Vec<usize> = (0..distances.len()).filter(|k| distances[*k] > limit).collect();
+    let count = distances.len();
+    let are_few = far.len() as f64 <= MOST * count as f64;
+    if count < FEWEST || !are_few { Vec::new() } else { far }
+}
+
+/// The motion of the pairs, and the numbers of those whose weight is lowered, from the motion of pairs with given weights.
+fn robustly(
+    pairs: &[[Vec3; 2]],
+    mut motion_of: impl FnMut(&[f64]) -> Result<Pose, RegistrationError>,
+) -> Result<(Pose, Vec<usize>), RegistrationError> {
+    let count = pairs.len();
+    let mut weights = vec![1.0; count];
+    let squares = motion_of(&weights)?;
+    if count < FEWEST {
+        return Ok((squares, Vec::new()));
+    }
+    let apart = |motion: &Pose| -> Vec<f64> {
+        pairs.iter().map(|[from, to]| (motion.transform(*from) - *to).norm()).collect()
+    };
+    // Jumps move the motion of least squares and hide behind that: first each counts by its distance alone where it is more than the median.
+    let mut motion = squares;
+    for _ in 0..ROUNDS {
+        let distances = apart(&motion);
+        let median = exceeded(&distances, 0.5);
+        for (weight, distance) in weights.iter_mut().zip(&distances) {
+            *weight = if *distance > median { median / distance } else { 1.0 };
+        }
+        // What the weights leave open tells of no jumps.
+        let Ok(next) = motion_of(&weights) else { return Ok((squares, Vec::new())) };
+        let moved =
+            apart(&next).iter().zip(&distances).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        motion = next;
+        if moved <= 1e-3 * median {
+            break;
+        }
+    }
+    // Then all that are near count the same.
+    let limit = far_limit(&apart(&motion));
+    let mut lowered = Vec::new();
+    for _ in 0..ROUNDS {
+        let distances = apart(&motion);
+        let before = weights.clone();
+        for (weight, distance) in weights.iter_mut().zip(&distances) {
+            *weight = if *distance > limit { (limit / distance).powi(2) } else { 1.0 };
+        }
+        lowered = far_off(&distances, limit);
+        if lowered.is_empty() {
+            return Ok((squares, Vec::new()));
+        }
+        let Ok(next) = motion_of(&weights) else { return Ok((squares, Vec::new())) };
+        motion = next;
+        if weights.iter().zip(&before).all(|(a, b)| (a - b).abs() <= 1e-9) {
+            break;
+        }
+    }
+    Ok((motion, lowered))
+}
+
+fn fit(
+    pairs: &[[Vec3; 2]],
+    weights: &[f64],
+    least: usize,
+) -> Result<Registration, RegistrationError> {
     let given = pairs.len();
     if given < least {
         return Err(RegistrationError::TooFew { given, least });
     }
     check(pairs)?;
-    let weight = 1.0 / given as f64;
-    let mean = |side: usize| pairs.iter().fold(Vec3::ZERO, |sum, pair| sum + pair[side]) * weight;
+    let weight = weights.iter().sum::<f64>().recip();
+    let mean = |side: usize| {
+        let weighted = pairs.iter().zip(weights);
+        weighted.fold(Vec3::ZERO, |sum, (pair, own)| sum + pair[side] * *own) * weight
+    };
     let centres = [mean(0), mean(1)];
-    let centred = || pairs.iter().map(|pair| [pair[0] - centres[0], pair[1] - centres[1]]);
+    // Each with the root of its weight, whose squares count.
+    let centred = || {
+        let weighted = pairs.iter().zip(weights);
+        weighted.map(|(pair, own)| [0, 1].map(|side| (pair[side] - centres[side]) * own.sqrt()))
+    };
     // Each side in a unit of its own, so that no square leaves the range of numbers.
     let spreads = [0, 1].map(|side| {
         let largest = centred().map(|pair| pair[side].max_abs()).fold(0.0, f64::max);
@@ -214,7 +348,7 @@ fn fit(pairs: &[[Vec3; 2]], least: usize) -> Result<Registration, RegistrationEr
     let motion = Pose { position: centres[1] - rotation.rotate(centres[0]), rotation };
     let residuals: Vec<f64> =
         pairs.iter().map(|[from, to]| (motion.transform(*from) - *to).norm()).collect();
-    let squares: f64 = residuals.iter().map(|r| r * r).sum();
+    let squares: f64 = residuals.iter().zip(weights).map(|(r, own)| r * r * own).sum();
     let across = widths[1].0 * spreads[1] / weight.sqrt();
     let freedoms = (3 * given).saturating_sub(6).max(1) as f64;
     Ok(Registration {

@@ -121,13 +121,14 @@ fn observation(of: Seeing) -> Observation {
 }
 
 /// RMS distance in m; for each marker the number of its disk, from 1, whether it is at the base, its step, from 1, and
-/// its arc length in m; its (k, 3) places as measured and moved, and of the answers; the motion.
+/// its arc length in m; its (k, 3) places as measured and moved, and of the answers; the motion; numbers of the markers that count less in it.
 type Apart<'py> = (
     Option<f64>,
     Vec<(Option<usize>, bool, usize, f64)>,
     Bound<'py, PyArray2<f64>>,
     Bound<'py, PyArray2<f64>>,
     Option<([f64; 3], [f64; 4])>,
+    Vec<usize>,
 );
 
 /// How far the answers to all steps are from what was measured in space; None where nothing was.
@@ -148,7 +149,7 @@ pub fn distances<'py>(
     });
     let found = found.map_err(|error| errors::input(py, "measured", error.to_string()))?;
     let Some(found) = found else { return Ok(None) };
-    let Distances { markers, motion } = &found;
+    let Distances { markers, motion, lowered } = &found;
     let kinds = markers
         .iter()
         .map(|marker| (marker.disk, marker.at_base, marker.step + 1, marker.arc_length))
@@ -156,5 +157,5 @@ pub fn distances<'py>(
     let seen = array(py, flat(markers.iter().map(|marker| marker.measured)), [markers.len(), 3])?;
     let there = array(py, flat(markers.iter().map(|marker| marker.model)), [markers.len(), 3])?;
     let motion = motion.map(|Pose { position, rotation }| (position.to_array(), rotation.wxyz()));
-    Ok(Some((found.rms(), kinds, seen, there, motion)))
+    Ok(Some((found.rms(), kinds, seen, there, motion, lowered.clone())))
 }

@@ -1,7 +1,7 @@
 //! Whether measurements were given in a left-handed frame, or with two columns swapped.
 
 use whipcord::Vec3;
-use whipcord_estimation::registration::register_by_least_turn;
+use whipcord_estimation::registration::register_robustly;
 
 use crate::quantity::millimetres;
 use crate::remark::Remark;
@@ -16,7 +16,7 @@ pub(crate) fn mirrored(pairs: impl Iterator<Item = [Vec3; 2]>) -> Option<[f64; 2
         |&[measured, model]: &[Vec3; 2]| [Vec3::new(-measured.x, measured.y, measured.z), model];
     let reversed: Vec<[Vec3; 2]> = direct.iter().map(mirror).collect();
     let [whole, rest] =
-        [register_by_least_turn(&direct).ok()?.rms, register_by_least_turn(&reversed).ok()?.rms];
+        [register_robustly(&direct).ok()?.0.rms, register_robustly(&reversed).ok()?.0.rms];
     (rest < MUCH * whole).then_some([whole, rest])
 }
 

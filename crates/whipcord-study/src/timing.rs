@@ -33,6 +33,13 @@ pub struct TimedSolution {
 const REPEATS: usize = 101;
 /// unless that takes longer.
 const BUDGET: Duration = Duration::from_millis(10);
+/// What the repeats of a model may take over all cases: the median over so many cases needs no repeats of each.
+const BUDGET_OF_ALL: Duration = Duration::from_millis(200);
+
+/// How long the time of one model may be measured on one of so many cases.
+pub fn budget(cases: usize) -> Duration {
+    BUDGET.min(BUDGET_OF_ALL / u32::try_from(cases.max(1)).unwrap_or(u32::MAX))
+}
 
 /// Solves a case: a single step from cold, several times for its time's sake; several steps once, each
 /// from where the one before left the robot.
@@ -45,7 +52,20 @@ pub fn solve(
     robot: &Robot,
     case: &Case,
 ) -> Result<TimedSolution, (usize, SolveError)> {
-    let (prepared, build) = measure(BUDGET, REPEATS, || model.prepare(robot, &case.loads));
+    solve_within(BUDGET, model, robot, case)
+}
+
+/// As [`solve`], with repeats only as long as this [`budget`] lasts.
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_within(
+    budget: Duration,
+    model: &Model,
+    robot: &Robot,
+    case: &Case,
+) -> Result<TimedSolution, (usize, SolveError)> {
+    let (prepared, build) = measure(budget, REPEATS, || model.prepare(robot, &case.loads));
     let mut prepared = prepared.map_err(|error| (0, error))?;
     let mut steps = Vec::new();
     if !case.before.is_empty() {
@@ -59,7 +79,7 @@ pub fn solve(
         let solve = Timing { median: *time, repeats: 1 };
         return Ok(TimedSolution { solution: solution.clone(), solve, build, steps });
     }
-    let (solution, solve) = measure(BUDGET, REPEATS, || prepared.solve(case, None));
+    let (solution, solve) = measure(budget, REPEATS, || prepared.solve(case, None));
     let solution = solution.map_err(|error| (0, error))?;
     Ok(TimedSolution { solution, solve, build, steps })
 }

@@ -26,6 +26,7 @@ use whipcord_study::html::{Figure, page};
 use whipcord_study::model_benchmark::reference::Choice;
 use whipcord_study::model_benchmark::results::Results;
 use whipcord_study::model_benchmark::{self, Subject};
+use whipcord_study::score::figures::figures as score_figures;
 use whipcord_study::score::{Score, Subject as Scored, output};
 use whipcord_study::style::Style;
 use whipcord_study::suite::{self, Suite, SuiteCase};
@@ -149,12 +150,13 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     let stems = unique_names(cases.iter().map(|case| case.path.as_path()));
     let progress = progress::bar(2 * cases.len());
     let kinds = kinds(args);
+    let count = cases.len();
     let studies: Vec<Study> = cases
         .into_iter()
         .zip(stems)
         .map(|(case, stem)| {
             progress.set_message(case.title.clone());
-            let study = Study::new(case, stem, &kinds, &deadline::cancel());
+            let study = Study::new(case, stem, &kinds, count, &deadline::cancel());
             progress.inc(1);
             study
         })
@@ -194,8 +196,15 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     };
     let mut accuracy = accuracy;
     if let Some(score) = &score {
+        let drawn = match args.no_figures {
+            true => Vec::new(),
+            false => score_figures(score).map_err(|error| plot_failure(folder.path(), &error))?,
+        };
+        for figure in &drawn {
+            folder.write(&format!("measured-{}.svg", figure.name), &figure.svg)?;
+        }
         accuracy += "<section id=\"measurements\"><h2>Against the measurements</h2>\n";
-        accuracy += &whipcord_study::score::report::section(score, &[]);
+        accuracy += &whipcord_study::score::report::section(score, &drawn);
         accuracy += "</section>\n";
         folder.write_table("score.csv", &output::summary_csv(score))?;
         folder.write_table("rows.csv", &output::rows_csv(score))?;

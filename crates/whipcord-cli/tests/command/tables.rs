@@ -265,9 +265,67 @@ fn other_verbs_take_rows_as_steps() {
         compared.contains("Against the measurements") && compared.contains("worst row"),
         "{compared}"
     );
+    // With the pictures of a score.
+    let report = fs::read_to_string(out.path().join("report.html")).unwrap();
+    for (picture, caption) in [
+        ("command-1", "Error against command"),
+        ("rows", "Error of each row"),
+        ("worst-1", "cosserat-disks"),
+    ] {
+        assert!(out.path().join(format!("measured-{picture}.svg")).exists(), "{picture}");
+        assert!(report.contains(caption), "{caption}");
+    }
     let json = succeed(&["compare", ARM, "--model", "cosserat-disks", "--json", "--out", folder]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert!(json["score"]["models"][0]["distance"]["rms"].as_f64().unwrap() > 5e-4);
+}
+
+/// A tracker that jumps in three rows tilts the motion of the others by nothing.
+#[test]
+fn jumps_of_a_tracker_count_less() {
+    let out = tempfile::tempdir().unwrap();
+    let seen = fs::read_to_string(root().join("examples/motor-log/tracker.csv")).unwrap();
+    let jumped: Vec<String> = seen
+        .lines()
+        .map(|line| {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            if ["r9", "r20", "r47"].contains(&cells[0].as_str()) {
+                let x: f64 = cells[1].parse().unwrap();
+                cells[1] = format!("{:.2}", x + 60.0);
+            }
+            cells.join(",")
+        })
+        .collect();
+    let path = out.path().join("jumped.csv");
+    fs::write(&path, jumped.join("\n")).unwrap();
+    let folder = out.path().join("score");
+    let of = |more: &[&str]| {
+        let mut args = vec!["score", ARM, "--model", "cosserat-disks", "--no-figures"];
+        args.extend(["--out", folder.to_str().unwrap()]);
+        args.extend(more);
+        succeed(&args)
+    };
+    let set = format!("measured.table={}", path.display());
+    let model = |text: &str| {
+        let json: serde_json::Value = serde_json::from_str(text).unwrap();
+        json["files"][0]["models"][0].clone()
+    };
+    let (clean, tilted) =
+        (model(&of(&["--json"])), model(&of(&["--json", "--rows", "--set", &set])));
+    assert_eq!(
+        (clean["down_weighted"].as_u64(), tilted["down_weighted"].as_u64()),
+        (Some(0), Some(3))
+    );
+    let rows = tilted["rows_scored"].as_array().unwrap().iter();
+    let named =
+        rows.filter(|row| row["down_weighted"] == true).map(|row| row["key"].as_str().unwrap());
+    assert_eq!(named.collect::<Vec<_>>(), ["r9", "r20", "r47"]);
+    let median = |of: &serde_json::Value| of["distance"]["median"].as_f64().unwrap();
+    assert!((median(&tilted) / median(&clean) - 1.0).abs() < 0.05, "{clean} {tilted}");
+    assert!(tilted["distance"]["rms"].as_f64().unwrap() > 10.0 * median(&clean));
+    let text = of(&["--set", &set]);
+    assert!(text.contains("rows that count less in this motion"), "{text}");
+    assert!(text.contains("cosserat-disks 3 (r9, …)"), "{text}");
 }
 
 #[test]

@@ -30,6 +30,8 @@ pub(super) struct Fitted {
 /// How often noise and unknowns are estimated in turn, and how near two estimates of the noise are then.
 const ROUNDS: usize = 30;
 const NEAR: f64 = 1e-4;
+/// As near to both a robust fit comes before its own loss counts, of the noise and of the deviation of the estimates.
+const FIRST: f64 = 0.1;
 /// Of what is normally distributed, the deviation is this many times the median of the sizes.
 const MEDIAN: f64 = 1.482_602_218_505_602;
 
@@ -68,41 +70,50 @@ pub(super) fn fit(
         });
     }
     let least = LEAST * problem.extent();
-    let mut noise = if priors == 0 {
+    if squares && priors == 0 {
         // Least squares do not depend on the noise.
         let negligible = Negligible::PartOfCost(squared / freedom);
         let options = Options { negligible, ..options.clone() };
         let outcome = run(problem, x, &options, Loss::Squares, workspace)?;
         let sum = 2.0 * outcome.cost;
         let noise = (sum / freedom).sqrt();
-        if squares || noise <= least {
-            let count = seen as f64;
-            return Ok(Fitted {
-                outcome,
-                noise,
-                is_estimated: true,
-                unit: 1.0,
-                freedom,
-                spread: noise * noise,
-                deviance: (noise > least).then(|| count * ((sum / count).ln() + 1.0)),
-            });
-        }
-        level(&workspace.residuals()[..seen], freedom, squares)
-    } else {
-        let mut residuals = vec![0.0; problem.count()];
-        let searched = problem.searched(x);
-        problem.residuals(&searched, &mut residuals).map_err(IdentifyError::NoAnswerAtStart)?;
-        level(&residuals[..seen], freedom, true)
-    };
+        let count = seen as f64;
+        return Ok(Fitted {
+            outcome,
+            noise,
+            is_estimated: true,
+            unit: 1.0,
+            freedom,
+            spread: noise * noise,
+            deviance: (noise > least).then(|| count * ((sum / count).ln() + 1.0)),
+        });
+    }
+    let mut residuals = vec![0.0; problem.count()];
+    let searched = problem.searched(x);
+    problem.residuals(&searched, &mut residuals).map_err(IdentifyError::NoAnswerAtStart)?;
+    let mut noise = level(&residuals[..seen], freedom, squares);
+    // Least squares would be led away by what is far off, and a loss that hardly counts that may keep to the rows that are near at the start:
+    // first it is Huber's, as near to the minimum as the noise is known.
+    let near = Options { negligible: Negligible::Cost(0.5 * FIRST * FIRST), ..options.clone() };
+    let mut is_first = !squares;
     let mut rounds = 0;
     loop {
         noise = noise.max(least);
         problem.set_noise(noise);
-        let mut outcome = run(problem, x, &of_noise, loss, workspace)?;
+        let (own, options) = match is_first {
+            true => (Robustness::Huber.loss(), &near),
+            false => (loss, &of_noise),
+        };
+        let mut outcome = run(problem, x, options, own, workspace)?;
         let residuals = workspace.residuals();
         let next = (noise * level(&residuals[..seen], freedom, squares)).max(least);
         let is_settled = (next / noise - 1.0).abs() < NEAR;
         rounds += 1;
+        if is_first {
+            is_first = (next / noise - 1.0).abs() > FIRST && rounds < ROUNDS / 2;
+            noise = next;
+            continue;
+        }
         if !is_settled && rounds < ROUNDS {
             noise = next;
             continue;

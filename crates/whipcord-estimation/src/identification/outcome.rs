@@ -145,6 +145,12 @@ pub struct Residual {
 }
 
 impl Residual {
+    /// Whether a robust loss counts it for next to nothing.
+    #[must_use]
+    pub fn is_outlier(&self) -> bool {
+        self.weight < 0.1
+    }
+
     /// How far off, in m or pixels.
     #[must_use]
     pub fn distance(&self) -> f64 {

@@ -188,13 +188,13 @@ fn place(
             continue;
         }
         let alignment = into[e].alignment;
-        let motion = align(pairs.iter().copied(), alignment).map_err(|error| {
+        let aligned = align(pairs.iter().copied(), alignment).map_err(|error| {
             match none.take().filter(|_| pairs.is_empty()) {
                 Some((experiment, reason)) => IdentifyError::no_answer(experiment, reason),
                 None => IdentifyError::Frame { experiment: e, error },
             }
         })?;
-        let frame = motion.unwrap_or(Pose::IDENTITY).inverse();
+        let frame = aligned.motion.unwrap_or(Pose::IDENTITY).inverse();
         let moved = if one_frame { of_frames } else { &of_frames[number..=number] };
         for &e in moved {
             into[e].frame = frame;

@@ -8,13 +8,15 @@ use super::fewer_rows::part_of_rows;
 use super::identify::identify;
 use super::linear::{Linear, beside, dot, fitted, values};
 use super::method::DerivativeMethod;
-use super::outcome::Identified;
+use super::outcome::{Identified, Residual};
 use super::parameter_path::ParameterPath;
 use super::quantity::Quantity;
 use super::refused_rows::remembers;
 use super::registered::registered;
 use super::rows::rows;
 use super::settings::Settings;
+use crate::registration::{far_limit, far_off};
+use std::collections::BTreeSet;
 use whipcord::parameter::Parameter;
 use whipcord::robot::Robot;
 
@@ -29,6 +31,9 @@ pub struct Suspect {
     pub deviation: f64,
     /// Part of the sum of squares that its estimate takes away, to first order.
     pub share: f64,
+    /// Where it stands out: the same numbers of other cables that the measurements hardly tell from it, such as that of an antagonist, and
+    /// whether they are off the same way.
+    pub alike: Vec<(Quantity, bool)>,
     /// Where it stands out: root mean square distances in m before and after a fit with it, and the estimate of that fit.
     pub confirmed: Option<Confirmed>,
 }
@@ -50,6 +55,8 @@ const SHARE: f64 = 0.1;
 const TIMES: f64 = 5.0;
 /// … and takes away this many times as much as the same number of any other cable does, or leaves as many times less.
 const AHEAD: f64 = 1.5;
+/// Numbers whose columns have a cosine of this size between them or more are hardly told apart.
+const ALIKE: f64 = 0.9;
 
 /// The zeros and angles of single cables, the one that takes most away first. The first one is fitted where it stands out.
 ///
@@ -81,7 +88,7 @@ pub fn suspects(
             add(&mut basis, linear.column(j));
         }
     }
-    let mut all = Vec::new();
+    let mut all: Vec<(Suspect, Vec<f64>)> = Vec::new();
     for (j, candidate) in candidates.iter().enumerate() {
         let column = linear.column(unknowns.len() + j);
         let size = dot(&column, &column);
@@ -92,16 +99,21 @@ pub fn suspects(
             continue;
         }
         let along = dot(&own, &linear.residuals);
-        all.push(Suspect {
+        let suspect = Suspect {
             quantity: candidate.quantity,
             change: -along / left,
             deviation: left.sqrt().recip(),
             share: along * along / left / squares,
+            alike: Vec::new(),
             confirmed: None,
-        });
+        };
+        all.push((suspect, own));
     }
-    all.sort_by(|a, b| b.share.total_cmp(&a.share));
-    if let Some(first) = stands_out(&all) {
+    all.sort_by(|a, b| b.0.share.total_cmp(&a.0.share));
+    let alike = alike(&all);
+    let mut all: Vec<Suspect> = all.into_iter().map(|(suspect, _)| suspect).collect();
+    if let Some(first) = stands_out(&all, &alike) {
+        all[0].alike = alike;
         let start = present(&first.quantity, robot, &experiments[0].case);
         let start = start.map_err(IdentifyError::Absent)?;
         let change = confirm(robot, experiments, unknowns, settings, (found, &first, start))?;
@@ -137,7 +149,12 @@ pub fn single_cable(
     let some = part_of_rows(experiments, count.div_ceil(ENOUGH));
     let found = registered(robot, &some, &stiffness(robot), true, &settings).and_then(
         |(some, unknowns)| {
-            let found = identify(robot, &some, &unknowns, &settings)?;
+            let mut some = some;
+            let mut found = identify(robot, &some, &unknowns, &settings)?;
+            if let Some(near) = without_far(&some, &found) {
+                some = near;
+                found = identify(robot, &some, &unknowns, &settings)?;
+            }
             suspects(robot, &some, &unknowns, &settings, &found)
         },
     );
@@ -159,14 +176,48 @@ fn stiffness(robot: &Robot) -> Vec<Unknown> {
     unknown.filter(|_| is_given).into_iter().collect()
 }
 
-/// The first one, where it stands out.
-fn stands_out(all: &[Suspect]) -> Option<Suspect> {
+/// The measurements without those that are far off, like jumps of a tracker; `None` where none is.
+fn without_far(experiments: &[Experiment], found: &Identified) -> Option<Vec<Experiment>> {
+    let distances: Vec<f64> = found.residuals.iter().map(Residual::distance).collect();
+    let far: BTreeSet<(usize, usize)> = far_off(&distances, far_limit(&distances))
+        .into_iter()
+        .map(|k| (found.residuals[k].experiment, found.residuals[k].observation))
+        .collect();
+    let mut near = experiments.to_vec();
+    for (experiment, of) in near.iter_mut().enumerate() {
+        let mut number = 0..;
+        of.observations.retain(|_| number.next().is_none_or(|k| !far.contains(&(experiment, k))));
+    }
+    (!far.is_empty()).then_some(near)
+}
+
+/// The other numbers of the kind of the first one, all with what is left of their columns, that the measurements hardly tell from it, and whether
+/// they are off the same way. None where they are all the others: then nothing is left that it could stand out from.
+fn alike(all: &[(Suspect, Vec<f64>)]) -> Vec<(Quantity, bool)> {
+    let Some((first, column)) = all.first() else { return Vec::new() };
+    let others = all.iter().filter(|(other, _)| is_same_kind(other, first));
+    let cosine = |own: &[f64]| dot(own, column) / (dot(own, own) * dot(column, column)).sqrt();
+    let found: Vec<(Quantity, bool)> = others
+        .clone()
+        .map(|(other, own)| (other.quantity, cosine(own)))
+        .filter(|(_, cosine)| cosine.abs() >= ALIKE)
+        .map(|(quantity, cosine)| (quantity, cosine > 0.0))
+        .collect();
+    if found.len() == others.count() { Vec::new() } else { found }
+}
+
+/// Whether both are offsets, or angles, of different cables.
+fn is_same_kind(a: &Suspect, b: &Suspect) -> bool {
+    use core::mem::discriminant;
+    discriminant(&a.quantity) == discriminant(&b.quantity) && a.quantity != b.quantity
+}
+
+/// The first one, where it stands out from those that are not like it.
+fn stands_out(all: &[Suspect], alike: &[(Quantity, bool)]) -> Option<Suspect> {
     let first = all.first()?;
-    let same_kind = |other: &&Suspect| {
-        core::mem::discriminant(&other.quantity) == core::mem::discriminant(&first.quantity)
-            && other.quantity != first.quantity
-    };
-    let next = all.iter().filter(same_kind).map(|of| of.share).fold(0.0, f64::max);
+    let others = all.iter().filter(|other| is_same_kind(other, first));
+    let others = others.filter(|other| alike.iter().all(|(of, _)| *of != other.quantity));
+    let next = others.map(|of| of.share).fold(0.0, f64::max);
     let clear = first.share >= SHARE && first.change.abs() >= TIMES * first.deviation;
     let leaves_less = (1.0 - next) >= AHEAD * (1.0 - first.share);
     (clear && (first.share >= AHEAD * next || leaves_less)).then(|| first.clone())

@@ -6,7 +6,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::order::is_reversed;
 use super::places::places_in_steps;
 use super::seen::{Observation, Place, Seen};
-use crate::registration::{Alignment, RegistrationError, align};
+use crate::registration::{Aligned, Alignment, RegistrationError, align};
 use whipcord::case::Case;
 use whipcord::error::SolveError;
 use whipcord::kind::ModelKind;
@@ -20,6 +20,8 @@ pub struct Distances {
     pub markers: Vec<Apart>,
     /// How the measurement was moved onto the answers, where that was asked for.
     pub motion: Option<Pose>,
+    /// Numbers of the markers that count less in this motion, as they are far off ([`Aligned::lowered`]).
+    pub lowered: Vec<usize>,
 }
 
 /// A marker that was measured, and where a model has it.
@@ -202,9 +204,9 @@ pub fn distances(
         })
         .collect();
     let pairs = markers.iter().map(|marker| ([marker.measured, marker.model], marker.at_base));
-    let motion = align(pairs, alignment)?;
+    let Aligned { motion, lowered } = align(pairs, alignment)?;
     for marker in &mut markers {
         marker.measured = motion.map_or(marker.measured, |pose| pose.transform(marker.measured));
     }
-    Ok(Some(Distances { markers, motion }))
+    Ok(Some(Distances { markers, motion, lowered }))
 }

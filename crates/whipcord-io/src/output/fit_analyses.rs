@@ -26,7 +26,11 @@ pub(super) fn said(
                 "rms_distance": rms.transpose()?,
             }))
         });
+        let alike: Vec<Value> = (suspect.alike.iter())
+            .map(|(of, same)| json!({ "parameter": of.to_string(), "same_way": same }))
+            .collect();
         Ok(json!({
+            "alike": alike,
             "parameter": suspect.quantity.to_string(),
             "unit": suspect.quantity.unit(&found.robot),
             "change": number(|| path("change"), suspect.change)?,

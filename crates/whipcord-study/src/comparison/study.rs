@@ -1,5 +1,7 @@
 //! One case solved by every model that can take it.
 
+use std::time::Duration;
+
 use whipcord::{
     Actuation, Cancel, Case, Model, ModelKind, Robot, Shape, Solution, SolveError, Stations, Vec3,
 };
@@ -121,11 +123,18 @@ impl Run {
 }
 
 impl Study {
-    /// Solves the case with these models, until the flag is set.
-    pub fn new(file: CaseFile, stem: String, kinds: &[ModelKind], cancel: &Cancel) -> Self {
+    /// Solves the case, one of so many, with these models, until the flag is set.
+    pub fn new(
+        file: CaseFile,
+        stem: String,
+        kinds: &[ModelKind],
+        cases: usize,
+        cancel: &Cancel,
+    ) -> Self {
+        let budget = timing::budget(cases);
         let CaseFile { robot, case, measured, .. } = &file;
         let run = |kind, case, commands| {
-            run(model(kind, cancel), robot, case, commands, measured.as_ref())
+            run(model(kind, cancel), robot, case, commands, measured.as_ref(), budget)
         };
         let mut runs: Vec<Run> =
             kinds.iter().map(|&kind| run(kind, case, Commands::File)).collect();
@@ -147,6 +156,7 @@ impl Study {
                     &case,
                     Commands::CosseratShape,
                     measured.as_ref(),
+                    budget,
                 )
             })
             .collect::<Vec<_>>();
@@ -199,9 +209,10 @@ fn run(
     case: &Case,
     commands: Commands,
     measured: Option<&Measured>,
+    budget: Duration,
 ) -> Run {
     let kind = model.kind();
-    let outcome = timing::solve(&model, robot, case).map(|timed| {
+    let outcome = timing::solve_within(budget, &model, robot, case).map(|timed| {
         let smooth = model.at(Stations::Equal(FINE_STATIONS));
         let fine = timed.shapes_at_stations_of(&smooth, robot, case).pop().flatten();
         let answers = timed.answers();

@@ -218,9 +218,17 @@ pub fn each_once(
 }
 
 /// How a measurement was moved onto an answer.
-fn moved(Pose { position, rotation }: &Pose) -> String {
+fn moved(compared: &Distances) -> Option<String> {
+    let Pose { position, rotation } = compared.motion.as_ref()?;
     let (shift, turn) = (millimetres(position.norm()), degrees(rotation.log().norm()));
-    format!("measurement moved by {shift} and turned by {turn} onto it")
+    let less = match compared.lowered.len() {
+        0 => String::new(),
+        lowered => format!(
+            "; {lowered} of {} markers count less in that, because they are far off like jumps of a tracker",
+            compared.markers.len()
+        ),
+    };
+    Some(format!("measurement moved by {shift} and turned by {turn} onto it{less}"))
 }
 
 fn notes_of(run: &Run) -> Vec<String> {
@@ -234,7 +242,7 @@ fn notes_of(run: &Run) -> Vec<String> {
             "drawn through its disks alone, as no answer was found near it with more stations.",
         ));
     }
-    notes.extend(solved.compared().and_then(|compared| compared.motion.as_ref()).map(moved));
+    notes.extend(solved.compared().and_then(moved));
     notes.extend(not_compared(solved).map(|why| format!("no distance to the measurement: {why}")));
     notes
 }

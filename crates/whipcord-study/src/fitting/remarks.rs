@@ -33,8 +33,17 @@ pub(crate) fn stands_out(suspect: &Suspect, robot: &Robot) -> Option<Remark> {
         ),
         None => format!("it explains {} % of what is left", number(suspect.share * 100.0, 2)),
     };
+    let instead: Vec<String> = (suspect.alike.iter())
+        .map(|(quantity, same)| {
+            format!("{quantity} {}", if *same { "as much" } else { "as much the other way" })
+        })
+        .collect();
+    let instead = match instead.as_slice() {
+        [] => String::new(),
+        all => format!(", or {}, which the measurements hardly tell apart", all.join(", or ")),
+    };
     let message = format!(
-        "{} stands out from the other cables: it is {}{within} {unit} off what the file says, and {gain}",
+        "{} stands out from the other cables: it is {}{within} {unit} off what the file says{instead}, and {gain}",
         suspect.quantity,
         number(confirmed.change * scale, 3),
     );

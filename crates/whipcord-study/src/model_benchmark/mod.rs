@@ -13,6 +13,8 @@ pub mod tables;
 #[cfg(test)]
 mod tests;
 
+use std::time::Duration;
+
 use whipcord::robot::Route;
 use whipcord::{
     Actuation, CableCommand, CableState, Cancel, Case, Model, NoStability, Pose, Robot, Shape,
@@ -177,11 +179,12 @@ pub struct Residual {
 }
 
 impl CaseBenchmark {
-    /// Tries all candidates on a case; the flag ends their solves.
+    /// Tries all candidates on a case, with repeats for the sake of times as long as the budget lasts; the flag ends their solves.
     pub fn new(
         subject: &Subject,
         candidates: &[Candidate],
         choice: Choice,
+        budget: Duration,
         cancel: &Cancel,
     ) -> Self {
         let answers = ReferenceAnswers::new(subject, choice, cancel);
@@ -194,7 +197,8 @@ impl CaseBenchmark {
             .map(|&candidate| {
                 let model = candidate.model(Stations::Disks, subject.sections());
                 let model = model.cancelled_by(cancel);
-                entry(candidate, &model, subject, reference, like.as_ref(), bare.as_ref())
+                let with = (like.as_ref(), bare.as_ref());
+                entry(candidate, &model, subject, reference, with, budget)
             })
             .collect();
         Self {
@@ -225,11 +229,12 @@ fn entry(
     model: &Model,
     subject: &Subject,
     reference: Option<&ReferenceAnswers>,
-    like: Option<&Case>,
-    bare: Option<&Robot>,
+    (like, bare): (Option<&Case>, Option<&Robot>),
+    budget: Duration,
 ) -> Entry {
     let robot = subject.robot;
-    let solve = |case: &Case| timing::solve(model, robot, case).map_err(|(_, error)| error);
+    let solve =
+        |case: &Case| timing::solve_within(budget, model, robot, case).map_err(|(_, error)| error);
     let as_given = || (Commands::Case, subject.case, solve(subject.case));
     let as_reference = |case| (Commands::Reference, case, solve(case));
     // A geometric model is given the reference's lengths: its own, where the case has any, were measured or

@@ -8,6 +8,7 @@ use super::reference::Choice;
 use super::standing::{PairwiseComparison, Standing};
 use super::{CaseBenchmark, Subject};
 use crate::resample::resample;
+use crate::timing;
 
 /// Sections that robots are cut into to see what many of them cost.
 const CUT_INTO: usize = 100;
@@ -36,12 +37,13 @@ impl Results {
         mut each: impl FnMut(&str),
     ) -> Self {
         let candidates = Candidate::of(kinds);
+        let budget = timing::budget(subjects.len());
         let benchmarks: Vec<CaseBenchmark> = subjects
             .iter()
             .take_while(|_| !cancel.is_cancelled())
             .map(|subject| {
                 each(subject.title);
-                CaseBenchmark::new(subject, &candidates, choice, cancel)
+                CaseBenchmark::new(subject, &candidates, choice, budget, cancel)
             })
             .collect();
         let cut = if benchmarks.iter().any(|benchmark| benchmark.sections >= MANY_SECTIONS) {
@@ -59,6 +61,7 @@ impl Results {
                     &Subject { robot: &robot, measured: None, ..*subject },
                     &candidates,
                     choice,
+                    timing::budget(CUT),
                     cancel,
                 ))
             });

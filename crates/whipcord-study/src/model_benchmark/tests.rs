@@ -64,7 +64,13 @@ fn tried(kinds: &[ModelKind], choice: Choice) -> CaseBenchmark {
         measured: None,
         tags: None,
     };
-    CaseBenchmark::new(&subject, &Candidate::of(kinds), choice, &Cancel::default())
+    CaseBenchmark::new(
+        &subject,
+        &Candidate::of(kinds),
+        choice,
+        timing::budget(1),
+        &Cancel::default(),
+    )
 }
 
 fn is(benchmark: &CaseBenchmark, candidate: Candidate, expected: [f64; 3], bound: f64) {

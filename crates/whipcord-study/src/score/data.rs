@@ -53,6 +53,8 @@ pub struct RowScore {
     pub unstable: bool,
     /// Cables whose lengths contradict each other, and what each misses: the answer is then the least-squares one.
     pub misses: Vec<LengthMiss>,
+    /// Whether a marker of it counts less in the rigid motion of the measurement, as it is far off.
+    pub down_weighted: bool,
     /// Root mean square distance in m over the markers of the row that are not on the base; `None` where nothing is compared.
     pub error: Option<f64>,
     /// Angle in rad between the measured and the computed orientation of the tracked body.

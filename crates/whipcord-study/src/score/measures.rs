@@ -2,7 +2,7 @@
 
 use whipcord::{LengthMiss, Mat3, ModelKind, Pose, UnitQuaternion};
 use whipcord_estimation::observation::in_space;
-use whipcord_estimation::registration::{Alignment, align, nearest_rotation};
+use whipcord_estimation::registration::{Aligned, Alignment, align, nearest_rotation};
 use whipcord_io::Measured;
 
 use super::data::{FileScore, MarkerScore, RowScore, Score};
@@ -32,6 +32,7 @@ impl FileScore {
                 failure: None,
                 unstable: false,
                 misses: Vec::new(),
+                down_weighted: false,
                 error: None,
                 angle: None,
             };
@@ -86,7 +87,14 @@ impl FileScore {
         let pairs = self.markers.iter().map(|of| ([of.measured, of.model], of.at_base));
         if !self.markers.is_empty() || measured.alignment == Alignment::None {
             match align(pairs, measured.alignment) {
-                Ok(motion) => self.motion = motion,
+                Ok(Aligned { motion, lowered }) => {
+                    self.motion = motion;
+                    for row in lowered.into_iter().map(|marker| self.markers[marker].row) {
+                        if let Ok(place) = self.rows.binary_search_by_key(&row, |of| of.row) {
+                            self.rows[place].down_weighted = true;
+                        }
+                    }
+                }
                 Err(why) => {
                     self.incomparable = Some(format!("the measurement cannot be moved: {why}"));
                     self.markers.clear();
@@ -153,6 +161,8 @@ pub struct Summary {
     pub unstable: usize,
     /// Rows whose cable lengths contradict each other, which are met in the least-squares sense.
     pub over_determined: usize,
+    /// Rows that count less in the rigid motion of the measurement, as they are far off.
+    pub down_weighted: usize,
     /// The cable that misses its length most in these rows, and its row.
     pub greatest_miss: Option<Missed>,
     /// Markers that are compared.
@@ -233,6 +243,7 @@ impl Summary {
     ) -> Self {
         let (mut rows, mut refused, mut failed, mut unstable) = (0, 0, 0, 0);
         let (mut over_determined, mut greatest_miss) = (0, None::<Missed>);
+        let mut down_weighted = 0;
         let (mut distances, mut errors) = (Vec::new(), Vec::new());
         let (mut relative, mut relative_errors) = (Vec::new(), Vec::new());
         let mut angles = Vec::new();
@@ -253,6 +264,7 @@ impl Summary {
             for row in &of.rows {
                 unstable += usize::from(row.unstable);
                 over_determined += usize::from(!row.misses.is_empty());
+                down_weighted += usize::from(row.down_weighted);
                 for miss in &row.misses {
                     if greatest_miss.as_ref().is_none_or(|most| miss.excess > most.miss.excess) {
                         greatest_miss = Some(Missed { file, row: row.row, miss: miss.clone() });
@@ -292,6 +304,7 @@ impl Summary {
             failed,
             unstable,
             over_determined,
+            down_weighted,
             greatest_miss,
             markers: distances.len(),
             distances: Measures::of(distances.into_iter(), errors),

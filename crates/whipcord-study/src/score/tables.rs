@@ -198,6 +198,23 @@ pub fn notes(score: &Score<'_>) -> Vec<String> {
                 ));
             }
         }
+        let down = models.iter().filter_map(|of| {
+            let rows: Vec<usize> =
+                of.rows.iter().filter(|row| row.down_weighted).map(|row| row.row).collect();
+            let first = rows.first().copied()?;
+            let (count, label) = (rows.len(), score.label(file, first));
+            Some(match count {
+                1 => format!("{} 1 ({label})", of.model),
+                _ => format!("{} {count} ({label}, …)", of.model),
+            })
+        });
+        let down: Vec<String> = down.collect();
+        if !down.is_empty() {
+            notes.push(format!(
+                "{name}rows that count less in this motion, because they are far off like jumps of a tracker (`down_weighted` in rows.csv): {}.",
+                down.join(", ")
+            ));
+        }
         if let Some(Remark { message, help, .. }) = score.mirrored(file) {
             notes.push(format!("! {name}{message}; {help}."));
         }

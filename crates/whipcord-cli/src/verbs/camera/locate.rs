@@ -181,24 +181,38 @@ fn camera_object(camera: &Camera) -> Value {
     json!({ "position": position.to_array(), "orientation": rotation.wxyz(), "scale": scale })
 }
 
-fn other_object(other: Option<&Alternative>) -> Value {
-    let Some(other) = other else { return Value::Null };
-    let mut object = camera_object(&other.camera);
-    object["rms"] = json!(other.rms);
+/// A camera in its place, with what it saw, for programs.
+fn located_object(
+    camera: &Camera,
+    output: Option<&PathBuf>,
+    markers: &[Observation],
+    (rms, residuals): (f64, &[[f64; 2]]),
+) -> Value {
+    let mut object = camera_object(camera);
+    object["camera"] = json!(output.map(|path| path.display().to_string()));
+    object["markers"] = json!(markers.len());
+    object["rms"] = json!(rms);
+    object["residuals"] = json!(residuals);
     object
 }
 
-fn object(args: &LocateArgs, found: &Located, markers: &[Observation], sure: &Sure) -> Value {
-    let mut object = camera_object(&found.camera);
-    if let (Value::Object(all), Value::Object(sure)) = (&mut object, sure.object()) {
+/// What one camera or two have in common: how sure the place is, and the next best one.
+fn add_place(object: &mut Value, sure: &Sure, other: Option<&Alternative>, is_ambiguous: bool) {
+    if let (Value::Object(all), Value::Object(sure)) = (&mut *object, sure.object()) {
         all.extend(sure);
     }
-    object["camera"] = json!(args.output.as_ref().map(|path| path.display().to_string()));
-    object["markers"] = json!(markers.len());
-    object["rms"] = json!(found.rms);
-    object["residuals"] = json!(found.residuals);
-    object["other"] = other_object(found.other.as_ref());
-    object["ambiguous"] = json!(found.is_ambiguous());
+    object["other"] = other.map_or(Value::Null, |other| {
+        let mut object = camera_object(&other.camera);
+        object["rms"] = json!(other.rms);
+        object
+    });
+    object["ambiguous"] = json!(is_ambiguous);
+}
+
+fn object(args: &LocateArgs, found: &Located, markers: &[Observation], sure: &Sure) -> Value {
+    let seen = (found.rms, &found.residuals[..]);
+    let mut object = located_object(&found.camera, args.output.as_ref(), markers, seen);
+    add_place(&mut object, sure, found.other.as_ref(), found.is_ambiguous());
     object
 }
 
@@ -278,17 +292,11 @@ fn object_of_both(
 ) -> Value {
     let outputs = [&args.output, &args.stereo_output];
     let cameras = [0, 1].map(|i| {
-        let mut object = camera_object(&found.cameras[i]);
-        object["camera"] = json!(outputs[i].as_ref().map(|path| path.display().to_string()));
-        object["markers"] = json!(markers[i].len());
-        object["rms"] = json!(found.rms[i]);
-        object["residuals"] = json!(found.residuals[i]);
-        object
+        let seen = (found.rms[i], &found.residuals[i][..]);
+        located_object(&found.cameras[i], outputs[i].as_ref(), markers[i], seen)
     });
-    let mut object = sure.object();
-    object["cameras"] = json!(cameras);
-    object["other"] = other_object(found.other.as_ref());
-    object["ambiguous"] = json!(found.is_ambiguous());
+    let mut object = json!({ "cameras": cameras });
+    add_place(&mut object, sure, found.other.as_ref(), found.is_ambiguous());
     object
 }
 

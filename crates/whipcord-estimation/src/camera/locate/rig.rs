@@ -132,7 +132,7 @@ fn from_common(cameras: [&Camera; 2], seen: [&[Sighting]; 2]) -> Option<Pose> {
     if points.len() < 3 || Cloud::of(&points).is_line() {
         return None;
     }
-    let to_world = align(pairs, Alignment::Rigid).ok().flatten()?;
+    let to_world = align(pairs, Alignment::Rigid).ok()?.motion?;
     Some(to_world * cameras[0].pose())
 }
 

@@ -3,8 +3,9 @@
 use super::laboratory::{
     FILE, Truth, measure, random_rows, robot, settings, unknowns, unknowns_of,
 };
-use crate::identification::synthetic::Normal;
-use whipcord::{Shortening, Vec3};
+use crate::common::{paper_backbone, straight};
+use crate::identification::synthetic::{Normal, disturb};
+use whipcord::{Cable, Case, Disks, Motor, Robot, Shortening, Vec3};
 use whipcord_estimation::identification::{
     Experiment, IdentifyError, Quantity, Row, cross_validate, drift, hold_out, identify, ladder,
     profile, repeatability, rows, sensitivity, single_cable, split, suspects,
@@ -144,8 +145,79 @@ fn one_cable_is_named_in_measurements_that_were_not_fitted() {
     for truth in [FILE, Truth { stiffness: 5e3, ..FILE }] {
         assert_eq!(single_cable(&file, &[seen(&truth, 30)], &settings()).unwrap(), None);
     }
+    // So is it where a tracker jumped in some rows.
+    let mut jumped = seen(&truth, 300);
+    for of in jumped.observations.iter_mut().skip(7).step_by(31) {
+        if let Seen::Position(position) = &mut of.seen {
+            *position += Vec3::new(0.04, 0.03, -0.02);
+        }
+    }
+    let named = single_cable(&file, &[jumped], &settings()).unwrap().unwrap();
+    assert_eq!(named.quantity, Quantity::ShorteningOffset { cable: 2 });
+    let [before, after] = named.confirmed.unwrap().rms_distance.unwrap();
+    assert!(before < 2e-3 && after < 1.3 * NOISE * 3f64.sqrt(), "{before} {after}");
     // Of too few rows nothing is said.
     assert_eq!(single_cable(&file, &[seen(&truth, 5)], &settings()).unwrap(), None);
+}
+
+/// Four cables, each with a motor: the zero of one, and that of its antagonist the other way, do nearly the same.
+#[test]
+fn a_cable_stands_out_with_its_antagonist() {
+    let robot = |zeros: [f64; 4]| {
+        let cables =
+            [0.0, 90.0, 180.0, 270.0].map(|angle| Cable::new(format!("c{angle}"), straight(angle)));
+        let motors = zeros.into_iter().enumerate().map(|(i, offset)| Motor {
+            stiffness: Some(8e3),
+            pretension: 30.0,
+            offset,
+            ..Motor::spool(format!("m{i}"), [(i, 0.01)])
+        });
+        let disks = Disks::equally_spaced(0.18, 10, 0.009);
+        let robot = Robot::new(paper_backbone(), disks, cables.to_vec()).unwrap();
+        robot.with_motors(motors.collect()).unwrap()
+    };
+    let mut random = Normal::new(4);
+    let mut angle = || 0.5 * (random.uniform() - 0.5);
+    let rows: Vec<[f64; 2]> = (0..40).map(|_| [angle(), angle()]).collect();
+    let case = |robot: &Robot| {
+        let none = vec![Default::default(); 4];
+        let motors = rows.iter().map(|[a, b]| [*a, *b, -a, -b].map(Some).to_vec());
+        let before = vec![none.clone(); rows.len() - 1];
+        let mut case = Case { commands: none, before, motors: motors.collect(), ..Case::default() };
+        case.drive(robot).unwrap();
+        case
+    };
+    // 2 mm of one cable.
+    let real = robot([0.0, 0.0, 0.2, 0.0]);
+    let of_real = case(&real);
+    let mut prepared = settings().model.prepare(&real, &of_real.loads).unwrap();
+    let mut observations = Vec::new();
+    prepared
+        .solve_steps(&of_real, |solution| {
+            observations.push(Observation {
+                step: observations.len(),
+                place: Place::Disk(9),
+                offset: Vec3::ZERO,
+                seen: Seen::Position(solution.disks.poses[9].position),
+                deviation: None,
+            });
+        })
+        .unwrap();
+    let file = robot([0.0; 4]);
+    let case = case(&file);
+    let mut seen = vec![Experiment { case, observations, ..Experiment::default() }];
+    disturb(&mut seen, &mut random, [NOISE, 0.0]);
+    let named = single_cable(&file, &seen, &settings()).unwrap().unwrap();
+    let (
+        Quantity::ShorteningOffset { cable: first },
+        [(Quantity::ShorteningOffset { cable: other }, false)],
+    ) = (named.quantity, named.alike.as_slice())
+    else {
+        panic!("{named:?}");
+    };
+    assert_eq!([first.min(*other), first.max(*other)], [0, 2], "{named:?}");
+    let change = named.confirmed.unwrap().change.abs();
+    assert!((0.5e-3..=2.5e-3).contains(&change), "{change}");
 }
 
 /// Commands that come back, with noise; and from opposite sides, with a lag of the shape.

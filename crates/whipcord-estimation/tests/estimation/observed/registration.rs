@@ -1,7 +1,8 @@
 use proptest::prelude::*;
 use whipcord::{Pose, Twist, UnitQuaternion, Vec3};
 use whipcord_estimation::registration::{
-    Registration, RegistrationError, register, register_by_least_turn,
+    Alignment, Registration, RegistrationError, align, register, register_by_least_turn,
+    register_robustly,
 };
 
 const MEASURED: [[f64; 3]; 5] = [
@@ -148,4 +149,99 @@ proptest! {
             * Pose::exp(Twist { linear: Vec3::new(a, b, c), angular: Vec3::new(d, e, f) });
         prop_assert!(found.rms <= rms(&other, &noisy) + 1e-12);
     }
+}
+
+/// Numbers of 0 to 1 without a pattern.
+fn random(seed: &mut u64) -> f64 {
+    *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*seed >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Points that a robot of 200 mm might have, as another frame has them with noise.
+fn noisy(seed: &mut u64, count: usize) -> Vec<[Vec3; 2]> {
+    let frame = Pose {
+        position: Vec3::new(0.4, -0.2, 0.9),
+        rotation: UnitQuaternion::exp(Vec3::new(0.3, -1.1, 0.4)),
+    };
+    let around = |seed: &mut u64, size: f64| {
+        // The sum of three has nearly a normal distribution, with the standard deviation `size`.
+        let mut one = || 2.0 * size * (random(seed) + random(seed) + random(seed) - 1.5);
+        Vec3::new(one(), one(), one())
+    };
+    (0..count)
+        .map(|_| {
+            let target = around(seed, 0.04) + 0.18 * Vec3::Z;
+            [frame.transform(target) + around(seed, 0.2e-3), target]
+        })
+        .collect()
+}
+
+#[test]
+fn jumps_do_not_tilt_the_motion() {
+    let mut seed = 7;
+    for part in [0.005, 0.02, 0.08] {
+        for anywhere in [false, true] {
+            let mut pairs = noisy(&mut seed, 600);
+            let jumps = (600.0 * part) as usize;
+            let clean = register(&pairs[jumps..]).unwrap().motion;
+            for pair in &mut pairs[..jumps] {
+                pair[0] += match anywhere {
+                    false => Vec3::new(0.04, 0.02, -0.006),
+                    true => {
+                        let mut one = || random(&mut seed) - 0.5;
+                        // No smaller than what can be told from noise.
+                        let to = Vec3::new(one(), one(), one());
+                        to + to * (0.02 / to.norm())
+                    }
+                };
+            }
+            let (found, lowered) = register_robustly(&pairs).unwrap();
+            assert_eq!(lowered, (0..jumps).collect::<Vec<_>>());
+            let off = |motion: &Pose| {
+                let apart = pairs[jumps..]
+                    .iter()
+                    .map(|[a, _]| (motion.transform(*a) - clean.transform(*a)).norm());
+                apart.fold(0.0, f64::max)
+            };
+            assert!(off(&found.motion) < 5e-5, "{} of {part}", off(&found.motion));
+            let squares = register(&pairs).unwrap().motion;
+            assert!(off(&squares) > 3.0 * off(&found.motion), "{}", off(&squares));
+            // So is that of a table, in which markers on the base count as the others.
+            let aligned = align(pairs.iter().map(|pair| (*pair, false)), Alignment::Rigid).unwrap();
+            assert_eq!((aligned.motion, aligned.lowered), (Some(found.motion), lowered));
+        }
+    }
+}
+
+#[test]
+fn without_jumps_all_count_the_same() {
+    let mut seed = 3;
+    for count in [10, 12, 40, 2000] {
+        let pairs = noisy(&mut seed, count);
+        let (found, lowered) = register_robustly(&pairs).unwrap();
+        assert!(lowered.is_empty());
+        assert_eq!(found, register(&pairs).unwrap());
+    }
+    // Where a fifth of the rows is off, it is the model.
+    let mut pairs = noisy(&mut seed, 500);
+    pairs[..100].iter_mut().for_each(|pair| pair[0] += 0.05 * Vec3::X);
+    assert_eq!(register_robustly(&pairs).unwrap(), (register(&pairs).unwrap(), Vec::new()));
+}
+
+#[test]
+fn the_base_is_found_beside_jumps() {
+    // One point in many steps, of which two jump; and a marker elsewhere, which does not count.
+    let mut seed = 5;
+    let shift = Vec3::new(0.1, 0.2, -0.3);
+    let mut pairs: Vec<([Vec3; 2], bool)> = (0..40)
+        .flat_map(|_| {
+            let noise = 1e-4 * Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
+            [([Vec3::X, Vec3::Z], false), ([noise - shift, Vec3::ZERO], true)]
+        })
+        .collect();
+    pairs[11].0[0] += 0.03 * Vec3::Y;
+    pairs[31].0[0] -= 0.3 * Vec3::Y;
+    let found = align(pairs, Alignment::Base).unwrap();
+    assert_eq!(found.lowered, [11, 31]);
+    assert!((found.motion.unwrap().position - shift).norm() < 1e-4);
 }
