@@ -298,7 +298,7 @@ class Fit:
     drift: Mapping[str, Any] | None
     """Slope in m/s of what is left against time, with its standard deviation. None where rows have no times."""
     test: Mapping[str, Any] | None
-    """RMS distance of the measurements that were not fitted, all and by rows, where there are such."""
+    """RMS distance of the measurements that were not fitted, all and by rows, and the median of the rows, where there are such."""
     sensitivity: Mapping[str, Any] | None
     """What one more measurement of each disk would be worth: the best ones, and the mean over all rows."""
     warnings: tuple[WhipcordWarning, ...]

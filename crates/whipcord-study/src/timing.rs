@@ -1,5 +1,6 @@
 //! How long something takes.
 
+use std::num::NonZero;
 use std::time::{Duration, Instant};
 
 use whipcord::{Case, Model, Robot, Shape, Solution, SolveError, over_determined};
@@ -35,6 +36,11 @@ const REPEATS: usize = 101;
 const BUDGET: Duration = Duration::from_millis(10);
 /// What the repeats of a model may take over all cases: the median over so many cases needs no repeats of each.
 const BUDGET_OF_ALL: Duration = Duration::from_millis(200);
+
+/// In how many threads so many cases are solved: in one, as it is times that count, unless they are so many that each is timed for a moment.
+pub fn threads(cases: usize) -> Option<NonZero<usize>> {
+    (budget(cases) == BUDGET).then_some(NonZero::<usize>::MIN)
+}
 
 /// How long the time of one model may be measured on one of so many cases.
 pub fn budget(cases: usize) -> Duration {

@@ -25,7 +25,7 @@ pub struct Drift {
 #[must_use]
 pub fn drift(experiments: &[Experiment], found: &Identified) -> Option<Drift> {
     let mut rows: BTreeMap<Row, ([f64; 3], f64)> = BTreeMap::new();
-    for residual in found.residuals.iter().filter(|residual| !residual.is_outlier()) {
+    for residual in found.residuals.iter().filter(|residual| !residual.is_negligible()) {
         let seen = &experiments[residual.experiment].observations[residual.observation];
         if !seen.seen.is_position() {
             continue;

@@ -147,7 +147,7 @@ pub struct Residual {
 impl Residual {
     /// Whether a robust loss counts it for next to nothing.
     #[must_use]
-    pub fn is_outlier(&self) -> bool {
+    pub const fn is_negligible(&self) -> bool {
         self.weight < 0.1
     }
 

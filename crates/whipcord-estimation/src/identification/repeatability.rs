@@ -32,7 +32,7 @@ const APART: f64 = 0.03;
 /// More rows than this are thinned out.
 const MOST: usize = 3000;
 
-/// The figure of what was fitted, without [outliers](super::Residual::is_outlier); none where no commands come back. Between commands that are nearly but not quite equal, the model
+/// The figure of what was fitted, without [what hardly counts](super::Residual::is_negligible); none where no commands come back. Between commands that are nearly but not quite equal, the model
 /// tells what their difference changes.
 #[must_use]
 pub fn repeatability(experiments: &[Experiment], found: &Identified) -> Option<Repeatability> {
@@ -173,7 +173,7 @@ struct Marker {
 /// The markers whose positions were seen, by rows.
 fn residuals(experiments: &[Experiment], found: &Identified) -> BTreeMap<Row, Vec<Marker>> {
     let mut all: BTreeMap<Row, Vec<_>> = BTreeMap::new();
-    for residual in found.residuals.iter().filter(|residual| !residual.is_outlier()) {
+    for residual in found.residuals.iter().filter(|residual| !residual.is_negligible()) {
         let seen = &experiments[residual.experiment].observations[residual.observation];
         if let Seen::Position(measured) = seen.seen {
             let row = Row { experiment: residual.experiment, step: seen.step };

@@ -55,6 +55,8 @@ const SHARE: f64 = 0.1;
 const TIMES: f64 = 5.0;
 /// … and takes away this many times as much as the same number of any other cable does, or leaves as many times less.
 const AHEAD: f64 = 1.5;
+/// Its estimate in a fit is no more than this many times smaller or greater than to first order.
+const NEAR: f64 = 0.33;
 /// Numbers whose columns have a cosine of this size between them or more are hardly told apart.
 const ALIKE: f64 = 0.9;
 
@@ -242,6 +244,11 @@ fn confirm(
         _ => return Ok(None),
     };
     let Some(estimate) = with.estimates.last() else { return Ok(None) };
+    // One that ends elsewhere than the linearised problem says explains something else.
+    let times = (estimate.value - from) / suspect.change;
+    if !(NEAR..=NEAR.recip()).contains(&times) {
+        return Ok(None);
+    }
     Ok(Some(Confirmed {
         change: estimate.value - from,
         deviation: estimate.deviation,

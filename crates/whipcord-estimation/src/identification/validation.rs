@@ -62,6 +62,17 @@ pub struct HeldOut {
     pub over_determined: Vec<OverDetermined>,
 }
 
+impl HeldOut {
+    /// Median in m of the rows' root mean square distances, which a few jumps of a tracker do not change.
+    #[must_use]
+    pub fn median_distance(&self) -> Option<f64> {
+        let mut all: Vec<f64> = self.rows.iter().filter_map(|(_, distance)| *distance).collect();
+        all.sort_by(f64::total_cmp);
+        let [below, above] = [all.len().checked_sub(1)? / 2, all.len() / 2];
+        Some(0.5 * (all[below] + all[above]))
+    }
+}
+
 /// Sums of squares, of distances and of pixels, and their counts.
 #[derive(Clone, Copy, Default)]
 struct Misses([(f64, usize); 2]);

@@ -97,6 +97,8 @@ pub(super) fn said(
         });
         Ok(json!({
             "rms_distance": optional(|| "test.rms_distance".to_owned(), test.rms_distance)?,
+            "median_distance":
+                optional(|| "test.median_distance".to_owned(), test.median_distance())?,
             "rms_pixels": optional(|| "test.rms_pixels".to_owned(), test.rms_pixels)?,
             "rows": rows.collect::<Result<Vec<_>, NonFinite>>()?,
             "skipped": rows_json(&test.skipped, test_names),

@@ -1,5 +1,6 @@
 //! All benchmarks of a comparison, and what follows from them.
 
+use whipcord::jobs::share;
 use whipcord::{Cancel, ModelKind};
 
 use super::candidate::{Candidate, Preset};
@@ -34,18 +35,20 @@ impl Results {
         kinds: &[ModelKind],
         choice: Choice,
         cancel: &Cancel,
-        mut each: impl FnMut(&str),
+        each: impl Fn(&str) + Sync,
     ) -> Self {
         let candidates = Candidate::of(kinds);
         let budget = timing::budget(subjects.len());
-        let benchmarks: Vec<CaseBenchmark> = subjects
-            .iter()
-            .take_while(|_| !cancel.is_cancelled())
-            .map(|subject| {
-                each(subject.title);
-                CaseBenchmark::new(subject, &candidates, choice, budget, cancel)
-            })
-            .collect();
+        let mut benchmarks: Vec<Option<CaseBenchmark>> = subjects.iter().map(|_| None).collect();
+        let jobs = subjects.iter().zip(&mut benchmarks);
+        let solve = |(subject, found): (&Subject, &mut Option<CaseBenchmark>), (): &mut ()| {
+            each(subject.title);
+            *found = Some(CaseBenchmark::new(subject, &candidates, choice, budget, cancel));
+            !cancel.is_cancelled()
+        };
+        // One thread, or those that there are: none has to be started.
+        let _ = share(jobs, timing::threads(subjects.len()), || (), solve);
+        let benchmarks: Vec<CaseBenchmark> = benchmarks.into_iter().flatten().collect();
         let cut = if benchmarks.iter().any(|benchmark| benchmark.sections >= MANY_SECTIONS) {
             Vec::new()
         } else {

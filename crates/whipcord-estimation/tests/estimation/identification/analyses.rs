@@ -149,7 +149,7 @@ fn one_cable_is_named_in_measurements_that_were_not_fitted() {
     let mut jumped = seen(&truth, 300);
     for of in jumped.observations.iter_mut().skip(7).step_by(31) {
         if let Seen::Position(position) = &mut of.seen {
-            *position += Vec3::new(0.04, 0.03, -0.02);
+            *position += Vec3::new(0.2, 0.1, -0.1);
         }
     }
     let named = single_cable(&file, &[jumped], &settings()).unwrap().unwrap();
