@@ -155,7 +155,8 @@ fn one_cable_is_named_in_measurements_that_were_not_fitted() {
     let named = single_cable(&file, &[jumped], &settings()).unwrap().unwrap();
     assert_eq!(named.quantity, Quantity::ShorteningOffset { cable: 2 });
     let [before, after] = named.confirmed.unwrap().rms_distance.unwrap();
-    assert!(before < 2e-3 && after < 1.3 * NOISE * 3f64.sqrt(), "{before} {after}");
+    // Without the jumps, of 0.24 m in each 31st row.
+    assert!(before < 0.02 && after < 1.3 * NOISE * 3f64.sqrt(), "{before} {after}");
     // Of too few rows nothing is said.
     assert_eq!(single_cable(&file, &[seen(&truth, 5)], &settings()).unwrap(), None);
 }
