@@ -278,6 +278,35 @@ def test_gradients_of_motions_are_those_of_differences(arm: whipcord.Case, actua
         motions.pull_back(commands, position=weights[1:])
 
 
+def test_gradients_with_friction_and_in_contact_are_those_of_differences(tmp_path: Path) -> None:
+    rubs = Path(ARM).read_text().replace('name = "left"', 'name = "left"\nfriction = 0.4')
+    # The arm leans on the wall when it is let go.
+    wall = """
+[[obstacles]]
+name = "wall"
+kind = "half-space"
+position = ["110 mm", "0 mm", "0 mm"]
+normal = [-1, 0, 0]
+friction = 0.1
+"""
+    for text, initial, touches in ((rubs, "rest", False), (Path(ARM).read_text() + wall, None, True)):
+        (tmp_path / "arm.toml").write_text(text)
+        motions = whipcord.Motions(whipcord.load(tmp_path / "arm.toml"), "5 ms", initial=initial)
+        commands = np.array([[3.8, 0.1], [4.0, 0.2], [4.1, 0.1]]) if touches else np.array([[1.0, 0.5], [1.4, 0.4], [1.1, 0.6]])
+        weights = np.random.default_rng(3).normal(size=motions(commands).position.shape)
+        found = motions.pull_back(commands, position=weights)
+        assert found.one_sided.shape == (3,) and not found.one_sided.any()
+        for index in np.ndindex(commands.shape):
+            step = np.zeros_like(commands)
+            step[index] = 1e-4
+            above, below = (float((weights * motions(commands + by * step).position).sum()) for by in (1, -1))
+            assert found.command[index] == pytest.approx((above - below) / 2e-4, abs=1e-3 * abs(found.command).max())
+        along = np.random.default_rng(4).normal(size=commands.shape)
+        change = motions.push_forward(commands, command=along)
+        assert (weights * change.position).sum() == pytest.approx((found.command * along).sum(), rel=1e-9)
+        assert np.array_equal(change.one_sided, found.one_sided)
+
+
 @pytest.mark.parametrize("method", ["accurate", "energy", "robust"])
 @pytest.mark.parametrize("is_free", [False, True])
 def test_changes_along_a_direction_are_the_transpose_of_gradients(arm: whipcord.Case, method: str, is_free: bool) -> None:
