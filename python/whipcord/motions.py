@@ -74,7 +74,7 @@ class MotionGradient:
     mass: Array
     """(...) by a factor on all masses, and on their weight."""
     one_sided: npt.NDArray[np.bool_]
-    """(..., N) steps whose derivatives are those of one side: a cable with friction is between sticking and sliding in a hole there, or a contact
+    """(..., N) steps whose derivatives are those of one side, where a cable with friction is between sticking and sliding in a hole, or a contact
     between two of open, sticking and sliding."""
 
     def __repr__(self) -> str:

@@ -18,6 +18,8 @@ fn a_released_arm_swings_and_its_energy_is_balanced() {
     let args = ["simulate", ARM, SHORT[0], SHORT[1], "--out", &out, "--plot", "--parquet"];
     let summary = succeed(&args);
     assert!(summary.contains("motion of cosserat, accurate"), "{summary}");
+    // Lengths of the summary are in mm.
+    assert!(summary.contains("tip at (122.34, 0.00, 262.39) mm"), "{summary}");
     let folder = scratch.path().join("out");
     let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
     let json: Value = serde_json::from_str(&read("motion.json")).unwrap();
@@ -102,6 +104,10 @@ fn what_cannot_be_simulated_is_refused() {
     assert!(fail(2, &["simulate", ARM, "--plot"]).contains("--out"));
     let method = ["simulate", ARM, "--set", "motion.method=\"magic\""];
     assert!(fail(2, &method).contains("accurate"));
+    // A row that cannot be read is reported once.
+    let row = r#"motion.loads=[{ tip_force = ["1 N", 0, 0], factor = [["0 s", 1], ["x", 2]] }]"#;
+    let error = fail(2, &["simulate", ARM, "--set", row]);
+    assert_eq!(error.matches("error: ").count(), 1, "{error}");
 }
 
 /// With cables straight from disk to disk the motion starts in the equilibrium of that model, and so it is marked in every output.
