@@ -83,6 +83,7 @@ impl Tried {
             case: &self.case,
             measured: self.measured.as_ref(),
             tags: self.tags,
+            known: &[],
         }
     }
 }

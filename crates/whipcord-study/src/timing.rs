@@ -152,6 +152,29 @@ impl TimedSolution {
         robot: &Robot,
         case: &Case,
     ) -> Vec<Option<Shape>> {
+        self.shapes_from(0, model, robot, case)
+    }
+
+    /// The last of [`Self::shapes_at_stations_of`]: without history no other step is solved for it.
+    pub fn last_shape_at_stations_of(
+        &self,
+        model: &Model,
+        robot: &Robot,
+        case: &Case,
+    ) -> Option<Shape> {
+        let last = self.answers().len() - 1;
+        self.shapes_from(last, model, robot, case).pop().flatten()
+    }
+
+    /// The shapes of the answers from that of the step `first` on, counted from 0; before them `None` for those of earlier steps, unless all
+    /// have to be solved.
+    fn shapes_from(
+        &self,
+        first: usize,
+        model: &Model,
+        robot: &Robot,
+        case: &Case,
+    ) -> Vec<Option<Shape>> {
         let answers = self.answers();
         let mut found: Vec<Option<Solution>> = Vec::with_capacity(answers.len());
         if let Ok(mut prepared) = model.prepare(robot, &case.loads) {
@@ -159,7 +182,8 @@ impl TimedSolution {
                 // With friction, an answer is that of all steps before it.
                 let _ = prepared.solve_steps(case, |solution| found.push(Some(solution)));
             } else {
-                let of_steps = case.single_steps().zip(&answers);
+                found.resize(first, None);
+                let of_steps = case.single_steps().zip(&answers).skip(first);
                 found.extend(
                     of_steps.map(|(step, answer)| prepared.solve(&step, Some(answer)).ok()),
                 );

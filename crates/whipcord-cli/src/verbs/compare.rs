@@ -26,7 +26,7 @@ use whipcord_study::files::{self, Folder, picture, plot_failure, unique_names, w
 use whipcord_study::html::{Figure, page};
 use whipcord_study::model_benchmark::reference::Choice;
 use whipcord_study::model_benchmark::results::Results;
-use whipcord_study::model_benchmark::{self, Subject};
+use whipcord_study::model_benchmark::{self, Known, Subject};
 use whipcord_study::score::figures::figures as score_figures;
 use whipcord_study::score::{Score, Subject as Scored, output};
 use whipcord_study::style::Style;
@@ -183,7 +183,9 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
         progress.finish_and_clear();
         return Err(Failure::Solve(unsolved.trim_end().to_owned()));
     }
-    let subjects: Vec<Subject> = studies.iter().map(subject).collect();
+    let known: Vec<Vec<Known>> = studies.iter().map(Study::known).collect();
+    let subjects: Vec<Subject> =
+        studies.iter().zip(&known).map(|(study, known)| subject(study, known)).collect();
     let results = Results::of(&subjects, &kinds, args.reference, &deadline::cancel(), |title| {
         progress.set_message(title.to_owned());
         progress.inc(1);
@@ -197,13 +199,17 @@ fn run_files(args: &CompareArgs, style: Style) -> Result<String, Failure> {
     };
     write_numbers(&folder, &studies)?;
     let (accuracy, benchmarks) = accuracy(args, &folder, &results, style)?;
-    let measured = studies.iter().map(|study| &study.file);
-    let measured: Vec<_> = measured.filter(|file| has_positions(file)).collect();
+    let of_measured: Vec<&Study> =
+        studies.iter().filter(|study| has_positions(&study.file)).collect();
+    let measured: Vec<_> = of_measured.iter().map(|study| &study.file).collect();
     // Of a single row the first table has all there is to say.
     let rows: usize = measured.iter().map(|file| Scored::new(file).rows.len()).sum();
     let score = match rows {
         0 | 1 => None,
-        _ => Some(score::of_files(measured, kinds.clone(), None)?),
+        _ => {
+            let known = |file: usize, model| of_measured[file].answers_of(model);
+            Some(score::of_files(measured, kinds.clone(), None, &known)?)
+        }
     };
     let mut accuracy = accuracy;
     if let Some(score) = &score {
@@ -272,7 +278,7 @@ fn not_ended() -> Result<(), Failure> {
     }
 }
 
-fn subject(study: &Study) -> Subject<'_> {
+fn subject<'a>(study: &'a Study, known: &'a [Known<'a>]) -> Subject<'a> {
     Subject {
         title: &study.file.title,
         stem: &study.stem,
@@ -280,6 +286,7 @@ fn subject(study: &Study) -> Subject<'_> {
         case: &study.file.case,
         measured: study.file.measured.as_ref(),
         tags: None,
+        known,
     }
 }
 

@@ -13,7 +13,7 @@ use crate::model_arguments::model_parser;
 use crate::progress;
 use whipcord_study::failure::Failure;
 use whipcord_study::files::{self, Folder};
-use whipcord_study::score::{Score, Solved, output, tables};
+use whipcord_study::score::{KnownRows, Score, Solved, output, tables};
 use whipcord_study::style::Style;
 
 /// Score models against measurements, without a fit
@@ -54,7 +54,7 @@ pub struct ScoreArgs {
 /// Solves, writes the files, and returns what standard output shows.
 pub fn run(args: &ScoreArgs, style: Style) -> Result<String, Failure> {
     let Inputs { cases, notes } = Inputs::read(&args.files, &args.settings)?;
-    let score = of_files(cases.iter().collect(), kinds(&args.models), args.threads)?;
+    let score = of_files(cases.iter().collect(), kinds(&args.models), args.threads, &|_, _| None)?;
     let folder = Folder::create(&args.out)?;
     score.write(&folder, !args.no_figures, &notes)?;
     if score.best().is_none() {
@@ -99,17 +99,19 @@ pub fn kinds(models: &[ModelKind]) -> Vec<ModelKind> {
 ///
 /// # Errors
 /// [`Failure`] for files without measurements in space, or where the time is over.
-pub fn of_files(
-    cases: Vec<&CaseFile>,
+pub fn of_files<'a>(
+    cases: Vec<&'a CaseFile>,
     models: Vec<ModelKind>,
     threads: Option<NonZero<usize>>,
-) -> Result<Score<'_>, Failure> {
+    known: &KnownRows<'_>,
+) -> Result<Score<'a>, Failure> {
     let bar = progress::bar(0);
     let tell = |done: usize, all: usize| {
         bar.set_length(all as u64);
         bar.set_position(done as u64);
     };
-    let solved = Solved::of(&cases, models, threads, &deadline::cancel(), &tell);
+    let cancel = deadline::cancel();
+    let solved = Solved::with_known(&cases, models, threads, &cancel, (&tell, known));
     bar.finish_and_clear();
     Ok(solved?.score(&cases))
 }

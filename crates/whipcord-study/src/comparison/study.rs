@@ -8,7 +8,7 @@ use whipcord::{
 use whipcord_estimation::observation::{Distances, Incomparable, distances};
 
 use crate::describe::driven_by;
-use crate::model_benchmark::like_for_like;
+use crate::model_benchmark::{Known, KnownAnswers, like_for_like};
 use crate::steps;
 use crate::timing::{self, TimedSolution, Timing};
 use crate::warnings::{Answered, about_file_and_answers};
@@ -72,6 +72,13 @@ pub struct Solved {
     pub build: Timing,
     /// What was measured in space in all steps beside them, or why they cannot be compared; `None` where nothing was.
     pub measured: Option<Result<Distances, Incomparable>>,
+}
+
+impl<'a> KnownAnswers<'a> {
+    const fn of(solved: &'a Solved) -> Self {
+        let Solved { answers, solve, build, .. } = solved;
+        Self { answers: answers.as_slice(), solve: *solve, build: *build }
+    }
 }
 
 impl Solved {
@@ -165,6 +172,22 @@ impl Study {
         Self { file, stem, runs, warnings }
     }
 
+    /// What the models say of the case as the file gives it, for whom asks for it again.
+    pub fn known(&self) -> Vec<Known<'_>> {
+        let own = self.runs.iter().filter(|run| run.commands == Commands::File);
+        own.map(|run| Known {
+            model: run.model,
+            outcome: run.outcome.as_ref().map(KnownAnswers::of),
+        })
+        .collect()
+    }
+
+    /// The answers of a model to all steps of the case as the file gives it, where it has them.
+    pub fn answers_of(&self, model: ModelKind) -> Option<&[Solution]> {
+        let own = |run: &&Run| run.model == model && run.commands == Commands::File;
+        Some(&self.runs.iter().find(own)?.outcome.as_ref().ok()?.answers)
+    }
+
     /// The runs with an answer.
     pub fn solved(&self) -> impl Iterator<Item = (&Run, &Solved)> {
         self.runs.iter().filter_map(|run| Some((run, run.outcome.as_ref().ok()?)))
@@ -214,7 +237,7 @@ fn run(
     let kind = model.kind();
     let outcome = timing::solve_within(budget, &model, robot, case).map(|timed| {
         let smooth = model.at(Stations::Equal(FINE_STATIONS));
-        let fine = timed.shapes_at_stations_of(&smooth, robot, case).pop().flatten();
+        let fine = timed.last_shape_at_stations_of(&smooth, robot, case);
         let answers = timed.answers();
         let measured = measured.and_then(|Measured { observations, alignment, .. }| {
             distances(kind, robot, case, &answers, observations, *alignment).transpose()

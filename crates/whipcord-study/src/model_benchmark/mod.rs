@@ -17,12 +17,12 @@ use std::time::Duration;
 
 use whipcord::robot::Route;
 use whipcord::{
-    Actuation, CableCommand, CableState, Cancel, Case, Model, NoStability, Pose, Robot, Shape,
-    Shortening, Solution, SolveError, Stations, at_rest,
+    Actuation, CableCommand, CableState, Cancel, Case, Model, ModelKind, NoStability, Pose, Robot,
+    Shape, Shortening, Solution, SolveError, Stations, at_rest,
 };
 use whipcord_io::Measured;
 
-use self::candidate::Candidate;
+use self::candidate::{Candidate, Preset};
 use self::reference::{Choice, NoReference, ReferenceAnswers};
 use crate::describe::driven_by;
 use crate::steps::{all_stable, stability_absent};
@@ -43,6 +43,28 @@ pub struct Subject<'a> {
     pub measured: Option<&'a Measured>,
     /// What it stands for in a suite.
     pub tags: Option<Tags>,
+    /// What models are known to say of it, which is not computed again.
+    pub known: &'a [Known<'a>],
+}
+
+/// What a model, as it is, says of a case that is given as it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Known<'a> {
+    /// Which model.
+    pub model: ModelKind,
+    /// Its answers, or why it has none.
+    pub outcome: Result<KnownAnswers<'a>, &'a SolveError>,
+}
+
+/// Answers, and how long they took.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownAnswers<'a> {
+    /// At the disks, to all steps.
+    pub answers: &'a [Solution],
+    /// As [`Answer::solve`].
+    pub solve: Timing,
+    /// As [`Answer::build`].
+    pub build: Timing,
 }
 
 /// What a case of a suite stands for.
@@ -88,6 +110,12 @@ impl Subject<'_> {
     /// Number of sections between disks.
     pub fn sections(&self) -> usize {
         self.robot.disks().count().saturating_sub(1)
+    }
+
+    /// What is known of a candidate.
+    fn known(&self, candidate: Candidate) -> Option<Result<KnownAnswers<'_>, &SolveError>> {
+        let own = self.known.iter().find(|known| known.model == candidate.kind)?;
+        (candidate.preset == Preset::Usual).then_some(own.outcome)
     }
 }
 
@@ -233,9 +261,31 @@ fn entry(
     budget: Duration,
 ) -> Entry {
     let robot = subject.robot;
-    let solve =
-        |case: &Case| timing::solve_within(budget, model, robot, case).map_err(|(_, error)| error);
-    let as_given = || (Commands::Case, subject.case, solve(subject.case));
+    let answer = |answers: &[Solution], solve: Timing, build: Timing| {
+        let nothing = || Err("there is no reference".to_owned());
+        let diagnostics = answers.last().map(|answer| &answer.diagnostics);
+        Answer {
+            residual: reference.map_or_else(nothing, |r| r.residual(subject, answers)),
+            solve,
+            build,
+            iterations: diagnostics.map_or(0, |of| of.iterations),
+            steps: diagnostics.map_or(0, |of| of.steps),
+            stable: all_stable(answers),
+            stability_absent: stability_absent(answers),
+        }
+    };
+    let solve = |case: &Case| {
+        let timed = timing::solve_within(budget, model, robot, case);
+        let timed = timed.map_err(|(_, error)| error)?;
+        let answers: Vec<Solution> = timed.answers().into_iter().cloned().collect();
+        Ok(answer(&answers, timed.solve, timed.build))
+    };
+    let of_case = || match subject.known(candidate) {
+        Some(Ok(KnownAnswers { answers, solve, build })) => Ok(answer(answers, solve, build)),
+        Some(Err(error)) => Err(error.clone()),
+        None => solve(subject.case),
+    };
+    let as_given = || (Commands::Case, subject.case, of_case());
     let as_reference = |case| (Commands::Reference, case, solve(case));
     // A geometric model is given the reference's lengths: its own, where the case has any, were measured or
     // chosen for other reasons. A model that knows forces gets the reference's only where the case has none for it.
@@ -246,20 +296,6 @@ fn entry(
             (given, _) => given,
         },
     };
-    let outcome = outcome.map(|timed| {
-        let answers: Vec<Solution> = timed.answers().into_iter().cloned().collect();
-        let diagnostics = &timed.solution.diagnostics;
-        let nothing = || Err("there is no reference".to_owned());
-        Answer {
-            residual: reference.map_or_else(nothing, |r| r.residual(subject, &answers)),
-            solve: timed.solve,
-            build: timed.build,
-            iterations: diagnostics.iterations,
-            steps: diagnostics.steps,
-            stable: all_stable(&answers),
-            stability_absent: stability_absent(&answers),
-        }
-    });
     let without_material = bare.is_some_and(|bare| {
         model.prepare(bare, &case.loads).is_ok_and(|mut model| model.solve(case, None).is_ok())
     });

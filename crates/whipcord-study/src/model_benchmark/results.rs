@@ -61,7 +61,7 @@ impl Results {
             let cut = free.filter_map(|subject| {
                 let robot = resample(subject.robot, CUT_INTO).ok()?;
                 Some(CaseBenchmark::new(
-                    &Subject { robot: &robot, measured: None, ..*subject },
+                    &Subject { robot: &robot, measured: None, known: &[], ..*subject },
                     &candidates,
                     choice,
                     timing::budget(CUT),

@@ -145,6 +145,7 @@ mod tests {
             case: &example.case,
             measured: None,
             tags: None,
+            known: &[],
         };
         let timing = |median| Timing { median, repeats: 1 };
         let entry = |(candidate, result): (Candidate, Option<(f64, f64)>)| Entry {

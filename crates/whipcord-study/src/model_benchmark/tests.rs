@@ -63,6 +63,7 @@ fn tried(kinds: &[ModelKind], choice: Choice) -> CaseBenchmark {
         case: &case,
         measured: None,
         tags: None,
+        known: &[],
     };
     CaseBenchmark::new(
         &subject,
@@ -154,7 +155,8 @@ fn the_reference_is_trusted_with_its_own_model_and_not_with_what_has_no_answer()
 fn holes_ask_for_cables_that_run_straight_between_them() {
     let example = crate::benchmark::paper::table_1().unwrap().remove(2);
     let (robot, case) = (&example.robot, &example.case);
-    let subject = Subject { title: "III", stem: "iii", robot, case, measured: None, tags: None };
+    let subject =
+        Subject { title: "III", stem: "iii", robot, case, measured: None, tags: None, known: &[] };
     let reference = ReferenceAnswers::new(&subject, Choice::Trusted, &Cancel::default()).unwrap();
     assert_eq!(reference.kind, Some(ModelKind::CosseratDisks));
     // Cut finely, the difference is none, and the continuous rod is as good.

@@ -14,7 +14,7 @@ use whipcord::ModelKind;
 
 pub use data::{FileScore, MarkerScore, RowScore, Score};
 pub use measures::{Measures, Missed, Summary, Worst};
-pub use run::Solved;
+pub use run::{KnownRows, Solved};
 pub use solve::{Answers, Job, SolvedRow, Subject, Unsolved};
 
 impl<'a> Score<'a> {

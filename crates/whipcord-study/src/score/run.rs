@@ -4,7 +4,7 @@ use std::num::NonZero;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use whipcord::jobs::share;
-use whipcord::{Cancel, ModelKind};
+use whipcord::{Cancel, ModelKind, Solution};
 use whipcord_io::CaseFile;
 
 use super::single_cable::single_cable;
@@ -24,6 +24,9 @@ pub struct Solved {
     single_cable: Option<Remark>,
 }
 
+/// The answers at the disks of a model to all rows of the file of a number, where they are known.
+pub type KnownRows<'a> = dyn Fn(usize, ModelKind) -> Option<&'a [Solution]> + Sync + 'a;
+
 /// Where files and models stand in the answers.
 fn subjects<'a>(cases: &[&'a CaseFile]) -> Vec<Subject<'a>> {
     cases.iter().copied().map(Subject::new).collect()
@@ -42,6 +45,21 @@ impl Solved {
         cancel: &Cancel,
         tell: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Self, Failure> {
+        Self::with_known(cases, models, threads, cancel, (tell, &|_, _| None))
+    }
+
+    /// As [`Self::of`], where answers at the disks to all rows are known of some files, by their numbers, and models: those are not computed again if nothing was
+    /// measured between disks and the rows are independent of each other.
+    ///
+    /// # Errors
+    /// As [`Self::of`].
+    pub fn with_known<'a>(
+        cases: &[&CaseFile],
+        models: Vec<ModelKind>,
+        threads: Option<NonZero<usize>>,
+        cancel: &Cancel,
+        (tell, known): (&(dyn Fn(usize, usize) + Sync), &KnownRows<'a>),
+    ) -> Result<Self, Failure> {
         let subjects = subjects(cases);
         let unmeasured = subjects.iter().filter(|subject| subject.rows.is_empty());
         let unmeasured: Vec<String> = unmeasured
@@ -56,7 +74,7 @@ impl Solved {
             return Err(Failure::Input(unmeasured.join("\n")));
         }
         let jobs = Job::all(&subjects, &models);
-        let answers = solve(&jobs, &subjects, threads, cancel, tell)?;
+        let answers = solve(&jobs, &subjects, threads, cancel, (tell, known))?;
         if cancel.is_cancelled() {
             return Err(Failure::Solve("error: not all rows were solved".to_owned()));
         }
@@ -106,7 +124,7 @@ fn solve(
     subjects: &[Subject<'_>],
     threads: Option<NonZero<usize>>,
     cancel: &Cancel,
-    tell: &(dyn Fn(usize, usize) + Sync),
+    (tell, known): (&(dyn Fn(usize, usize) + Sync), &KnownRows<'_>),
 ) -> Result<Vec<Answers>, Failure> {
     let done = AtomicUsize::new(0);
     tell(0, jobs.len());
@@ -117,7 +135,7 @@ fn solve(
         threads,
         || (),
         |(job, answers), ()| {
-            *answers = job.solve(&subjects[job.file], cancel);
+            *answers = job.solve(&subjects[job.file], known(job.file, job.model), cancel);
             tell(done.fetch_add(1, Ordering::Relaxed) + 1, jobs.len());
             true
         },

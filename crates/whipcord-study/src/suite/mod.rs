@@ -86,6 +86,7 @@ impl SuiteCase {
             case: &self.case,
             measured: None,
             tags: Some(self.tags),
+            known: &[],
         }
     }
 
