@@ -170,7 +170,7 @@ fn study_of_motors() {
     study(Study::of_drives(2000));
 }
 
-/// As above, of rows in order with friction. `RUNS=200 ROWS=2000`, which is the default, takes an hour and a half of processor time: these variables
+/// As above, of rows in order with friction. `RUNS=200 ROWS=2000`, which is the default, takes an hour and a half of processor time and more: these variables
 /// ask for less, `FIRST` for others, and what is known so far is told after each run.
 #[test]
 #[ignore = "a study of more than an hour; of_few_runs_with_friction asks the same of fewer"]
