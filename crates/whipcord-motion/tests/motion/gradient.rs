@@ -102,6 +102,43 @@ impl Problem {
         assert_eq!(*simulation.state(), before);
         gradient
     }
+
+    /// The derivatives by a state in the middle of the motion are those of differences of this size.
+    pub fn check_by_start(&self, unit: f64, name: &str) {
+        let (before, after) = self.commands.split_at(3);
+        let mut simulation = self.simulation();
+        simulation.record(before, DT).unwrap();
+        let start = simulation.state().clone();
+        let tip = |change: &dyn Fn(&mut State)| {
+            let (mut simulation, mut state) = (simulation.clone(), start.clone());
+            change(&mut state);
+            simulation.set_state(&state).unwrap();
+            let record = simulation.record(after, DT).unwrap();
+            (record.states.last().unwrap().tip().position.dot(vector(1)), record)
+        };
+        let (_, record) = tip(&|_| ());
+        let mut seeds = vec![Seed::default(); record.states.len()];
+        let nodes = start.velocities.len();
+        let mut positions = vec![Vec3::ZERO; nodes];
+        positions[nodes - 1] = vector(1);
+        seeds.last_mut().unwrap().positions = positions;
+        let gradient = self.simulation().gradient(&record, &seeds).unwrap();
+        let by = |axis: usize, size: f64| {
+            let mut change = Vec3::ZERO;
+            change[axis] = size;
+            change
+        };
+        for axis in 0..3 {
+            let name = format!("{name} {axis}");
+            let velocity = difference(unit, |size| {
+                tip(&|state| state.velocities[5].linear += by(axis, size)).0
+            });
+            close(gradient.velocities[5].linear[axis], velocity, 1e-3, &name);
+            let strain =
+                difference(unit, |size| tip(&|state| state.strains[3].angular += by(axis, size)).0);
+            close(gradient.strains[3].angular[axis], strain, 1e-3, &name);
+        }
+    }
 }
 
 impl Problem {

@@ -1,9 +1,9 @@
 //! Gradients over motions in contact with obstacles against central differences of the same steps.
 
 use whipcord::{Case, Form, ModelKind, Obstacle, Pose, Shortening, Vec3};
-use whipcord_motion::{CableDrive, Commands, Course, Initial, Method, Seed, State};
+use whipcord_motion::{CableDrive, Commands, Course, Initial, Method};
 
-use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, vector, weight};
+use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, weight};
 
 const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
 
@@ -127,38 +127,6 @@ fn gradients_through_a_release_are_those_of_differences() {
 fn gradients_in_contact_by_the_start_are_those_of_differences() {
     for friction in [0.0, 0.05, 3.0] {
         let problem = problem(ModelKind::Cosserat, friction, 6e-3, (STEPS, 0, 0.0));
-        let (before, after) = problem.commands.split_at(3);
-        let mut simulation = problem.simulation();
-        simulation.record(before, DT).unwrap();
-        let start = simulation.state().clone();
-        let tip = |change: &dyn Fn(&mut State)| {
-            let (mut simulation, mut state) = (simulation.clone(), start.clone());
-            change(&mut state);
-            simulation.set_state(&state).unwrap();
-            let record = simulation.record(after, DT).unwrap();
-            (record.states.last().unwrap().tip().position.dot(vector(1)), record)
-        };
-        let (_, record) = tip(&|_| ());
-        let mut seeds = vec![Seed::default(); record.states.len()];
-        let nodes = start.velocities.len();
-        let mut positions = vec![Vec3::ZERO; nodes];
-        positions[nodes - 1] = vector(1);
-        seeds.last_mut().unwrap().positions = positions;
-        let gradient = problem.simulation().gradient(&record, &seeds).unwrap();
-        let by = |axis: usize, size: f64| {
-            let mut change = Vec3::ZERO;
-            change[axis] = size;
-            change
-        };
-        for axis in 0..3 {
-            let name = format!("{friction} {axis}");
-            let velocity = difference(1e-5, |size| {
-                tip(&|state| state.velocities[5].linear += by(axis, size)).0
-            });
-            close(gradient.velocities[5].linear[axis], velocity, 1e-3, &name);
-            let strain =
-                difference(1e-5, |size| tip(&|state| state.strains[3].angular += by(axis, size)).0);
-            close(gradient.strains[3].angular[axis], strain, 1e-3, &name);
-        }
+        problem.check_by_start(1e-5, &friction.to_string());
     }
 }

@@ -1,14 +1,10 @@
 //! Gradients over motions with friction of cables against central differences of the same steps.
 
 use whipcord::shape::SlipState;
-use whipcord::{Cable, Case, ModelKind, Vec3};
-use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions, Seed, State,
-};
+use whipcord::{Cable, Case, ModelKind};
+use whipcord_motion::{CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions};
 
-use super::gradient::{
-    DT, Problem, STEPS, close, difference, gravity, options, robot, vector, weight,
-};
+use super::gradient::{DT, Problem, STEPS, close, difference, gravity, options, robot, weight};
 use super::robots::{helix, straight};
 
 const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
@@ -147,43 +143,7 @@ fn gradients_with_friction_are_those_of_differences() {
 fn gradients_with_friction_by_the_start_are_those_of_differences() {
     for model in MODELS {
         let problem = problem(model, false, Initial::Equilibrium, 0.0, UNCHANGED);
-        let (before, after) = problem.commands.split_at(3);
-        let mut simulation = problem.simulation();
-        simulation.record(before, DT).unwrap();
-        let start = simulation.state().clone();
-        let tip = |change: &dyn Fn(&mut State)| {
-            let (mut simulation, mut state) = (simulation.clone(), start.clone());
-            change(&mut state);
-            simulation.set_state(&state).unwrap();
-            let record = simulation.record(after, DT).unwrap();
-            (record.states.last().unwrap().tip().position.dot(vector(1)), record)
-        };
-        let (_, record) = tip(&|_| ());
-        let mut seeds = vec![Seed::default(); record.states.len()];
-        let nodes = start.velocities.len();
-        let mut positions = vec![Vec3::ZERO; nodes];
-        positions[nodes - 1] = vector(1);
-        seeds.last_mut().unwrap().positions = positions;
-        let gradient = problem.simulation().gradient(&record, &seeds).unwrap();
-        let by = |axis: usize, size: f64| {
-            let mut change = Vec3::ZERO;
-            change[axis] = size;
-            change
-        };
-        for axis in 0..3 {
-            let velocity = difference(1e-4, |size| {
-                tip(&|state| state.velocities[5].linear += by(axis, size)).0
-            });
-            close(
-                gradient.velocities[5].linear[axis],
-                velocity,
-                1e-3,
-                &format!("{model:?} {axis}"),
-            );
-            let strain =
-                difference(1e-4, |size| tip(&|state| state.strains[3].angular += by(axis, size)).0);
-            close(gradient.strains[3].angular[axis], strain, 1e-3, &format!("{model:?} {axis}"));
-        }
+        problem.check_by_start(1e-4, &format!("{model:?}"));
     }
 }
 
