@@ -20,6 +20,8 @@ const FEWEST: usize = 10;
 const FAR: f64 = 6.0;
 /// Where a greater part of the pairs is so far apart, it is the model that is wrong for some of them: then all count the same.
 const MOST: f64 = 0.1;
+/// No pair is far off by less than this part of the largest coordinate.
+const LEAST_FAR: f64 = 1e-9;
 /// Of the search for the weights.
 const ROUNDS: usize = 50;
 
@@ -275,7 +277,8 @@ fn robustly(
         }
     }
     // Then all that are near count the same.
-    let limit = far_limit(&apart(&motion));
+    let size = pairs.iter().flatten().map(|point| point.max_abs()).fold(0.0, f64::max);
+    let limit = far_limit(&apart(&motion)).max(LEAST_FAR * size);
     let mut lowered = Vec::new();
     for _ in 0..ROUNDS {
         let distances = apart(&motion);

@@ -222,6 +222,13 @@ fn without_jumps_all_count_the_same() {
         assert!(lowered.is_empty());
         assert_eq!(found, register(&pairs).unwrap());
     }
+    // Rounding of exact measurements is no jump, and a jump among them is one.
+    let mut pairs: Vec<[Vec3; 2]> =
+        noisy(&mut seed, 60).into_iter().map(|[_, target]| [target, target]).collect();
+    pairs[..3].iter_mut().for_each(|pair| pair[0] += 1e-14 * Vec3::X);
+    assert!(register_robustly(&pairs).unwrap().1.is_empty());
+    pairs[7][0] += 0.05 * Vec3::X;
+    assert_eq!(register_robustly(&pairs).unwrap().1, [7]);
     // Where a fifth of the rows is off, it is the model.
     let mut pairs = noisy(&mut seed, 500);
     pairs[..100].iter_mut().for_each(|pair| pair[0] += 0.05 * Vec3::X);
