@@ -74,9 +74,9 @@ fn unit(axis: usize) -> Twist {
 
 /// A pose displaced along, or turned about, an axis of the base.
 fn moved(pose: &Pose, axis: usize, by: f64) -> Pose {
-    let motion = unit(axis);
-    let turn = Pose::exp(Twist { linear: Vec3::ZERO, angular: motion.angular * by }).rotation;
-    Pose { position: pose.position + motion.linear * by, rotation: turn * pose.rotation }
+    let motion = unit(axis) * by;
+    let rotation = UnitQuaternion::exp(motion.angular) * pose.rotation;
+    Pose { position: pose.position + motion.linear, rotation }
 }
 
 impl Held<'_> {
@@ -184,9 +184,7 @@ impl Contacts {
         }
         out
     }
-}
 
-impl Contacts {
     /// How far the contacts of the step that was solved last are from another state, in relative terms: a gap or slip as a part of the length, a force as a part of EI/L², and a traction as a
     /// part of its bound.
     pub fn margin(&self, rod: &Rod) -> f64 {
@@ -251,7 +249,7 @@ impl ContactRows {
         for axis in 0..MOTIONS {
             let of_end: [f64; MOTIONS] =
                 core::array::from_fn(|by| -component(&changes[1][by].push, axis));
-            // The push stays while the section turns at the stage.
+            // The push is constant while the section turns at the stage.
             let part = if axis < 3 { now.linear } else { now.angular };
             let turning = world(unit(axis % 3).linear).cross(world(part)) * -1.0;
             let of_stage = Twist { linear: Vec3::ZERO, angular: turning };
@@ -277,9 +275,7 @@ impl ContactRows {
             };
             let mut row = ContactRow::default();
             row.take_end(scheme, &gradient(end, station, sum(1)));
-            for (out, of) in row.start.iter_mut().zip(gradient(start, station, sum(0))) {
-                *out = *out + of;
-            }
+            add(&mut row.start, &gradient(start, station, sum(0)), 1.0);
             row
         };
         self.rows.push(line_row(&[(0, 1.0)]));

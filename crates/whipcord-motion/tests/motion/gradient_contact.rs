@@ -46,15 +46,7 @@ fn gradients_in_contact_are_those_of_differences() {
             assert!(if friction == 3.0 { sticking > 0 } else { sticking < 3 }, "{name} {sticking}");
             assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
             assert!(record.holds_start());
-            let gradient = base.gradient();
-            let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
-            for k in 0..STEPS {
-                for i in 0..2 {
-                    let expected =
-                        difference(1e-5, |by| problem(model, friction, 6e-3, (k, i, by)).number());
-                    close(gradient.cables[k][i], expected, scale, &format!("{name}: {k} {i}"));
-                }
-            }
+            base.check_by_commands(1e-5, |command| problem(model, friction, 6e-3, command), &name);
         }
     }
 }
@@ -93,14 +85,7 @@ fn gradients_in_contact_by_lengths_are_those_of_differences() {
         let record = base.simulation().record(&base.commands, DT).unwrap();
         assert!(record.states.iter().any(|state| !state.contacts.is_empty()), "{friction}");
         assert!(record.states.iter().any(|state| state.cables[0].tension > 0.0), "{friction}");
-        let gradient = base.gradient();
-        let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
-        for k in 0..STEPS {
-            for i in 0..2 {
-                let expected = difference(1e-8, |by| by_lengths((k, i, by)).number());
-                close(gradient.cables[k][i], expected, scale, &format!("{friction}: {k} {i}"));
-            }
-        }
+        base.check_by_commands(1e-8, by_lengths, &friction.to_string());
     }
 }
 
@@ -112,14 +97,7 @@ fn gradients_through_a_release_are_those_of_differences() {
     let record = base.simulation().record(&base.commands, DT).unwrap();
     assert!(record.states.last().unwrap().contacts.is_empty());
     assert!(!record.states[1].contacts.is_empty());
-    let gradient = base.gradient();
-    let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
-    for k in 0..STEPS {
-        for i in 0..2 {
-            let expected = difference(1e-5, |by| released((k, i, by)).number());
-            close(gradient.cables[k][i], expected, scale, &format!("{k} {i}"));
-        }
-    }
+    base.check_by_commands(1e-5, released, "released");
 }
 
 /// From a state in the middle of a motion.
@@ -128,5 +106,19 @@ fn gradients_in_contact_by_the_start_are_those_of_differences() {
     for friction in [0.0, 0.05, 3.0] {
         let problem = problem(ModelKind::Cosserat, friction, 6e-3, (STEPS, 0, 0.0));
         problem.check_by_start(1e-5, &friction.to_string());
+    }
+}
+
+impl Problem {
+    /// The gradient by each command is that of differences of this size; `at` is the problem with a command, by step and cable, changed.
+    fn check_by_commands(&self, unit: f64, at: impl Fn((usize, usize, f64)) -> Self, name: &str) {
+        let gradient = self.gradient();
+        let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+        for k in 0..STEPS {
+            for i in 0..2 {
+                let expected = difference(unit, |by| at((k, i, by)).number());
+                close(gradient.cables[k][i], expected, scale, &format!("{name}: {k} {i}"));
+            }
+        }
     }
 }

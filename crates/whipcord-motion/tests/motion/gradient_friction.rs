@@ -154,7 +154,7 @@ fn steps_between_two_cases_are_named() {
         problem(ModelKind::CosseratDisks, false, Initial::Equilibrium, 0.0, UNCHANGED);
     problem.case.loads = Default::default();
     problem.options.loads.clear();
-    // The cables run straight through the holes of a straight robot: the angle has a kink at zero.
+    // The cables run straight through the holes of a straight robot: the angle has no derivative at zero.
     problem.robot = robot(1.0, 1.0, vec![Cable { friction: Some(0.3), ..straight("a", 0.0, 0.0) }]);
     problem.case.commands.truncate(1);
     problem.commands = vec![Commands::tensions(&[1.0]), Commands::tensions(&[2.0])];
