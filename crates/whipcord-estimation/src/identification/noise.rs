@@ -161,14 +161,15 @@ fn level(residuals: &[f64], freedom: f64, squares: bool) -> f64 {
         return (residuals.iter().map(|r| r * r).sum::<f64>() / freedom).sqrt();
     }
     let mut sizes: Vec<f64> = residuals.iter().map(|r| r.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let middle = sizes.len() / 2;
-    let median = if sizes.len() % 2 == 1 {
-        sizes[middle]
-    } else {
-        0.5 * (sizes[middle - 1] + sizes[middle])
-    };
+    let median = median(&mut sizes).unwrap_or_default();
     MEDIAN * median * (count / freedom).sqrt()
+}
+
+/// The median; `None` of nothing. Sorts the values.
+pub(super) fn median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let [below, above] = [values.len().checked_sub(1)? / 2, values.len() / 2];
+    Some(0.5 * (values[below] + values[above]))
 }
 
 /// `Σ ρ` over what was seen.

@@ -7,6 +7,7 @@ use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
 use super::forward::{Forward, measured};
 use super::identify::identify;
+use super::noise::median;
 use super::registered::placed;
 use super::rows::{OverDetermined, Row, Skipped, only, rows, without};
 use super::settings::Settings;
@@ -67,9 +68,7 @@ impl HeldOut {
     #[must_use]
     pub fn median_distance(&self) -> Option<f64> {
         let mut all: Vec<f64> = self.rows.iter().filter_map(|(_, distance)| *distance).collect();
-        all.sort_by(f64::total_cmp);
-        let [below, above] = [all.len().checked_sub(1)? / 2, all.len() / 2];
-        Some(0.5 * (all[below] + all[above]))
+        median(&mut all)
     }
 }
 
