@@ -105,8 +105,13 @@ impl Landmarks {
             }
         }
         let all = self.commanded.iter().chain(&self.spread);
-        let ranked = all.map(|landmark| (search.distance(&landmark.evaluation.solution), landmark));
-        let nearest = ranked.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, landmark)| landmark);
+        let (mut least, mut nearest) = (f64::INFINITY, None);
+        for landmark in all {
+            let squares = search.squares(&landmark.evaluation.solution, least);
+            if squares < least {
+                (least, nearest) = (squares, Some(landmark));
+            }
+        }
         if let Some(nearest) = nearest {
             search.forward.solves += nearest.solves;
             if let Some(answer) = &nearest.answer {

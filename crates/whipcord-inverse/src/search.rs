@@ -145,11 +145,9 @@ impl Search<'_> {
         &self.places
     }
 
-    /// The square of the residuals of a solution.
-    pub fn distance(&self, solution: &Solution) -> f64 {
-        let mut residual = Vec::new();
-        self.target.residual(solution, self.lever, &mut residual);
-        residual.iter().map(|r| r * r).sum()
+    /// The sum of the squares of the residuals of a solution, or what it is at least once it has got beyond `most`.
+    pub fn squares(&self, solution: &Solution, most: f64) -> f64 {
+        self.target.squares(solution, self.lever, most)
     }
 
     /// Goes down from a start on few steps and solves what is found from rest; and again with what the answer of the model itself differs by, until that is known.
@@ -234,7 +232,7 @@ impl Search<'_> {
         let touches = options.clearance.is_some() && !solution.contacts.is_empty();
         let is_unstable = solution.diagnostics.is_unstable() && !options.allows_unstable;
         let is_allowed = !is_exceeded && !touches && !is_unstable;
-        let distance = self.distance(solution).sqrt();
+        let distance = self.squares(solution, f64::INFINITY).sqrt();
         Ok(Candidate {
             unknowns: found.unknowns.clone(),
             evaluation,

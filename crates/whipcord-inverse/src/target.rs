@@ -132,6 +132,41 @@ impl Target {
         }
     }
 
+    /// The sum of the squares of the residuals in m², or what it is at least once it has got beyond `most`.
+    pub(crate) fn squares(&self, solution: &Solution, lever: f64, most: f64) -> f64 {
+        let poses = &solution.disks.poses;
+        let Some(tip) = poses.last() else { return 0.0 };
+        let square = |v: Vec3| v.dot(v);
+        match self {
+            Self::Tip(point) => square(tip.position - *point),
+            Self::Pose(pose) => {
+                let off = square(tip.position - pose.position);
+                // The angle takes longer than all else.
+                if off > most {
+                    return off;
+                }
+                off + square((tip.rotation * pose.rotation.conjugate()).log() * lever)
+            }
+            Self::Axis { point, direction } => {
+                let axis = tip.rotation.rotate(Vec3::new(0.0, 0.0, 1.0));
+                let goal = *direction * (1.0 / direction.norm());
+                let off = point.map_or(0.0, |point| square(tip.position - point));
+                off + square((axis - goal) * lever)
+            }
+            Self::Shape(points) => {
+                #[allow(clippy::cast_precision_loss, reason = "far below 2⁵³ points")]
+                let (count, mut sum) = (points.len() as f64, 0.0);
+                for (disk, point) in points {
+                    sum += square(poses[*disk].position - *point) / count;
+                    if sum > most {
+                        break;
+                    }
+                }
+                sum
+            }
+        }
+    }
+
     /// Whether the residuals of another target are the same quantities.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         match (self, other) {

@@ -196,10 +196,18 @@ fn planted_targets_are_reached() {
 #[ignore = "minutes"]
 fn study_of_planted_targets() {
     let count = std::env::var("COUNT").ok().and_then(|n| n.parse().ok()).unwrap_or(1000);
+    let only = std::env::var("ROBOT").ok();
+    let load = std::env::var("LOADED").ok();
     for (name, robot, greatest) in robots::all() {
+        if only.as_ref().is_some_and(|only| only != name) {
+            continue;
+        }
         let by = if name == "with motors" { CommandedBy::Motors } else { CommandedBy::Case };
         let loads = Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() };
         for (loaded, loads) in [("", Loads::default()), (", loaded", loads)] {
+            if load.as_ref().is_some_and(|load| (load == "1") == loaded.is_empty()) {
+                continue;
+            }
             for of in [Kind::Tip, Kind::Pose, Kind::Shape] {
                 let count = if loaded.is_empty() { count } else { count / 5 };
                 let question = Question {
@@ -210,7 +218,7 @@ fn study_of_planted_targets() {
                     of,
                     by,
                     count,
-                    shapes: 128,
+                    shapes: std::env::var("SHAPES").ok().and_then(|n| n.parse().ok()).unwrap_or(128),
                 };
                 let options = ReachOptions { null_space: false, ..FIRST };
                 let tally = study(&question, &options);
