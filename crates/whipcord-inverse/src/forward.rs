@@ -239,9 +239,10 @@ impl Forward {
         let values = self.values(unknowns, near);
         let robot = self.model.robot();
         write_commands(&self.actuators.asked, robot, &values, &mut self.case.commands);
+        let mut is_only = || self.verifier.has_one_equilibrium(&self.case).unwrap_or(false);
         let from = match self.memory {
             Remembers::LastAnswer => self.origin.as_ref(),
-            Remembers::Nothing if self.is_following => Some(near),
+            Remembers::Nothing if self.is_following || is_only() => Some(near),
             Remembers::Nothing | Remembers::AllSteps => None,
         };
         self.verifier.solve(&self.case, from)

@@ -300,6 +300,19 @@ impl Prepared {
         }
     }
 
+    /// Whether it is proven that the robot has one equilibrium only under a case, so that whatever a solve starts from leads to the same answer:
+    /// where a Cosserat rod without friction and obstacles, whose cables are driven by their tensions, bears dead forces that are weak for its
+    /// stiffness, eq. (16) of its page, or no load. `false` is no statement.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the model cannot take the case.
+    pub fn has_one_equilibrium(&mut self, case: &Case) -> Result<bool, SolveError> {
+        match self {
+            Self::Cosserat(model, workspace) => model.has_one_equilibrium(case, workspace),
+            _ => Ok(false),
+        }
+    }
+
     /// [`Self::solve`] for a controller: into a solution that is at hand, from the answer of the cycle before
     /// ([`WarmStart::Output`]), and within a budget ([`Self::set_budget`]) with the best shape so far where that is spent. After the
     /// first call nothing is allocated by a solve without obstacles and hole friction that needs no search for tensions or

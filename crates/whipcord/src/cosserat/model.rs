@@ -12,6 +12,7 @@ use super::redundant_cables;
 use super::refinement::Attempt;
 use super::scratch::{Scratch, Start};
 use super::verdict;
+use super::without_load::set_tensions;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
@@ -24,6 +25,7 @@ use crate::robot::{Problem, Robot, RobotError};
 use crate::section::Fault;
 use crate::shape::{CableState, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
+use crate::statics::convexity;
 use crate::statics::grid::steps_for_twist;
 use crate::statics::grid::{Grid, Layout};
 use crate::statics::loads;
@@ -286,6 +288,29 @@ impl Cosserat {
     pub(super) fn fault(&self, fault: Fault, workspace: &Workspace) -> SolveError {
         let failure = Failure::of_section(fault, &workspace.scratch.tensions, 1.0);
         self.explain(failure, &workspace.commands)
+    }
+
+    /// See [`crate::Prepared::has_one_equilibrium`].
+    ///
+    /// # Errors
+    /// [`SolveError`] when the model cannot take the case.
+    pub(crate) fn has_one_equilibrium(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<bool, SolveError> {
+        self.accept(case, workspace)?;
+        let Workspace { commands, scratch, .. } = workspace;
+        let is_length = |command: &Command| matches!(command, Command::Length { .. });
+        let has_history = self.has_friction() || self.robot.has_bending_friction();
+        if has_history || !case.obstacles.is_empty() || commands.iter().any(is_length) {
+            return Ok(false);
+        }
+        scratch.applied.gather(&self.grid, &case.loads, case.base.rotation);
+        scratch.tensions.clear();
+        scratch.tensions.resize(commands.len(), 0.0);
+        set_tensions(commands, &mut scratch.tensions);
+        Ok(convexity::is_shown(&self.grid, &scratch.applied, &scratch.tensions, 1.0, 0.0))
     }
 
     pub(super) fn solve_keeping_grid(

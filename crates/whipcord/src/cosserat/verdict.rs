@@ -3,7 +3,8 @@
 use super::problem::{Problem, StabilityCheck};
 use super::scratch::Scratch;
 use super::shooting::sample;
-use crate::shape::{NoStability, Verdict};
+use crate::shape::{Diagnostics, NoStability, Verdict};
+use crate::statics::convexity;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
 
@@ -22,6 +23,9 @@ pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
         || scratch.applied.any_follower()
         || problem.is_only(&scratch.applied)
     {
+        return true;
+    }
+    if convexity::is_shown(problem.grid, &scratch.applied, &scratch.tensions, 1.0, 0.0) {
         return true;
     }
     let sampled = sample(problem, scratch).is_ok();
@@ -48,6 +52,12 @@ pub(super) fn stability(
     }
     if scratch.applied.any_follower() {
         return Ok(Err(NoStability::Followers));
+    }
+    let Scratch { applied, tensions, .. } = &*scratch;
+    if analysis == StabilityAnalysis::Verdict
+        && convexity::is_shown(problem.grid, applied, tensions, 1.0, Diagnostics::NEAR_CRITICAL)
+    {
+        return Ok(Ok(Verdict::STABLE));
     }
     sample(problem, scratch).map_err(|fault| Failure::of_section(fault, &scratch.tensions, 1.0))?;
     let Scratch { stability, trajectory, tensions, lengths, applied, .. } = scratch;

@@ -12,6 +12,7 @@
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
 //! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
+//! | `convexity` | loads so weak that there is one equilibrium, eq. (16) |
 //! | `runge_kutta` | state and stages of the integration of a rod under loads |
 //! | `scales` | units of residuals |
 //! | `elimination` | the linear system of multiple shooting, eq. (10) |
@@ -29,6 +30,7 @@
 pub(crate) mod active_set;
 pub(crate) mod command;
 pub(crate) mod continuation;
+pub(crate) mod convexity;
 pub(crate) mod eigenvalue;
 pub(crate) mod elimination;
 pub(crate) mod friction;

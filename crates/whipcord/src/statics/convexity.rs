@@ -1,0 +1,63 @@
+//! Loads so weak that a rod has one equilibrium, and a stable one.
+//!
+//! The energy `½‖ξ − ξ*‖²_K + Σ τᵢ‖pᵢ′‖ − F·p′` of a rod under dead forces is a function of its strains `ξ = (v, u)`, and what cables add
+//! is convex. With `ω′ = R δu` the frames along `ξ + ε δξ` have `R″ = (α̂ + ω̂²) R`, `α′ = ω × ω′`, so that the second derivative of
+//! the work of the forces is
+//!
+//! ```text
+//! ∫ F·(α × Rv + ω × (ω × Rv) + 2 ω × R δv) ds
+//! ```
+//!
+//! With `f = ∫‖δu‖`, which is no less than `‖ω‖`, and `∫ F·(α × Rv) ds ≤ ∫ m f f′ ds = ½ ∫ ‖F‖‖v‖ f² ds` where `m′ = −‖F‖‖v‖`, the energy has
+//!
+//! ```text
+//! E″ ≥ ∫ k f′² − q f² ds,   q = (3/2)‖F‖‖v‖ + ‖F‖²/κ                        (16)
+//! ```
+//!
+//! with the least bending or twisting stiffness k and the least shear or axial stiffness κ. This is positive for all f with `f(0) = 0` where
+//! `y′ = −q − y²/k`, `y(L) = 0` has a solution as far as the base: a condition on the loads and the robot, whatever its shape.
+//! In equilibrium `‖v − e₃‖ ≤ (‖F‖ + Στᵢ)/κ`, so that every equilibrium is a strict minimum; an energy that grows with the strains has
+//! one minimum then, since between two there would be a pass.
+
+use super::grid::{Grid, SHOOTING_NODES};
+use super::loads::AppliedLoads;
+
+/// Whether (16) shows that an equilibrium under these tensions (N, in the order of the grid) and this fraction of the loads is the only one, with
+/// `E″ ≥ least ∫ δuᵀ K δu ds`.
+pub(crate) fn is_shown(
+    grid: &Grid,
+    applied: &AppliedLoads,
+    tensions: &[f64],
+    load: f64,
+    least: f64,
+) -> bool {
+    if applied.any_follower() || applied.any_dead_moment() {
+        return false;
+    }
+    let mut y = 0.0;
+    for (k, step) in grid.steps.iter().enumerate().rev() {
+        let (mut k_bt, mut soft, mut force) = (f64::INFINITY, 0.0_f64, 0.0_f64);
+        for j in 0..SHOOTING_NODES.len() {
+            let section = &grid.shooting.at(k, j, 0).0.section;
+            if section.beside.is_some() {
+                return false;
+            }
+            let bending = section.stiffness.bending;
+            k_bt = k_bt.min(bending.x).min(bending.y).min(bending.z);
+            soft = soft.max(section.compliance.shear.max_abs());
+            force = force.max(load * applied.force(k, j).norm());
+        }
+        let tension: f64 = tensions.iter().take(step.active).sum();
+        let stretch = 1.0 + (force + tension) * soft;
+        let q = (1.5 * stretch + force * soft) * force;
+        let k_bt = (1.0 - least) * k_bt;
+        // What `q` adds in a step acts along all of it: no less than the solution.
+        let near = y + q * step.length;
+        let left = 1.0 - near * step.length / k_bt;
+        if left <= 0.0 {
+            return false;
+        }
+        y = near / left;
+    }
+    y.is_finite()
+}
