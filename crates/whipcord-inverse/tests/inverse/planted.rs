@@ -218,7 +218,10 @@ fn study_of_planted_targets() {
                     of,
                     by,
                     count,
-                    shapes: std::env::var("SHAPES").ok().and_then(|n| n.parse().ok()).unwrap_or(128),
+                    shapes: std::env::var("SHAPES")
+                        .ok()
+                        .and_then(|n| n.parse().ok())
+                        .unwrap_or(128),
                 };
                 let options = ReachOptions { null_space: false, ..FIRST };
                 let tally = study(&question, &options);

@@ -14,7 +14,7 @@ use super::sensitivity::{Column, Sensitivity, Tensions, Unknowns};
 use super::state::{Direction, State, weight};
 use crate::budget::Meter;
 use crate::derivatives::StepGap;
-use crate::section::Fault;
+use crate::section::{Fault, step_tolerance};
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination, Size};
 use crate::statics::grid::Grid;
@@ -231,6 +231,7 @@ impl Chain {
                 follower_force: start.force,
                 load: *load,
                 sample,
+                step_tolerance: step_tolerance(task.tolerance),
             };
             let (end, cut) =
                 trajectory.shoot_step(task.grid, task.loads, &target, k, start.rotation, moment)?;

@@ -22,7 +22,7 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
-use crate::section::Fault;
+use crate::section::{Fault, step_tolerance};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::elimination::Change;
@@ -133,6 +133,7 @@ impl ContactResponse {
             follower_force: base.force,
             load: 1.0,
             sample: false,
+            step_tolerance: step_tolerance(0.0),
         };
         let mut shot = Trajectory::default();
         shot.steps_left = usize::MAX;
@@ -669,6 +670,7 @@ fn near(
         follower_force: loads.follower_share(base.force),
         load: 1.0,
         sample: true,
+        step_tolerance: step_tolerance(0.0),
     };
     trajectory.shoot(&contact_grid.grid, loads, &target).ok()?;
     let start = |k: usize| Node {

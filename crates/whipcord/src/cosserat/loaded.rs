@@ -18,7 +18,7 @@ use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
 use crate::section::Fault;
-use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
+use crate::section::{BodyWrench, Strain, Tangent, equilibrium_within};
 use crate::shape::Wrench;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
@@ -64,6 +64,8 @@ pub(super) struct Target<'a> {
     pub load: f64,
     /// Whether [`Trajectory::samples`] are wanted.
     pub sample: bool,
+    /// The last Newton step of each section, as a strain.
+    pub step_tolerance: f64,
 }
 
 impl Target<'_> {
@@ -302,7 +304,8 @@ impl Trajectory {
             if let Some(neighbour) = neighbour {
                 *slot = neighbour;
             }
-            equilibrium(section, crossings, tensions, wrench, slot).map_err(fault)?;
+            equilibrium_within(target.step_tolerance, section, crossings, tensions, wrench, slot)
+                .map_err(fault)?;
             let strain = *slot;
             if neighbour.is_some() {
                 neighbour = Some(strain);
@@ -350,6 +353,7 @@ mod tests {
 
     use super::*;
     use crate::cosserat::{Accuracy, Cosserat, Options, Workspace};
+    use crate::section::step_tolerance;
     use crate::statics::grid::Layout;
     use crate::statics::options::StabilityAnalysis;
     use crate::{
@@ -400,6 +404,7 @@ mod tests {
                 follower_force: Vec3::ZERO,
                 load: 1.0,
                 sample: true,
+                step_tolerance: step_tolerance(0.0),
             };
             let (mut best, mut plain) = (Trajectory::default(), Trajectory::default());
             best.shoot(&grid, &applied, &target).unwrap();

@@ -4,7 +4,7 @@ use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
 use super::newton::{Point, residual};
 use super::problem::Problem;
 use super::scratch::Scratch;
-use crate::section::Fault;
+use crate::section::{Fault, step_tolerance};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
@@ -48,7 +48,17 @@ pub(super) fn shoot(
     let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
         problem.meter.integrate(problem.grid.len());
         let Point { base_moment, follower_force, ref tensions } = *point;
-        let target = Target { tensions, per_node: 0, base_moment, follower_force, load, sample };
+        let step_tolerance = step_tolerance(problem.tolerance);
+        let per_node = 0;
+        let target = Target {
+            tensions,
+            per_node,
+            base_moment,
+            follower_force,
+            load,
+            sample,
+            step_tolerance,
+        };
         trajectory.shoot(problem.grid, applied, &target)?;
         if lengths_driven {
             trajectory.measure(problem.grid);
@@ -189,6 +199,7 @@ pub(super) fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(),
         follower_force: applied.follower_share(base_wrench.force),
         load: 1.0,
         sample: true,
+        step_tolerance: step_tolerance(problem.tolerance),
     };
     trajectory.shoot(problem.grid, applied, &target)?;
     scratch.sampled = true;

@@ -10,6 +10,8 @@ use super::tangent::Hessian;
 
 /// A Newton step this small, as a strain, leaves an error of its square.
 pub(crate) const STEP_TOLERANCE: f64 = 2e-7;
+/// Part of the residual of a rod that its sections may leave.
+const PART_OF_RESIDUAL: f64 = 2e-3;
 const MAX_ITERATIONS: usize = 200;
 /// Undamped steps that are tried before the potential is watched.
 pub(crate) const UNDAMPED: usize = 5;
@@ -24,6 +26,24 @@ pub(crate) fn equilibrium(
     wrench: BodyWrench,
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
+    equilibrium_within(STEP_TOLERANCE, section, crossings, tensions, wrench, strain)
+}
+
+/// The last step of the sections of a rod whose own iteration ends at a residual.
+pub(crate) fn step_tolerance(residual: f64) -> f64 {
+    (PART_OF_RESIDUAL * residual).sqrt().max(STEP_TOLERANCE)
+}
+
+/// [`equilibrium`] where a Newton step of `tolerance`, as a strain, is the last.
+#[inline(always)]
+pub(crate) fn equilibrium_within(
+    tolerance: f64,
+    section: &Section,
+    crossings: &[Crossing],
+    tensions: &[f64],
+    wrench: BodyWrench,
+    strain: &mut Strain,
+) -> Result<(), SectionFault> {
     if crossings.is_empty() {
         *strain = section.bare_strain(wrench);
         return Ok(());
@@ -32,12 +52,24 @@ pub(crate) fn equilibrium(
         *strain = one_cable::equilibrium(section, crossing, *tension, wrench)?.strain;
         return Ok(());
     }
-    newton_equilibrium(section, crossings, tensions, wrench, strain)
+    newton_equilibrium_within(tolerance, section, crossings, tensions, wrench, strain)
 }
 
 /// [`equilibrium`] by Newton's method, for any number of cables and any stiffness.
 #[inline(always)]
 pub(crate) fn newton_equilibrium(
+    section: &Section,
+    crossings: &[Crossing],
+    tensions: &[f64],
+    wrench: BodyWrench,
+    strain: &mut Strain,
+) -> Result<(), SectionFault> {
+    newton_equilibrium_within(STEP_TOLERANCE, section, crossings, tensions, wrench, strain)
+}
+
+#[inline(always)]
+fn newton_equilibrium_within(
+    tolerance: f64,
     section: &Section,
     crossings: &[Crossing],
     tensions: &[f64],
@@ -51,7 +83,7 @@ pub(crate) fn newton_equilibrium(
         };
         *strain = *strain + step;
         let size = step.linear.max_abs().max(reach * step.angular.max_abs());
-        if size <= STEP_TOLERANCE {
+        if size <= tolerance {
             return Ok(());
         }
         if size.is_nan() || size > 1.0 {

@@ -16,6 +16,7 @@ mod follower;
 mod friction;
 mod lengths;
 mod load_properties;
+mod one_equilibrium;
 mod properties;
 mod refusals;
 mod second_formulation;

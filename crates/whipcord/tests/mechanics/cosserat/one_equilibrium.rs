@@ -1,0 +1,85 @@
+//! Where loads are so weak that there is one equilibrium, eq. (16) of the page on the rod: against Euler's load, and against what is found
+//! from wrenches at the base that have nothing to do with the answer.
+
+use crate::common::{Wildness, ball, bending_stiffness, robot, samples};
+use whipcord::cosserat::Options;
+use whipcord::{
+    Backbone, Case, Loads, Model, PointLoad, Prepared, Robot, Solution, StabilityAnalysis,
+    Stiffness, Vec3, Wrench,
+};
+
+fn prepared(robot: &Robot, loads: &Loads, stability: StabilityAnalysis) -> Prepared {
+    Model::Cosserat(Options { stability, ..Options::default() }).prepare(robot, loads).unwrap()
+}
+
+fn has_one(robot: &Robot, case: &Case) -> bool {
+    let mut prepared = prepared(robot, &case.loads, StabilityAnalysis::Verdict);
+    prepared.has_one_equilibrium(case).unwrap()
+}
+
+/// Length 1, `K_bt` = 1, `K_se` = 10⁶.
+fn column() -> Robot {
+    let stiffness = Stiffness::diagonal([1e6, 1e6], 1e6, [1.0, 1.0], 1.0);
+    let backbone = Backbone { stiffness: Some(stiffness), ..Backbone::new(1.0) };
+    Robot::new(backbone, whipcord::Disks::equally_spaced(1.0, 11, 0.01), vec![]).unwrap()
+}
+
+#[test]
+fn a_column_has_one_equilibrium_up_to_two_thirds_of_eulers_load() {
+    let under = |force: Vec3| {
+        let loads = Loads { tip_force: force, ..Loads::default() };
+        has_one(&column(), &Case { loads, ..Case::default() })
+    };
+    let eulers = core::f64::consts::PI.powi(2) / 4.0;
+    for direction in [Vec3::Z, Vec3::Z * -1.0, Vec3::new(0.6, 0.0, 0.8)] {
+        // Whole steps are taken for their ends: somewhat less than two thirds.
+        assert!(under(direction * (0.55 * eulers)));
+        assert!(!under(direction * (0.67 * eulers)));
+    }
+}
+
+#[test]
+fn nothing_is_said_of_loads_without_energy() {
+    let weak = 1e-6;
+    let case = |loads| Case { loads, ..Case::default() };
+    let moment = Loads { tip_moment: Vec3::X * weak, ..Loads::default() };
+    let follower = Loads { tip_force: Vec3::X * weak, tip_follower: true, ..Loads::default() };
+    let point = PointLoad { at: 0.5, force: Vec3::ZERO, moment: Vec3::X * weak, follower: false };
+    let along = Loads { points: vec![point], ..Loads::default() };
+    for loads in [moment, follower, along] {
+        assert!(!has_one(&column(), &case(loads)));
+    }
+    assert!(has_one(&column(), &case(Loads::default())));
+}
+
+#[test]
+fn what_has_one_equilibrium_is_stable_and_found_from_anywhere() {
+    const WILD: Wildness =
+        Wildness { cables: 6, tension: 0.8, force: 1.5, moment: 0.0, weight: 1.0 };
+    let (mut shown, mut found) = (0, 0);
+    for (robot, mut case) in samples(robot(WILD), 400) {
+        case.loads.points.clear();
+        case.loads.tip_moment = Vec3::ZERO;
+        if !has_one(&robot, &case) {
+            continue;
+        }
+        shown += 1;
+        let mut prepared = prepared(&robot, &case.loads, StabilityAnalysis::Eigenvalue);
+        let Ok(answer) = prepared.solve(&case, None) else { continue };
+        assert!(answer.diagnostics.stability.unwrap() > 0.0);
+        assert_eq!(answer.diagnostics.stability_lost_at, None);
+        let length = robot.backbone().length;
+        let unit = bending_stiffness(&robot) / length;
+        for (moment, force) in samples((ball(), ball()), 10) {
+            let wrench =
+                Wrench { force: force * (5.0 * unit / length), moment: moment * (8.0 * unit) };
+            let afar = Solution { base_wrench: Some(wrench), ..answer.clone() };
+            let Ok(other) = prepared.solve(&case, Some(&afar)) else { continue };
+            found += 1;
+            let off = (other.disks.tip().position - answer.disks.tip().position).norm();
+            assert!(off < 1e-5 * length, "{off}");
+        }
+    }
+    println!("{shown} of 400 robots, {found} answers from afar");
+    assert!(shown >= 40 && found >= 200);
+}
