@@ -402,6 +402,7 @@ impl Cosserat {
             bracket: true,
             redundant_cables: self.redundant_cables,
             is_final: true,
+            has_eigenvalue: self.options.stability == StabilityAnalysis::Eigenvalue,
             tolerance: self.options.greatest_residual(),
             meter,
         }

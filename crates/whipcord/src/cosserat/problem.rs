@@ -5,7 +5,9 @@ use whipcord_numerics::UnitQuaternion;
 use super::stability::Equilibrium;
 use crate::budget::Meter;
 use crate::case::Loads;
+use crate::shape::Diagnostics;
 use crate::statics::command::Command;
+use crate::statics::convexity;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
@@ -45,6 +47,8 @@ pub(super) struct Problem<'a> {
     pub redundant_cables: bool,
     /// Whether the answer may be that of the case: its stability is then asked for.
     pub is_final: bool,
+    /// Whether its least eigenvalue is asked for, too.
+    pub has_eigenvalue: bool,
     /// Residual of eq. (7), relative to the scales of moment and length, at which it is met.
     pub tolerance: f64,
     pub meter: &'a Meter,
@@ -57,14 +61,21 @@ impl<'a> Problem<'a> {
         applied.only_dead_moments() && !self.commands.iter().any(Command::is_length)
     }
 
-    /// Whether the stability of the answer is asked for at once.
-    pub fn is_checked(&self, applied: &AppliedLoads) -> bool {
+    /// Whether the tangents at an answer with tensions like these are asked for at once, for its stability.
+    pub fn is_checked(&self, applied: &AppliedLoads, tensions: &[f64]) -> bool {
         let is_due = match self.stability {
             StabilityCheck::Off => false,
             StabilityCheck::AtAnswer => self.is_final,
             StabilityCheck::EveryGrid => true,
         };
-        is_due && !applied.any_follower()
+        is_due
+            && !applied.any_follower()
+            && (self.has_eigenvalue || !self.is_clearly_stable(applied, tensions))
+    }
+
+    /// Whether the loads are so weak that an equilibrium with these tensions is stable and not near critical.
+    pub fn is_clearly_stable(&self, applied: &AppliedLoads, tensions: &[f64]) -> bool {
+        convexity::is_shown(self.grid, applied, tensions, 1.0, Diagnostics::NEAR_CRITICAL)
     }
 
     /// An equilibrium of it whose stability is asked for.

@@ -43,7 +43,7 @@ pub(super) fn shoot(
     let scales = Scales::of(problem.grid, problem.length);
     let Scratch { trajectory, applied, newton, trace, differentiated, .. } = scratch;
     // Where the stability of the answer is asked for, its last shot is sampled.
-    let is_checked = problem.is_checked(applied);
+    let is_checked = problem.is_checked(applied, &newton.point.tensions);
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
     let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
         problem.meter.integrate(problem.grid.len());

@@ -3,8 +3,7 @@
 use super::problem::{Problem, StabilityCheck};
 use super::scratch::Scratch;
 use super::shooting::sample;
-use crate::shape::{Diagnostics, NoStability, Verdict};
-use crate::statics::convexity;
+use crate::shape::{NoStability, Verdict};
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
 
@@ -25,7 +24,7 @@ pub(super) fn is_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> bool {
     {
         return true;
     }
-    if convexity::is_shown(problem.grid, &scratch.applied, &scratch.tensions, 1.0, 0.0) {
+    if problem.is_clearly_stable(&scratch.applied, &scratch.tensions) {
         return true;
     }
     let sampled = sample(problem, scratch).is_ok();
@@ -53,9 +52,8 @@ pub(super) fn stability(
     if scratch.applied.any_follower() {
         return Ok(Err(NoStability::Followers));
     }
-    let Scratch { applied, tensions, .. } = &*scratch;
     if analysis == StabilityAnalysis::Verdict
-        && convexity::is_shown(problem.grid, applied, tensions, 1.0, Diagnostics::NEAR_CRITICAL)
+        && problem.is_clearly_stable(&scratch.applied, &scratch.tensions)
     {
         return Ok(Ok(Verdict::STABLE));
     }

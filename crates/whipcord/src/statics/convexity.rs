@@ -19,7 +19,7 @@
 //! In equilibrium `‖v − e₃‖ ≤ (‖F‖ + Στᵢ)/κ`, so that every equilibrium is a strict minimum; an energy that grows with the strains has
 //! one minimum then, since between two there would be a pass.
 
-use super::grid::{Grid, SHOOTING_NODES};
+use super::grid::{Grid, SHOOTING_NODES, Softest};
 use super::loads::AppliedLoads;
 
 /// Whether (16) shows that an equilibrium under these tensions (N, in the order of the grid) and this fraction of the loads is the only one, with
@@ -35,25 +35,17 @@ pub(crate) fn is_shown(
         return false;
     }
     let mut y = 0.0;
-    for (k, step) in grid.steps.iter().enumerate().rev() {
-        let (mut k_bt, mut soft, mut force) = (f64::INFINITY, 0.0_f64, 0.0_f64);
-        for j in 0..SHOOTING_NODES.len() {
-            let section = &grid.shooting.at(k, j, 0).0.section;
-            if section.beside.is_some() {
-                return false;
-            }
-            let bending = section.stiffness.bending;
-            k_bt = k_bt.min(bending.x).min(bending.y).min(bending.z);
-            soft = soft.max(section.compliance.shear.max_abs());
-            force = force.max(load * applied.force(k, j).norm());
-        }
+    for (k, (step, softest)) in grid.steps.iter().zip(&grid.softest).enumerate().rev() {
+        let Some(Softest { bending, compliance }) = *softest else { return false };
+        let squares = (0..SHOOTING_NODES.len()).map(|j| applied.force(k, j).norm_squared());
+        let force = load * squares.fold(0.0, f64::max).sqrt();
         let tension: f64 = tensions.iter().take(step.active).sum();
-        let stretch = 1.0 + (force + tension) * soft;
-        let q = (1.5 * stretch + force * soft) * force;
-        let k_bt = (1.0 - least) * k_bt;
+        let stretch = 1.0 + (force + tension) * compliance;
+        let q = (1.5 * stretch + force * compliance) * force;
+        let stiffness = (1.0 - least) * bending;
         // What `q` adds in a step acts along all of it: no less than the solution.
         let near = y + q * step.length;
-        let left = 1.0 - near * step.length / k_bt;
+        let left = 1.0 - near * step.length / stiffness;
         if left <= 0.0 {
             return false;
         }

@@ -100,6 +100,29 @@ impl Nodes {
     }
 }
 
+/// How soft the nodes of a step are at most.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Softest {
+    /// The least of EI and GJ in N·m².
+    pub bending: f64,
+    /// The greatest compliance of shear and extension in 1/N.
+    pub compliance: f64,
+}
+
+impl Softest {
+    /// Of the nodes of one step.
+    fn of(nodes: &[Node]) -> Option<Self> {
+        let none = Self { bending: f64::INFINITY, compliance: 0.0 };
+        nodes.iter().try_fold(none, |softest, Node { section, .. }| {
+            let bending = section.stiffness.bending;
+            section.beside.is_none().then(|| Self {
+                bending: softest.bending.min(bending.x).min(bending.y).min(bending.z),
+                compliance: softest.compliance.max(section.compliance.shear.max_abs()),
+            })
+        })
+    }
+}
+
 /// The discretised robot.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
@@ -108,6 +131,8 @@ pub(crate) struct Grid {
     pub gauss: Nodes,
     /// At the Runge–Kutta nodes, for shooting.
     pub shooting: Nodes,
+    /// The softest section of each step; `None` where one is coupled or has friction against bending.
+    pub softest: Vec<Option<Softest>>,
     /// For each station the number of steps before it.
     pub stations: Vec<usize>,
     /// For each disk the number of steps before it.
@@ -224,6 +249,7 @@ impl Grid {
         }
         let sections = Sections::of(robot)?;
         let masses = distal_masses(&sections, &grid_steps, &disk_masses);
+        let shooting = nodes(&sections, layout, &grid_steps, &masses, &SHOOTING_NODES, &BOOLE)?;
         Ok(Self {
             gauss: nodes(
                 &sections,
@@ -234,7 +260,8 @@ impl Grid {
                 &GAUSS_3.weights,
             )?
             .reduced(&grid_steps),
-            shooting: nodes(&sections, layout, &grid_steps, &masses, &SHOOTING_NODES, &BOOLE)?,
+            softest: shooting.nodes.chunks(SHOOTING_NODES.len()).map(Softest::of).collect(),
+            shooting,
             stations: layout.stations.iter().map(place).collect(),
             disks,
             loads: layout.loads.iter().map(place).collect(),
