@@ -8,13 +8,14 @@
 //! ∫ F·(α × Rv + ω × (ω × Rv) + 2 ω × R δv) ds
 //! ```
 //!
-//! With `f = ∫‖δu‖`, which is no less than `‖ω‖`, and `∫ F·(α × Rv) ds ≤ ∫ m f f′ ds = ½ ∫ ‖F‖‖v‖ f² ds` where `m′ = −‖F‖‖v‖`, the energy has
+//! Let `ω = ρ e`, `‖e‖ = 1`. Then `‖δu‖² = ρ′² + ρ²‖e′‖²`, and with `m′ = −‖F‖‖v‖`, `m(L) = 0` the first term is no more than
+//! `∫ m ‖ω × ω′‖ ds = ∫ m ρ²‖e′‖ ds ≤ ∫ k ρ²‖e′‖² + m²ρ²/4k ds`. So
 //!
 //! ```text
-//! E″ ≥ ∫ k f′² − q f² ds,   q = (3/2)‖F‖‖v‖ + ‖F‖²/κ                        (16)
+//! E″ ≥ ∫ k ρ′² − q ρ² ds,   q = ‖F‖‖v‖ + m²/4k + ‖F‖²/κ                      (16)
 //! ```
 //!
-//! with the least bending or twisting stiffness k and the least shear or axial stiffness κ. This is positive for all f with `f(0) = 0` where
+//! with the least bending or twisting stiffness k and the least shear or axial stiffness κ. This is positive for all ρ with `ρ(0) = 0` where
 //! `y′ = −q − y²/k`, `y(L) = 0` has a solution as far as the base: a condition on the loads and the robot, whatever its shape.
 //! In equilibrium `‖v − e₃‖ ≤ (‖F‖ + Στᵢ)/κ`, so that every equilibrium is a strict minimum; an energy that grows with the strains has
 //! one minimum then, since between two there would be a pass.
@@ -34,16 +35,17 @@ pub(crate) fn is_shown(
     if applied.any_follower() || applied.any_dead_moment() {
         return false;
     }
-    let mut y = 0.0;
+    let (mut y, mut moment) = (0.0, 0.0);
     for (k, (step, softest)) in grid.steps.iter().zip(&grid.softest).enumerate().rev() {
         let Some(Softest { bending, compliance }) = *softest else { return false };
         let squares = (0..SHOOTING_NODES.len()).map(|j| applied.force(k, j).norm_squared());
         let force = load * squares.fold(0.0, f64::max).sqrt();
         let tension: f64 = tensions.iter().take(step.active).sum();
         let stretch = 1.0 + (force + tension) * compliance;
-        let q = (1.5 * stretch + force * compliance) * force;
         let stiffness = (1.0 - least) * bending;
-        // What `q` adds in a step acts along all of it: no less than the solution.
+        moment += force * stretch * step.length;
+        let q = force * (stretch + force * compliance) + 0.25 * moment * moment / stiffness;
+        // The greatest `m` of a step counts for all of it, and what `q` adds: no less than the solution.
         let near = y + q * step.length;
         let left = 1.0 - near * step.length / stiffness;
         if left <= 0.0 {

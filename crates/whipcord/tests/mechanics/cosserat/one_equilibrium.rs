@@ -25,16 +25,16 @@ fn column() -> Robot {
 }
 
 #[test]
-fn a_column_has_one_equilibrium_up_to_two_thirds_of_eulers_load() {
+fn a_column_has_one_equilibrium_up_to_nine_tenths_of_eulers_load() {
     let under = |force: Vec3| {
         let loads = Loads { tip_force: force, ..Loads::default() };
         has_one(&column(), &Case { loads, ..Case::default() })
     };
     let eulers = core::f64::consts::PI.powi(2) / 4.0;
     for direction in [Vec3::Z, Vec3::Z * -1.0, Vec3::new(0.6, 0.0, 0.8)] {
-        // Whole steps are taken for their ends: somewhat less than two thirds.
-        assert!(under(direction * (0.55 * eulers)));
-        assert!(!under(direction * (0.67 * eulers)));
+        // The worst of each step counts: with ten steps somewhat less than 93 %.
+        assert!(under(direction * (0.8 * eulers)));
+        assert!(!under(direction * (0.93 * eulers)));
     }
 }
 
@@ -81,5 +81,5 @@ fn what_has_one_equilibrium_is_stable_and_found_from_anywhere() {
         }
     }
     println!("{shown} of 400 robots, {found} answers from afar");
-    assert!(shown >= 40 && found >= 200);
+    assert!(shown >= 100 && found >= 500);
 }
