@@ -100,6 +100,43 @@ fn cosserat_warm(bencher: Bencher) {
     bencher.bench_local(|| model.solve(&case, Some(&start), &mut workspace).unwrap());
 }
 
+/// Three cables by tension and a force on the tip, which press the finger against the ball.
+fn three_cables(robot: &Robot, pull: f64) -> (Robot, Case) {
+    let cable = |k: i32| {
+        let angle = f64::from(k) * core::f64::consts::TAU / 3.0;
+        Cable::new(format!("{k}"), Routing::Straight { angle, radius: 0.008 })
+    };
+    let cables = (0..3).map(cable).collect();
+    let robot = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap();
+    let loads = Loads { tip_force: Vec3::new(0.02, 0.01, -0.02), ..Loads::default() };
+    let tensions = Case::with_tensions(&[pull, 0.5, 0.4]);
+    (robot, Case { loads, obstacles: case(0.004).obstacles, ..tensions })
+}
+
+fn three_cable_rod(robot: &Robot, case: &Case) -> Cosserat {
+    Cosserat::new(robot, &case.loads, &cosserat::Options::default()).unwrap()
+}
+
+#[divan::bench]
+fn cosserat_three_cables_cold(bencher: Bencher) {
+    let (robot, case) = three_cables(&finger(), 3.0);
+    let model = three_cable_rod(&robot, &case);
+    let mut workspace = cosserat::Workspace::default();
+    assert!(!model.solve(&case, None, &mut workspace).unwrap().contacts.is_empty());
+    bencher.bench_local(|| model.solve(&case, None, &mut workspace).unwrap());
+}
+
+/// From a neighbour that is pulled by 1 % less.
+#[divan::bench]
+fn cosserat_three_cables_warm(bencher: Bencher) {
+    let (robot, case) = three_cables(&finger(), 3.0);
+    let (_, before) = three_cables(&finger(), 2.97);
+    let model = three_cable_rod(&robot, &case);
+    let mut workspace = cosserat::Workspace::default();
+    let start = model.solve(&before, None, &mut workspace).unwrap();
+    bencher.bench_local(|| model.solve(&case, Some(&start), &mut workspace).unwrap());
+}
+
 /// Arcs, then rigid bodies.
 fn sections(robot: &Robot) -> [Linkage; 2] {
     let actuation = Actuation::Shortening;
