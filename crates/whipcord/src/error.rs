@@ -314,6 +314,15 @@ pub enum Obstruction {
         /// What is left of the balance of moments about its centre of mass in N·m.
         moment: f64,
     },
+    /// The robot loses its equilibrium without obstacles, too, and is stable in no shape that was found.
+    #[error(
+        "the tensions and loads are more than the robot bears: without obstacles, too, it has no stable shape{}; pull the cables less, or stiffen the backbone",
+        lost_at.map_or_else(String::new, |at| format!(" beyond {} of them", share(at)))
+    )]
+    NoneAlone {
+        /// Part of tensions and loads, from 0 to 1, at which it loses its equilibrium without obstacles, where that is known.
+        lost_at: Option<f64>,
+    },
     /// The iteration stopped before the conditions of contact were met.
     #[error(
         "beyond this point no contact equilibrium without overlap was found (residual {}): pull the cables less, or use an obstacle with a smoother surface",

@@ -7,7 +7,7 @@ use super::model::is_near;
 use super::scene::{DistanceBound, Scene};
 use super::step_length::STRIDE;
 use crate::case::Case;
-use crate::error::SolveError;
+use crate::error::{Obstruction, SolveError};
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::shape::Solution;
@@ -99,6 +99,34 @@ pub(crate) fn solve_free(
         ahead.push((middle, between));
     }
     Ok(Some(answer))
+}
+
+/// What came of a solve among obstacles of a robot without history. Where the way ended at no equilibrium, and without obstacles there is no stable one
+/// either, the error says so.
+pub(crate) fn or_none_alone(
+    found: Result<Solution, SolveError>,
+    case: &Case,
+    solve_alone: impl FnOnce(&Case) -> Result<Solution, SolveError>,
+) -> Result<Solution, SolveError> {
+    let (reached, touching) = match found {
+        Err(SolveError::Obstructed {
+            reached,
+            ref touching,
+            why:
+                Obstruction::Slips
+                | Obstruction::Leaps
+                | Obstruction::NotConverged { .. }
+                | Obstruction::BudgetSpent { .. },
+        }) => (reached, touching.clone()),
+        _ => return found,
+    };
+    let alone = solve_alone(&Case { obstacles: Vec::new(), ..case.clone() });
+    let lost_at = match alone {
+        Ok(alone) if alone.diagnostics.is_unstable() => alone.diagnostics.stability_lost_at,
+        Err(SolveError::Buckled { load, .. }) => Some(load),
+        _ => return found,
+    };
+    Err(SolveError::Obstructed { reached, touching, why: Obstruction::NoneAlone { lost_at } })
 }
 
 /// The answers to the first steps of a case of a robot whose cables rub in their holes, from those among obstacles and whether anything had touched on the way to

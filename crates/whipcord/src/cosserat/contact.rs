@@ -31,9 +31,10 @@ impl Cosserat {
             return Ok(solution);
         }
         let needed = self.strength(case, workspace).steps();
-        contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
+        let found = contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
             contact::solve(&mut self.adapter(steps), &self.robot, case, warm_start)
-        })
+        });
+        contact::or_none_alone(found, case, |alone| self.solve(alone, None, workspace))
     }
 
     /// With friction of the cables: the answers to all steps of actuation, from rest on.

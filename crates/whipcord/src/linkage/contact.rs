@@ -85,7 +85,11 @@ impl Linkage {
             return Ok(solution);
         }
         let mut adapter = ContactAdapter::new(self, watched, workspace);
-        contact::solve(&mut adapter, &self.robot, case, warm_start)
+        let found = contact::solve(&mut adapter, &self.robot, case, warm_start);
+        contact::or_none_alone(found, case, |alone| {
+            workspace.forget();
+            self.solve_alone(alone, None, workspace)
+        })
     }
 
     /// With friction at the holes: the answers to all steps of actuation, from rest on.

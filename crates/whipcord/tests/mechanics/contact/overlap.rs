@@ -12,8 +12,8 @@ use proptest::prelude::*;
 use whipcord::four_bar::{FourBar, LengthRule, Objective, Options, Workspace};
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Form, Loads, Material, Model, ModelKind, Obstacle,
-    Obstruction, Part, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, Stations,
-    UnitQuaternion, Vec3,
+    Obstruction, Part, Pose, Robot, Routing, Section, Shortening, Solution, SolveError, Statics,
+    Stations, UnitQuaternion, Vec3,
 };
 
 use crate::common::{ball, bending_stiffness, samples};
@@ -449,6 +449,7 @@ impl Outcomes {
                 Err(SolveError::Obstructed { why, .. }) => match why {
                     Obstruction::Slips => "slip off",
                     Obstruction::Leaps => "jump away",
+                    Obstruction::NoneAlone { .. } => "no stable shape without obstacles",
                     Obstruction::NotConverged { .. } => "touch on without an equilibrium",
                     Obstruction::BudgetSpent { .. } => "given up",
                     Obstruction::TooManyContacts { .. } => "too many contacts",
@@ -563,6 +564,27 @@ fn outcomes_of(models: &[(&str, Solve)], robots: &str) {
 
 /// Answers that take longer than this are told, in ms.
 const SLOW: f64 = 1000.0;
+
+/// A robot of the study that is pulled into a coil, and that has no stable shape on finer steps without obstacles either.
+#[test]
+fn what_has_no_stable_shape_without_obstacles_is_told() {
+    let scenario = samples(scenario(), 70).last().unwrap();
+    let case = pulled(&scenario.robot, &placed(disks_by_tension, &scenario).unwrap());
+    let kind = ModelKind::CosseratDisks;
+    let among = rod(kind, Actuation::Tension, &scenario.robot, &case);
+    let Err(SolveError::Obstructed { why: Obstruction::NoneAlone { lost_at }, .. }) = among else {
+        panic!("{among:?}");
+    };
+    let fine = whipcord::cosserat::Options {
+        accuracy: whipcord::cosserat::Accuracy::Tolerance(1e-8),
+        ..Default::default()
+    };
+    let case = Case { obstacles: Vec::new(), ..case };
+    let alone = Model::CosseratDisks(fine).solve(&scenario.robot, &case).unwrap();
+    assert!(alone.diagnostics.is_unstable());
+    let lost = alone.diagnostics.stability_lost_at.unwrap();
+    assert!((lost - lost_at.unwrap()).abs() < 0.02, "{lost}");
+}
 
 /// The first robots of the study: nearly all have an answer, wherever they jump to on the way.
 #[test]
