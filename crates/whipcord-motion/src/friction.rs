@@ -3,7 +3,7 @@
 //! Where cables are straight between disks a passage is a chord, and its near hole that of a disk. Where they are continuous a passage stands for one point of an
 //! element, and a hole for the way from point to point, on which the cable turns.
 
-use whipcord::{HoleFriction, Robot, Wrench};
+use whipcord::{HoleFriction, HoleResponse, Robot, Wrench};
 use whipcord_numerics::{GAUSS_2, Pose, Twist, Vec3};
 
 use crate::block::{dot, transposed_bracket};
@@ -37,6 +37,10 @@ pub(crate) struct Friction {
     /// Rows of the response, by passage.
     by_lengths: Vec<f64>,
     by_turns: Vec<f64>,
+    /// What other forces add to lengths and to angles, by force and passage.
+    by_forces: [Vec<f64>; 2],
+    /// Changes of the tensions, then those by each force.
+    responses: Vec<Vec<f64>>,
 }
 
 /// A passage whose piece of cable stays in it.
@@ -89,6 +93,8 @@ impl Friction {
             row: vec![Twist::default(); nodes],
             by_lengths: vec![0.0; count * (count + 1)],
             by_turns: vec![0.0; count * (count + 1)],
+            by_forces: Default::default(),
+            responses: Vec::new(),
         })
     }
 
@@ -105,30 +111,81 @@ impl Friction {
         scheme: &Scheme,
         stage: &mut Stage,
     ) -> Result<(), SingularHoles> {
+        self.linearise(rod, scheme, stage, &[]);
+        self.respond_to_forces(&[])?;
+        self.take(stage);
+        Ok(())
+    }
+
+    /// Finds how lengths and angles respond to the tensions, in the linearisation of a stage whose residual is already solved for, and to forces of 1 N that take these velocities away
+    /// each.
+    pub fn linearise(
+        &mut self,
+        rod: &Rod,
+        scheme: &Scheme,
+        stage: &Stage,
+        by_forces: &[Vec<Twist>],
+    ) {
         self.measure(rod, scheme, stage);
         let n = self.cables.len();
         for p in 0..n {
             self.find_column(rod, scheme, stage, p);
         }
+        for of_forces in &mut self.by_forces {
+            of_forces.clear();
+            of_forces.resize(by_forces.len() * n, 0.0);
+        }
         for p in 0..n {
             for is_turn in [false, true] {
                 self.find_gradient(rod, p, is_turn);
-                self.respond(rod, scheme, stage, p, n, is_turn);
+                self.respond(rod, scheme, stage, p, by_forces, is_turn);
             }
         }
-        let changes =
-            self.holes.changes(&self.by_lengths, &self.by_turns).ok_or(SingularHoles)?.to_vec();
-        self.holes.advance(&changes);
-        for (p, (&tension, before)) in
-            self.holes.tensions().iter().zip(&mut stage.passages).enumerate()
+    }
+
+    /// Finds how the tensions change where the forces change by these amounts, in the cases that the holes have then: [`Self::responses`].
+    pub fn respond_to_forces(&mut self, changes: &[f64]) -> Result<(), SingularHoles> {
+        let response = HoleResponse {
+            lengths: &self.by_lengths,
+            turns: &self.by_turns,
+            lengths_by_force: &self.by_forces[0],
+            turns_by_force: &self.by_forces[1],
+        };
+        let found = self.holes.changes_with_forces(response, changes).ok_or(SingularHoles)?;
+        self.responses.resize_with(found.len(), Vec::new);
+        for (out, found) in self.responses.iter_mut().zip(found) {
+            out.clone_from(found);
+        }
+        Ok(())
+    }
+
+    /// How the tensions of all passages change with what a stage lacks and the changes of the forces that were given; then how that changes with each of the forces.
+    pub fn responses(&self) -> &[Vec<f64>] {
+        &self.responses
+    }
+
+    /// Adds what changes of all tensions do to velocities.
+    pub fn add_velocities(&self, changes: &[f64], velocities: &mut [Twist]) {
+        for (column, change) in self.columns.iter().zip(changes).filter(|(_, by)| **by != 0.0) {
+            for (x, y) in velocities.iter_mut().zip(column) {
+                *x = *x - *y * *change;
+            }
+        }
+    }
+
+    /// Changes the tensions as they respond, with what they do to the velocities.
+    pub fn take(&mut self, stage: &mut Stage) {
+        let Self { holes, responses, columns, .. } = self;
+        let Some(changes) = responses.first() else { return };
+        holes.advance(changes);
+        for (p, (&tension, before)) in holes.tensions().iter().zip(&mut stage.passages).enumerate()
         {
             let change = tension - *before;
             *before = tension;
-            for (x, y) in stage.residual.iter_mut().zip(&self.columns[p]) {
+            for (x, y) in stage.residual.iter_mut().zip(&columns[p]) {
                 *x = *x - *y * change;
             }
         }
-        Ok(())
     }
 
     /// Measures lengths and angles at the end of the step as the stage has it now; what the equations of the holes leave, as a part of the length.
@@ -272,9 +329,10 @@ impl Friction {
         scheme: &Scheme,
         stage: &Stage,
         p: usize,
-        n: usize,
+        by_forces: &[Vec<Twist>],
         is_turn: bool,
     ) {
+        let n = self.cables.len();
         let Self { gradient, row, columns, by_lengths, by_turns, .. } = self;
         row.fill(Twist::default());
         let mut left = 0.0;
@@ -295,6 +353,10 @@ impl Friction {
             *out = -through(column);
         }
         out[n] = left + through(&stage.residual);
+        let of_forces = &mut self.by_forces[usize::from(is_turn)];
+        for (k, column) in by_forces.iter().enumerate() {
+            of_forces[k * n + p] = -through(column);
+        }
     }
 
     /// The gradient of the length of a continuous passage.

@@ -179,11 +179,17 @@ impl Solver {
         for change in &mut stage.residual {
             *change = *change * -1.0;
         }
-        if touches || !self.lengths.cables.is_empty() {
-            self.unilateral.solve(rod, scheme, stage, &mut self.lengths, &mut self.contacts)?;
-        }
-        if let Some(friction) = self.friction.as_mut().filter(|_| !self.holds_passages) {
-            friction.solve(rod, scheme, stage).ok()?;
+        let Self { stage, lengths, contacts, friction, unilateral, .. } = self;
+        match friction.as_mut().filter(|_| !self.holds_passages) {
+            Some(friction) if touches => {
+                let parts = (friction, &*lengths, contacts);
+                unilateral.solve_with_holes(rod, scheme, stage, parts).ok()?;
+            }
+            Some(friction) => friction.solve(rod, scheme, stage).ok()?,
+            None if touches || !lengths.cables.is_empty() => {
+                unilateral.solve(rod, scheme, stage, lengths, contacts)?;
+            }
+            None => {}
         }
         stage.advance(rod);
         Some(stage.size_of_change(rod, scheme))

@@ -42,6 +42,8 @@ pub(crate) struct Rates<'a> {
     held: Held,
     /// Pieces of cables that stay in their passages.
     locked: Vec<Locked>,
+    /// Whether the tensions of passages stay what they are.
+    holds_passages: bool,
 }
 
 /// A state, in whose neighbourhood the rates are wanted.
@@ -118,7 +120,15 @@ impl<'a> Rates<'a> {
         // Without a linearisation the residual is that of the equations alone.
         stage.tangents.fill(PointTangent::default());
         let held = Held { contacts, ..Held::default() };
-        Self { rod, loads, drag: solver.drag, stage, held, locked: Vec::new() }
+        Self {
+            rod,
+            loads,
+            drag: solver.drag,
+            stage,
+            held,
+            locked: Vec::new(),
+            holds_passages: false,
+        }
     }
 
     /// With pieces of elastic cables that stay in their passages.
@@ -135,7 +145,7 @@ impl<'a> Rates<'a> {
     /// Writes the rates of a state, eq. (1), (2) and (29) of the page on motion.
     fn evaluate(&mut self, base: Pose, at: &Point, out: &mut [f64]) {
         let (first, start) = self.first();
-        let Self { rod, loads, drag, stage, held, locked } = self;
+        let Self { rod, loads, drag, stage, held, locked, holds_passages } = self;
         let Point { moved, velocities, strains, tensions } = at;
         stage.velocities.copy_from_slice(velocities);
         stage.velocity_history.copy_from_slice(velocities);
@@ -161,7 +171,7 @@ impl<'a> Rates<'a> {
             }
         }
         pose::nodes(rod, stage.base, strains, &mut stage.poses);
-        if !stage.passages.is_empty() {
+        if !(stage.passages.is_empty() || *holds_passages) {
             // Cables without friction have their own tension everywhere.
             for (tension, cable) in stage.passages.iter_mut().zip(rod.cables_of_passages()) {
                 *tension = tensions[cable];
@@ -194,7 +204,10 @@ impl<'a> Rates<'a> {
     ) -> Twist {
         let at = Point::new(velocities, strains, tensions);
         let mut rates = vec![0.0; self.states()];
+        // Friction has left other tensions in the passages than below the base.
+        self.holds_passages = true;
         self.evaluate(self.stage.base, &at, &mut rates);
+        self.holds_passages = false;
         self.stage.residual[0]
     }
 

@@ -295,6 +295,7 @@ impl Simulation {
                     break work;
                 }
                 this.set_tensions(commands, time);
+                this.begin_friction(commands, time, end);
             };
             let Self { solver, next, .. } = &mut *this;
             let Lengths { drives, motor_work, .. } = &mut solver.lengths;
@@ -444,6 +445,7 @@ impl Simulation {
     /// solver.
     pub(crate) fn finish(&mut self, commands: &Commands, time: f64, work: &Power, place: f64) {
         let mut stretch = 0.0;
+        let drives_lengths = (0..self.rod.cables.len()).any(|i| self.is_by_length(commands, i));
         let Self { rod, loads, solver, state, next, .. } = &mut *self;
         if !loads.has_free_base {
             next.base = loads.base_pose(state.base, state.time, time - state.time);
@@ -512,9 +514,7 @@ impl Simulation {
         next.without_rates = if state.has_rates { 0 } else { state.without_rates + 1 };
         next.impact_parts = state.impact_parts.saturating_sub(1);
         next.has_rates = next.impact_parts == 0
-            && (solver.lengths.cables.is_empty()
-                || state.has_rates
-                || next.without_rates >= AFTER_IMPACT);
+            && (!drives_lengths || state.has_rates || next.without_rates >= AFTER_IMPACT);
         solver.contacts.report(*base, rod, &mut next.contacts);
     }
 

@@ -115,7 +115,7 @@ impl Simulation {
             });
         }
         let friction = Friction::new(robot, &rod);
-        refuse_with_friction(&friction, &options, &surroundings)?;
+        refuse_with_friction(&friction, &options)?;
         let holes = friction.as_ref().map(|friction| friction.holes.memory()).unwrap_or_default();
         let mut first_passages = Vec::new();
         if friction.is_some() {
@@ -412,7 +412,6 @@ impl Simulation {
 fn refuse_with_friction(
     friction: &Option<Friction>,
     options: &MotionOptions,
-    surroundings: &Option<Surroundings>,
 ) -> Result<(), MotionError> {
     if friction.is_none() {
         return Ok(());
@@ -420,10 +419,6 @@ fn refuse_with_friction(
     let refuse = |path: &str, what, advice| {
         Err(MotionError::Unsupported { path: path.to_owned(), what, advice })
     };
-    if surroundings.is_some() {
-        let advice = "remove the obstacles, or leave the friction out";
-        return refuse("obstacles", "obstacles of a robot whose cables have friction", advice);
-    }
     if matches!(options.initial, Initial::State(_)) {
         let advice = "start from the equilibrium or from rest";
         return refuse("motion.initial", "a state to start from, without its passages", advice);

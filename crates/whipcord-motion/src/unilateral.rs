@@ -1,4 +1,5 @@
-//! What holds a stage by inequalities: cables that are driven by their lengths and contacts, together, eqs. (13), (25) and (26) of the page on motion.
+//! What holds a stage by inequalities: cables that are driven by their lengths and contacts, together, eqs. (13), (25) and (26) of the page on motion. The tensions of cables
+//! with friction are condensed into the equations of the contacts, in the cases that their holes have, eq. (32).
 
 use whipcord::contact::complementarity as contact_problem;
 use whipcord_numerics::Twist;
@@ -6,6 +7,7 @@ use whipcord_numerics::Twist;
 use crate::block::dot;
 use crate::complementarity::Complementarity;
 use crate::contacts::Contacts;
+use crate::friction::{Friction, SingularHoles};
 use crate::lengths::Lengths;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
@@ -37,6 +39,15 @@ const LEAST_GAP: f64 = 1e-15;
 /// What a contact yields of itself, as a part of what the robot does: several contacts of one element may depend on one another.
 const SHARING: f64 = 1e-9;
 
+/// So often the cases of the holes are found anew for the forces of the contacts in one iteration.
+const MOST_CASES: usize = 4;
+
+/// Whether tensions change in the same way, to rounding.
+fn is_same(a: &[f64], b: &[f64]) -> bool {
+    let greatest = a.iter().chain(b).fold(0.0_f64, |most, by| most.max(by.abs()));
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * greatest)
+}
+
 impl Unilateral {
     /// Room for all cables of a rod.
     pub fn new(rod: &Rod) -> Self {
@@ -66,10 +77,7 @@ impl Unilateral {
     ) -> Option<()> {
         let cables = lengths.cables.len();
         let n = cables + contacts.lines();
-        while self.columns.len() < n {
-            self.columns.push(vec![Twist::default(); rod.nodes.len()]);
-            self.rows.push(vec![Twist::default(); rod.nodes.len()]);
-        }
+        self.make_room(rod, n);
         self.offset.clear();
         self.before.clear();
         for i in 0..cables {
@@ -84,11 +92,7 @@ impl Unilateral {
         for k in 0..contacts.list.len() {
             let forces = contacts.list[k].forces();
             for (line, force) in forces.into_iter().enumerate().take(contacts.list[k].lines()) {
-                let gap =
-                    contacts.linearise(scheme, k, line, &mut self.columns[i], &mut self.rows[i]);
-                for entry in &mut self.rows[i] {
-                    *entry = *entry * -1.0;
-                }
+                let gap = self.linearise_contact(contacts, scheme, (k, line), i);
                 self.add_line(i, gap, force, stage);
                 i += 1;
             }
@@ -98,19 +102,135 @@ impl Unilateral {
         for (i, &cable) in lengths.cables.iter().enumerate() {
             stage.tensions[cable] = self.forces[i];
         }
-        let mut first = cables;
+        self.take_contacts(contacts, cables);
+        self.add_velocities(stage);
+        Some(())
+    }
+
+    /// The same of contacts where cables have friction, with the tensions of all passages. The equations of the holes are linear in each of their cases: those of contacts have what the
+    /// tensions do there, until the cases are those at the forces that are found.
+    pub fn solve_with_holes(
+        &mut self,
+        rod: &Rod,
+        scheme: &Scheme,
+        stage: &mut Stage,
+        (friction, lengths, contacts): (&mut Friction, &Lengths, &mut Contacts),
+    ) -> Result<(), SingularHoles> {
+        let n = contacts.lines();
+        self.make_room(rod, n);
+        self.offset.clear();
+        self.before.clear();
+        contacts.find_shifts(rod, scheme, stage);
+        let mut i = 0;
+        for k in 0..contacts.list.len() {
+            let forces = contacts.list[k].forces();
+            for (line, force) in forces.into_iter().enumerate().take(contacts.list[k].lines()) {
+                let gap = self.linearise_contact(contacts, scheme, (k, line), i);
+                self.offset.push(gap);
+                self.before.push(force);
+                stage.matrix.solve(&mut self.columns[i]);
+                i += 1;
+            }
+        }
+        friction.linearise(rod, scheme, stage, &self.columns[..n]);
+        let (gaps, mut changes) = (self.offset.clone(), vec![0.0; n]);
+        let mut expected: Option<Vec<f64>> = None;
+        for _ in 0..MOST_CASES {
+            friction.respond_to_forces(&changes)?;
+            if expected.as_ref().is_some_and(|of| is_same(of, &friction.responses()[0])) {
+                break;
+            }
+            self.condense(rod, scheme, stage, (friction, lengths), (&gaps, &changes));
+            self.find_forces(rod, lengths, contacts).ok_or(SingularHoles)?;
+            let of_tensions = friction.responses();
+            let mut sum = of_tensions[0].clone();
+            for (j, by) in of_tensions[1..].iter().enumerate() {
+                let further = self.forces[j] - self.before[j] - changes[j];
+                sum.iter_mut().zip(by).for_each(|(sum, by)| *sum += by * further);
+            }
+            for (change, (force, before)) in
+                changes.iter_mut().zip(self.forces.iter().zip(&self.before))
+            {
+                *change = force - before;
+            }
+            expected = Some(sum);
+        }
+        friction.respond_to_forces(&changes)?;
+        self.take_contacts(contacts, 0);
+        self.add_velocities(stage);
+        friction.take(stage);
+        Ok(())
+    }
+
+    /// Fills the equations of the contacts with what the tensions of all passages do, in the cases that the holes have where the forces change by these amounts.
+    fn condense(
+        &mut self,
+        rod: &Rod,
+        scheme: &Scheme,
+        stage: &Stage,
+        (friction, lengths): (&Friction, &Lengths),
+        (gaps, changes): (&[f64], &[f64]),
+    ) {
+        let n = gaps.len();
+        let responses = friction.responses();
+        // Of forces that stay what they are.
+        let mut still = responses[0].clone();
+        for (by, change) in responses[1..].iter().zip(changes) {
+            still.iter_mut().zip(by).for_each(|(still, by)| *still -= by * change);
+        }
+        let mut velocities = stage.residual.clone();
+        friction.add_velocities(&still, &mut velocities);
+        let own = self.columns[..n].to_vec();
+        for (i, gap) in gaps.iter().enumerate() {
+            let of_free: f64 = self.rows[i].iter().zip(&velocities).map(|(c, x)| dot(c, x)).sum();
+            self.offset[i] = gap - of_free;
+            let against: Vec<f64> = responses[1 + i].iter().map(|by| -by).collect();
+            friction.add_velocities(&against, &mut self.columns[i]);
+        }
+        self.fill_matrix(rod, scheme, stage, lengths, n);
+        self.columns[..n].clone_from_slice(&own);
+    }
+
+    fn make_room(&mut self, rod: &Rod, lines: usize) {
+        while self.columns.len() < lines {
+            self.columns.push(vec![Twist::default(); rod.nodes.len()]);
+            self.rows.push(vec![Twist::default(); rod.nodes.len()]);
+        }
+    }
+
+    /// Fills column and row of a line of a contact; returns its gap or slip.
+    fn linearise_contact(
+        &mut self,
+        contacts: &Contacts,
+        scheme: &Scheme,
+        (contact, line): (usize, usize),
+        i: usize,
+    ) -> f64 {
+        let (column, row) = (&mut self.columns[i], &mut self.rows[i]);
+        let gap = contacts.linearise(scheme, contact, line, column, row);
+        for entry in row {
+            *entry = *entry * -1.0;
+        }
+        gap
+    }
+
+    /// Has the contacts push with the forces that were found, from a line on.
+    fn take_contacts(&self, contacts: &mut Contacts, mut first: usize) {
         for (k, contact) in contacts.list.iter_mut().enumerate() {
             let lines = contact.lines();
             contact.take(&self.forces[first..first + lines], self.sticking[k]);
             first += lines;
         }
-        for i in 0..n {
-            let change = self.forces[i] - self.before[i];
-            for (x, y) in stage.residual.iter_mut().zip(&self.columns[i]) {
+    }
+
+    /// Adds what the changes of the forces do to the velocities.
+    fn add_velocities(&self, stage: &mut Stage) {
+        for ((column, force), before) in self.columns.iter().zip(&self.forces).zip(&self.before) {
+            let change = force - before;
+            for (x, y) in stage.residual.iter_mut().zip(column) {
                 *x = *x - *y * change;
             }
         }
-        Some(())
     }
 
     /// Completes a line whose column and row are filled: its gap where the forces stay what they are.

@@ -75,7 +75,7 @@ pub use shape::{
     SlipState, Solution, Wrench,
 };
 pub use statics::Statics;
-pub use statics::friction::{HoleEquation, HoleFriction, HoleMemory};
+pub use statics::friction::{HoleEquation, HoleFriction, HoleMemory, HoleResponse};
 pub use statics::options::StabilityAnalysis;
 pub use statics::passages::{Passage, passages as straight_passages};
 pub use statics::path::branches::{

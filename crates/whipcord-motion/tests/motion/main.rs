@@ -14,6 +14,7 @@ mod drives;
 mod energy;
 mod free;
 mod friction;
+mod friction_contact;
 mod gradient;
 mod gradient_contact;
 mod gradient_friction;

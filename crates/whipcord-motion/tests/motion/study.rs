@@ -25,6 +25,9 @@ struct Sample {
     kind: &'static str,
 }
 
+const OBSTRUCTED: Kind = Kind { is_obstructed: true, rubs: false };
+const RUBBING: Kind = Kind { is_obstructed: true, rubs: true };
+
 struct Dice(SplitMix64);
 
 impl Dice {
@@ -80,7 +83,16 @@ fn obstacles(dice: &mut Dice, length: f64, reach: f64) -> Vec<Obstacle> {
     (0..count).map(|_| one(dice)).collect()
 }
 
-fn sample(seed: u64, is_obstructed: bool) -> Sample {
+/// What is special about the robots of a study.
+#[derive(Clone, Copy, Default)]
+struct Kind {
+    /// Obstacles stand beside them.
+    is_obstructed: bool,
+    /// Their cables rub in their holes.
+    rubs: bool,
+}
+
+fn sample(seed: u64, Kind { is_obstructed, rubs }: Kind) -> Sample {
     let mut dice = Dice(SplitMix64::new(seed));
     let length = dice.logarithmic(0.05, 0.8);
     let diameter = length / dice.between(30.0, 150.0);
@@ -207,6 +219,14 @@ fn sample(seed: u64, is_obstructed: bool) -> Sample {
     if is_obstructed {
         case.obstacles = obstacles(&mut dice, length, 1.2 * radius + 0.2 * diameter);
     }
+    if rubs {
+        let cables = robot.cables().iter().map(|cable| Cable {
+            friction: Some(if dice.chance(0.2) { 0.0 } else { dice.between(0.05, 0.4) }),
+            ..cable.clone()
+        });
+        let rubbing = Robot::new(robot.backbone().clone(), robot.disks().clone(), cables.collect());
+        robot = rubbing.unwrap().with_motors(robot.motors().to_vec()).unwrap();
+    }
     Sample { robot, case, commands, options, kind }
 }
 
@@ -229,8 +249,8 @@ struct Tally {
     frictionless: usize,
 }
 
-fn run(seed: u64, is_obstructed: bool, tally: &mut Tally) {
-    let sample = sample(seed, is_obstructed);
+fn run(seed: u64, kind: Kind, tally: &mut Tally) {
+    let sample = sample(seed, kind);
     for dt in STEPS {
         let Sample { robot, case, commands, options, kind } = &sample;
         tally.runs += 1;
@@ -286,10 +306,10 @@ fn run(seed: u64, is_obstructed: bool, tally: &mut Tally) {
 }
 
 #[allow(clippy::print_stdout, reason = "the study is read")]
-fn report(count: u64, first: u64, is_obstructed: bool) -> Tally {
+fn report(count: u64, first: u64, kind: Kind) -> Tally {
     let mut tally = Tally::default();
     for seed in first..first + count {
-        run(seed, is_obstructed, &mut tally);
+        run(seed, kind, &mut tally);
     }
     println!(
         "{} runs, {} steps: {} robots without equilibrium, {} failed, {} with more than 8 divided steps; greatest gain {:.1e} of the work (robot {}, {} s)",
@@ -314,7 +334,7 @@ fn report(count: u64, first: u64, is_obstructed: bool) -> Tally {
 
 #[test]
 fn random_robots_move_at_every_step() {
-    let tally = report(24, 1, false);
+    let tally = report(24, 1, Kind::default());
     assert!(tally.failed.is_empty());
     assert!(tally.gain.0 < 0.3);
 }
@@ -324,12 +344,12 @@ fn random_robots_move_at_every_step() {
 #[ignore = "takes minutes"]
 fn study_of_random_robots() {
     let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(1000);
-    report(count, 1000, false);
+    report(count, 1000, Kind::default());
 }
 
 #[test]
 fn random_robots_move_among_obstacles() {
-    let tally = report(16, 1, true);
+    let tally = report(16, 1, OBSTRUCTED);
     assert!(tally.failed.is_empty());
     assert!(tally.touching > 100 && tally.depth.0 < 1e-3 && tally.gain.0 < 0.3);
 }
@@ -339,7 +359,7 @@ fn random_robots_move_among_obstacles() {
 fn jammed_contacts_slide_for_a_moment() {
     let mut tally = Tally::default();
     for seed in [1246, 1666, 1749] {
-        run(seed, true, &mut tally);
+        run(seed, OBSTRUCTED, &mut tally);
     }
     println!("{} parts without friction", tally.frictionless);
     assert!(tally.failed.is_empty(), "{:?}", tally.failed);
@@ -350,5 +370,20 @@ fn jammed_contacts_slide_for_a_moment() {
 #[ignore = "takes minutes"]
 fn study_among_obstacles() {
     let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(1000);
-    report(count, 1000, true);
+    report(count, 1000, OBSTRUCTED);
+}
+
+#[test]
+fn random_robots_with_friction_move_among_obstacles() {
+    let tally = report(10, 1, RUBBING);
+    assert!(tally.failed.is_empty());
+    assert!(tally.touching > 60 && tally.depth.0 < 1e-3 && tally.gain.0 < 0.3);
+}
+
+/// `COUNT=1000 cargo test --release -p whipcord-motion --test motion -- --ignored --nocapture study_with_friction`
+#[test]
+#[ignore = "takes minutes"]
+fn study_with_friction() {
+    let count = std::env::var("COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(1000);
+    report(count, 1000, RUBBING);
 }

@@ -92,8 +92,20 @@ impl CondensedHoles {
         commands: &[Command],
         fill: impl FnOnce(&mut Response, &mut Vec<Passages>),
     ) -> Option<()> {
+        self.linearise_about(holes, commands, &[], fill)
+    }
+
+    /// The same about changes of the wrenches, in cases that agree with them: the step that is left is then that with these changes.
+    pub fn linearise_about(
+        &mut self,
+        holes: &Holes,
+        commands: &[Command],
+        wrenches: &[f64],
+        fill: impl FnOnce(&mut Response, &mut Vec<Passages>),
+    ) -> Option<()> {
+        fill(&mut self.scratch.response, &mut self.by_wrench);
+        self.add_wrenches(wrenches);
         let Self { scratch, history, by_wrench, columns, lu, .. } = self;
-        fill(&mut scratch.response, by_wrench);
         let law = Law { holes, commands, before: &history.beyond, modes: None };
         scratch.solve(&law)?;
         let FrictionScratch { tensions, at, beyond, modes, matrix, changes, .. } = &*scratch;
@@ -107,6 +119,18 @@ impl CondensedHoles {
             lu.solve(column);
         }
         columns.iter().flatten().all(|x| x.is_finite()).then_some(())
+    }
+
+    /// Adds what changes of the wrenches do to the response.
+    fn add_wrenches(&mut self, changes: &[f64]) {
+        let Self { scratch, by_wrench, .. } = self;
+        let n = scratch.tensions.len();
+        let response = &mut scratch.response;
+        for (by, change) in by_wrench.iter().zip(changes) {
+            let rows = response.lengths.chunks_exact_mut(n + 1).zip(&by.lengths);
+            let rows = rows.chain(response.turns.chunks_exact_mut(n + 1).zip(&by.turns));
+            rows.for_each(|(row, by)| row[n] += by * change);
+        }
     }
 
     /// The equation of a hole in the case that holds at the state that was assessed last, and whether what it keeps is the commanded length.
@@ -147,14 +171,8 @@ impl CondensedHoles {
 
     /// How the tensions change with the step that is left and these changes of the wrenches together, in cases of the holes that agree with it.
     pub fn follow(&mut self, holes: &Holes, commands: &[Command], changes: &[f64]) -> Vec<f64> {
-        let Self { scratch, history, by_wrench, columns, .. } = self;
-        let n = scratch.tensions.len();
-        let response = &mut scratch.response;
-        for (by, change) in by_wrench.iter().zip(changes) {
-            let rows = response.lengths.chunks_exact_mut(n + 1).zip(&by.lengths);
-            let rows = rows.chain(response.turns.chunks_exact_mut(n + 1).zip(&by.turns));
-            rows.for_each(|(row, by)| row[n] += by * change);
-        }
+        self.add_wrenches(changes);
+        let Self { scratch, history, columns, .. } = self;
         let law = Law { holes, commands, before: &history.beyond, modes: None };
         if scratch.solve(&law).is_some() {
             return scratch.changes.clone();

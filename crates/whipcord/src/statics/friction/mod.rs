@@ -40,7 +40,7 @@ pub(crate) use carrying::{Carrying, Place};
 pub(crate) use condensed_holes::CondensedHoles;
 pub(crate) use held::{HeldHoles, HoleChange, HoleSource};
 pub(crate) use holes::{History, Holes, Slides};
-pub use moving_holes::{HoleEquation, HoleFriction, HoleMemory};
+pub use moving_holes::{HoleEquation, HoleFriction, HoleMemory, HoleResponse};
 pub(crate) use newton::FrictionScratch;
 pub(crate) use response::{PassageResponse, Passages, Response};
 pub(crate) use substeps::{Course, step};

@@ -5,6 +5,7 @@
 use super::condensed_holes::CondensedHoles;
 use super::holes::Holes;
 use super::law::Row;
+use super::response::{Passages, Response};
 use crate::robot::Robot;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
@@ -33,6 +34,19 @@ pub struct HoleEquation {
     pub by_before: f64,
     /// What the change of the command of the cable is multiplied by: of its tension in N, or of the unstretched length in m that the drive leaves.
     pub by_command: f64,
+}
+
+/// How lengths in m and angles in rad of all passages respond.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HoleResponse<'a> {
+    /// For each passage a row with one column for the tension of each passage and a last one for what changes while the tensions stay.
+    pub lengths: &'a [f64],
+    /// The same of the angle in its near hole.
+    pub turns: &'a [f64],
+    /// For each of other forces the changes of all lengths by 1 N.
+    pub lengths_by_force: &'a [f64],
+    /// The same of all angles.
+    pub turns_by_force: &'a [f64],
 }
 
 /// What the holes remember from step to step.
@@ -129,14 +143,35 @@ impl HoleFriction {
     /// How the tensions change in a step of Newton's method, by the response of lengths and angles: for each passage a row with one column for the tension of each passage
     /// and a last one for what changes while the tensions stay. `None` where the equations of the holes are singular.
     pub fn changes(&mut self, lengths: &[f64], turns: &[f64]) -> Option<&[f64]> {
-        self.state.linearise(&self.holes, &self.commands, |response, by_wrench| {
-            response.lengths.clear();
-            response.lengths.extend_from_slice(lengths);
-            response.turns.clear();
-            response.turns.extend_from_slice(turns);
-            by_wrench.clear();
-        })?;
-        self.state.columns().first().map(Vec::as_slice)
+        let response = HoleResponse { lengths, turns, ..HoleResponse::default() };
+        self.changes_with_forces(response, &[])?.first().map(Vec::as_slice)
+    }
+
+    /// The same where other forces change as well, by these amounts: how the tensions change with them, then how that changes with each of the forces, in the cases of the holes that
+    /// hold then.
+    pub fn changes_with_forces(
+        &mut self,
+        response: HoleResponse<'_>,
+        forces: &[f64],
+    ) -> Option<&[Vec<f64>]> {
+        let count = self.holes.count();
+        let fill = |into: &mut Response, by_force: &mut Vec<Passages>| {
+            into.lengths.clear();
+            into.lengths.extend_from_slice(response.lengths);
+            into.turns.clear();
+            into.turns.extend_from_slice(response.turns);
+            by_force.resize_with(forces.len(), Passages::default);
+            let lists = response.lengths_by_force.chunks_exact(count);
+            let lists = lists.zip(response.turns_by_force.chunks_exact(count));
+            for (out, (lengths, turns)) in by_force.iter_mut().zip(lists) {
+                out.lengths.clear();
+                out.lengths.extend_from_slice(lengths);
+                out.turns.clear();
+                out.turns.extend_from_slice(turns);
+            }
+        };
+        self.state.linearise_about(&self.holes, &self.commands, forces, fill)?;
+        Some(self.state.columns())
     }
 
     /// Changes the tensions.
