@@ -163,14 +163,17 @@ impl StageAdjoint {
         // Cables that are driven by their lengths and taut, section "Gradients".
         let taut: Vec<usize> =
             lengths.cables.iter().copied().filter(|&i| stage.tensions[i] > 0.0).collect();
-        let n = taut.len() + touching.unknowns();
+        // Then contacts that push, then the passages of cables with friction.
+        let first_passage = taut.len() + touching.unknowns();
+        let n = first_passage + holes.as_ref().map_or(0, HoleRows::count);
         let mut forces = vec![0.0; n];
         let ends = core::mem::replace(&mut self.tensions, vec![0.0; rod.cables.len()]);
         if n > 0 {
             self.of_lengths.resize(n, Default::default());
             let none = vec![Twist::default(); rod.nodes.len()];
             let mut of_lengths = core::mem::take(&mut self.of_lengths);
-            let (of_taut, of_touching) = of_lengths.split_at_mut(taut.len());
+            let (of_taut, others) = of_lengths.split_at_mut(taut.len());
+            let (of_touching, of_holes) = others.split_at_mut(touching.unknowns());
             for (&cable, (of_length, gradient)) in taut.iter().zip(of_taut) {
                 self.cable_work.length_gradient(rod, stage, scheme, cable, gradient);
                 // Lengths are the same wherever the base is.
@@ -178,6 +181,12 @@ impl StageAdjoint {
             }
             for (row, (of_row, gradient)) in touching.rows.iter().zip(of_touching) {
                 gradient.clone_from(&row.stage);
+                find(self, of_row, &none, gradient, Twist::default())?;
+            }
+            for (r, (of_row, gradient)) in of_holes.iter_mut().enumerate() {
+                let Some(rows) = &holes else { break };
+                *gradient = rows.gradient(r);
+                gradient.iter_mut().for_each(|of| *of = *of * (1.0 / scheme.place));
                 find(self, of_row, &none, gradient, Twist::default())?;
             }
             let mut matrix = vec![0.0; n * n];
@@ -209,6 +218,25 @@ impl StageAdjoint {
                     matrix[(taut.len() + j) * n + i] -= by;
                 }
             }
+            if let Some(rows) = &holes {
+                // By columns: its transpose is what is solved with.
+                for (i, (of_row, _)) in of_lengths.iter().enumerate() {
+                    for (p, work) in rows.tension_work(rod, stage, of_row).iter().enumerate() {
+                        matrix[(first_passage + p) * n + i] += work;
+                    }
+                }
+                for (r, equation) in rows.equations.iter().enumerate() {
+                    for &(p, factor) in &equation.tensions {
+                        matrix[(first_passage + p) * n + first_passage + r] -= factor;
+                    }
+                }
+                let works = rows.tension_work(rod, stage, &multipliers);
+                for ((force, work), by) in
+                    forces[first_passage..].iter_mut().zip(works).zip(&tensions)
+                {
+                    *force = work - by;
+                }
+            }
             // Motors with inertia yield to the tensions of their cables.
             let drives = &lengths.drives;
             let yields = |i: usize, j: usize, by: f64| matrix[j * n + i] += by;
@@ -222,18 +250,22 @@ impl StageAdjoint {
             for (k, (force, (of_length, gradient))) in forces.iter().zip(&of_lengths).enumerate() {
                 add(&mut multipliers, of_length, -force);
                 add(&mut strains, gradient, -force);
-                match k.checked_sub(taut.len()) {
+                match k.checked_sub(taut.len()).and_then(|k| touching.rows.get(k)) {
+                    Some(row) => add(&mut self.start, &row.start, -force),
                     // Where the stage is not at the end, the end lies beyond it, away from the start.
                     None => add(&mut self.start, gradient, -force * (scheme.place - 1.0)),
-                    Some(k) => add(&mut self.start, &touching.rows[k].start, -force),
                 }
             }
             self.of_lengths = of_lengths;
         }
         if let Some(rows) = &holes {
-            self.strains = strains;
-            self.pull_back_holes(mechanics, stage, scheme, rows, &tensions, &mut multipliers)?;
-            strains = core::mem::take(&mut self.strains);
+            self.cables.fill(0.0);
+            self.beyond.clear();
+            let equations = rows.equations.iter().zip(&rows.cables).zip(&forces[first_passage..]);
+            for ((equation, cable), worth) in equations {
+                self.cables[*cable] += equation.by_command * worth;
+                self.beyond.push(equation.by_before * worth);
+            }
         }
         for (i, out) in self.cables.iter_mut().enumerate().filter(|_| holes.is_none()) {
             *out = if lengths.cables.contains(&i) {
@@ -266,49 +298,6 @@ impl StageAdjoint {
         let by_stage = factor / scheme.place;
         add(&mut self.strains, by_end, by_stage);
         add(&mut self.start, by_end, factor - by_stage);
-    }
-
-    /// The holes of cables with friction, in the cases that hold there: adds the multipliers of their equations, for derivatives by the tensions of all passages beside
-    /// those by the motion.
-    fn pull_back_holes(
-        &mut self,
-        mechanics: Mechanics<'_>,
-        stage: &Stage,
-        scheme: &Scheme,
-        rows: &HoleRows,
-        tensions: &[f64],
-        multipliers: &mut [Twist],
-    ) -> Result<(), NotSolved> {
-        let (rod, n) = (mechanics.rod, rows.count());
-        let none = vec![Twist::default(); rod.nodes.len()];
-        let mut of_rows = Vec::with_capacity(n);
-        // By columns: its transpose is what is solved with.
-        let mut matrix = vec![0.0; n * n];
-        for (r, equation) in rows.equations.iter().enumerate() {
-            let mut gradient = rows.gradient(r);
-            gradient.iter_mut().for_each(|of| *of = *of * (1.0 / scheme.place));
-            self.solve(mechanics, stage, scheme, (&none, &gradient, Twist::default()))?;
-            for (p, work) in rows.tension_work(rod, stage, &self.multipliers).iter().enumerate() {
-                matrix[p * n + r] -= work;
-            }
-            for &(p, factor) in &equation.tensions {
-                matrix[p * n + r] += factor;
-            }
-            of_rows.push(self.multipliers.clone());
-        }
-        let work = rows.tension_work(rod, stage, multipliers);
-        let mut worth: Vec<f64> = tensions.iter().zip(&work).map(|(by, work)| by - work).collect();
-        self.lu.factor(n, &matrix).map_err(|_| NotSolved)?;
-        self.lu.solve(&mut worth);
-        self.cables.fill(0.0);
-        self.beyond.clear();
-        for (r, (equation, worth)) in rows.equations.iter().zip(&worth).enumerate() {
-            add(multipliers, &of_rows[r], -worth);
-            self.add_by_end(scheme, &rows.gradient(r), -worth);
-            self.cables[rows.cables[r]] += equation.by_command * worth;
-            self.beyond.push(equation.by_before * worth);
-        }
-        Ok(())
     }
 
     /// Multipliers for derivatives by velocities and strains.

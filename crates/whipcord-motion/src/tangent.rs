@@ -89,19 +89,16 @@ impl StageTangent {
         linearise(mechanics, solver, scheme, &mut self.conserving)?;
         let Solver { stage, lengths, contacts, friction, holds_passages, .. } = solver;
         self.gather(mechanics, stage, scheme, factors);
-        if let Some(friction) = friction {
-            if *holds_passages {
-                let start = self.start.clone();
-                (self.velocities, self.strains) = self.solve(mechanics, stage, scheme, &start)?;
-                return Ok(());
-            }
-            let rows = friction.rows(rod, scheme, stage);
-            return self.push_forward_holes(mechanics, stage, scheme, &rows);
+        if friction.is_some() && *holds_passages {
+            let start = self.start.clone();
+            (self.velocities, self.strains) = self.solve(mechanics, stage, scheme, &start)?;
+            return Ok(());
         }
+        let holes = friction.as_mut().map(|friction| friction.rows(rod, scheme, stage));
         for i in 0..rod.cables.len() {
             let is_by_length = lengths.cables.contains(&i);
             self.stage_tensions[i] = if is_by_length { 0.0 } else { self.cables[i] };
-            if !is_by_length && self.cables[i] != 0.0 {
+            if !is_by_length && holes.is_none() && self.cables[i] != 0.0 {
                 self.add_pull(rod, stage, scheme, i, self.cables[i]);
             }
         }
@@ -111,7 +108,8 @@ impl StageTangent {
         let taut: Vec<usize> =
             lengths.cables.iter().copied().filter(|&i| stage.tensions[i] > 0.0).collect();
         let touching = contacts.rows(rod, scheme, stage);
-        let n = taut.len() + touching.unknowns();
+        let first_passage = taut.len() + touching.unknowns();
+        let n = first_passage + holes.as_ref().map_or(0, HoleRows::count);
         let (mut responses, mut gradients) = (Vec::<Found>::new(), Vec::new());
         for &cable in &taut {
             self.right.fill(Twist::default());
@@ -124,7 +122,7 @@ impl StageTangent {
             self.cable_work.length_gradient(rod, stage, scheme, cable, &mut gradient);
             gradients.push(gradient);
         }
-        // The unknown of each response: tensions, then pushes of contacts.
+        // The unknown of each response: tensions, then pushes of contacts, then the tensions of passages.
         let mut unknowns: Vec<usize> = (0..taut.len()).collect();
         for push in &touching.pushes {
             self.right.fill(Twist::default());
@@ -134,6 +132,15 @@ impl StageTangent {
             let still = vec![Twist::default(); rod.points.len()];
             responses.push(self.solve(mechanics, stage, scheme, &still)?);
             unknowns.push(taut.len() + push.unknown);
+        }
+        for (p, pull) in holes.iter().flat_map(|rows| rows.pulls.iter().enumerate()) {
+            self.right.fill(Twist::default());
+            self.history.fill(Twist::default());
+            self.base = Twist::default();
+            self.add_forces(rod, stage, pull, 1.0);
+            let still = vec![Twist::default(); rod.points.len()];
+            responses.push(self.solve(mechanics, stage, scheme, &still)?);
+            unknowns.push(first_passage + p);
         }
         let mut matrix = vec![0.0; n * n];
         let mut changes = vec![0.0; n];
@@ -159,6 +166,28 @@ impl StageTangent {
                 matrix[i * n + j] -= row.by_stage(response);
             }
         }
+        let ends = |start: &[Twist], strains: &[Twist]| -> Vec<Twist> {
+            start.iter().zip(strains).map(|(start, strain)| scheme.end(*start, *strain)).collect()
+        };
+        if let Some(rows) = &holes {
+            let still = vec![Twist::default(); rod.points.len()];
+            let free = ends(&start, &strains);
+            let ends: Vec<Vec<Twist>> = responses.iter().map(|(_, of)| ends(&still, of)).collect();
+            for (r, equation) in rows.equations.iter().enumerate() {
+                let i = first_passage + r;
+                for (j, end) in unknowns.iter().zip(&ends) {
+                    matrix[i * n + j] -= rows.by_strains(r, end);
+                }
+                for &(p, factor) in &equation.tensions {
+                    matrix[i * n + first_passage + p] -= factor;
+                }
+                let before = self.beyond.get(r).copied().unwrap_or_default();
+                let command = self.cables[rows.cables[r]];
+                changes[i] = rows.by_strains(r, &free)
+                    - equation.by_before * before
+                    - equation.by_command * command;
+            }
+        }
         let yields = |i: usize, j: usize, by: f64| matrix[i * n + j] += by;
         lengths.drives.add_lengths(scheme, &taut, &stage.tensions, |_, _| (), yields);
         if n > 0 {
@@ -175,56 +204,11 @@ impl StageTangent {
                 0.0
             };
         }
-        let changes: Vec<f64> = unknowns.iter().map(|j| changes[*j]).collect();
-        add_responses(&mut velocities, &mut strains, &responses, &changes);
-        (self.velocities, self.strains) = (velocities, strains);
-        Ok(())
-    }
-
-    /// The same with cables that have friction, for what the equations of motion lack at hand: the tensions of all passages change so that each hole keeps its case.
-    fn push_forward_holes(
-        &mut self,
-        mechanics: Mechanics<'_>,
-        stage: &Stage,
-        scheme: &Scheme,
-        rows: &HoleRows,
-    ) -> Result<(), NotSolved> {
-        let (rod, n) = (mechanics.rod, rows.count());
-        let start = self.start.clone();
-        let (mut velocities, mut strains) = self.solve(mechanics, stage, scheme, &start)?;
-        let still = vec![Twist::default(); rod.points.len()];
-        let ends = |start: &[Twist], strains: &[Twist]| -> Vec<Twist> {
-            start.iter().zip(strains).map(|(start, strain)| scheme.end(*start, *strain)).collect()
-        };
-        let mut responses = Vec::<Found>::with_capacity(n);
-        let mut matrix = vec![0.0; n * n];
-        for (p, pull) in rows.pulls.iter().enumerate() {
-            self.right.fill(Twist::default());
-            self.history.fill(Twist::default());
-            self.base = Twist::default();
-            self.add_forces(rod, stage, pull, 1.0);
-            let response = self.solve(mechanics, stage, scheme, &still)?;
-            let end = ends(&still, &response.1);
-            for r in 0..n {
-                matrix[r * n + p] = rows.by_strains(r, &end);
-            }
-            responses.push(response);
+        let of_responses: Vec<f64> = unknowns.iter().map(|j| changes[*j]).collect();
+        add_responses(&mut velocities, &mut strains, &responses, &of_responses);
+        if let Some(rows) = &holes {
+            self.beyond = rows.beyond_changes(&ends(&start, &strains), &changes[first_passage..]);
         }
-        let free = ends(&start, &strains);
-        let mut changes = vec![0.0; n];
-        for (r, equation) in rows.equations.iter().enumerate() {
-            for &(p, factor) in &equation.tensions {
-                matrix[r * n + p] += factor;
-            }
-            let before = self.beyond.get(r).copied().unwrap_or_default();
-            let command = self.cables[rows.cables[r]];
-            changes[r] = equation.by_before * before + equation.by_command * command
-                - rows.by_strains(r, &free);
-        }
-        self.lu.factor(n, &matrix).map_err(|_| NotSolved)?;
-        self.lu.solve(&mut changes);
-        add_responses(&mut velocities, &mut strains, &responses, &changes);
-        self.beyond = rows.beyond_changes(&ends(&start, &strains), &changes);
         (self.velocities, self.strains) = (velocities, strains);
         Ok(())
     }

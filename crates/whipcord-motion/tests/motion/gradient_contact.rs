@@ -1,6 +1,7 @@
 //! Gradients over motions in contact with obstacles against central differences of the same steps.
 
-use whipcord::{Case, Form, ModelKind, Obstacle, Pose, Shortening, Vec3};
+use whipcord::shape::SlipState;
+use whipcord::{Cable, Case, Form, ModelKind, Obstacle, Pose, Robot, Shortening, Vec3};
 use whipcord_motion::{CableDrive, Commands, Course, Initial, Method};
 
 use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, weight};
@@ -20,6 +21,12 @@ fn problem(model: ModelKind, friction: f64, overlap: f64, command: (usize, usize
             Commands::tensions(&[pull(0), pull(1)])
         })
         .collect();
+    lean(&mut problem, friction, overlap);
+    problem
+}
+
+/// Puts the ball where the robot leans on it.
+fn lean(problem: &mut Problem, friction: f64, overlap: f64) {
     let tip = problem.simulation().state().tip().position;
     let side = Vec3::new(tip.x, tip.y, 0.0);
     let side = side * (1.0 / side.norm());
@@ -28,7 +35,6 @@ fn problem(model: ModelKind, friction: f64, overlap: f64, command: (usize, usize
     let form = Form::Sphere { radius: 0.05 };
     let ball = Obstacle { name: "ball".to_owned(), form, pose, friction, movable: None };
     problem.case.obstacles = vec![ball];
-    problem
 }
 
 /// Without friction, sliding, and sticking.
@@ -49,6 +55,87 @@ fn gradients_in_contact_are_those_of_differences() {
             base.check_by_commands(1e-5, |command| problem(model, friction, 6e-3, command), &name);
         }
     }
+}
+
+/// The same robot whose cables rub: an elastic one and a rigid one, by tensions or by lengths. They are pulled and let go, so that holes slide and stick.
+fn rubbing(
+    (model, by_length): (ModelKind, bool),
+    friction: f64,
+    grip: f64,
+    command: (usize, usize, f64),
+) -> Problem {
+    let mut problem = problem(model, friction, 6e-3, (STEPS, 0, 0.0));
+    let rub = |(i, cable): (usize, &Cable)| Cable {
+        friction: Some([0.7, 0.9][i] * grip),
+        axial_stiffness: [Some(9000.0), None][i],
+        ..cable.clone()
+    };
+    let (backbone, disks) = (problem.robot.backbone().clone(), problem.robot.disks().clone());
+    let cables = problem.robot.cables().iter().enumerate().map(rub).collect();
+    problem.robot = Robot::new(backbone, disks, cables).unwrap();
+    problem.case.obstacles.clear();
+    lean(&mut problem, friction, 6e-3);
+    let (lengths, rests) = if by_length {
+        let lengths = |problem: &Problem| {
+            let simulation = problem.simulation();
+            [0, 1].map(|i| simulation.state().cables[i].length)
+        };
+        let now = lengths(&problem);
+        let (initial, obstacles) = (
+            core::mem::replace(&mut problem.options.initial, Initial::Rest),
+            core::mem::take(&mut problem.case.obstacles),
+        );
+        let rest = lengths(&problem);
+        (problem.options.initial, problem.case.obstacles) = (initial, obstacles);
+        (now, rest)
+    } else {
+        ([0.0; 2], [0.0; 2])
+    };
+    let told = |k: usize| {
+        let drive = |i: usize| {
+            let by = if (k, i) == (command.0, command.1) { command.2 } else { 0.0 };
+            let change = [0.2, 0.35, 0.3, 0.28, 0.1, 0.05][k] + 0.02 * weight(3 * k + i);
+            if by_length {
+                let start = rests[i] - lengths[i] + [0.0, 3e-5][i];
+                CableDrive::Shortening(Course::constant(start + 3.4e-4 * change + by))
+            } else {
+                CableDrive::Tension(Course::constant([1.0, 0.5][i] * (1.0 + change) + by))
+            }
+        };
+        Commands::new(vec![drive(0), drive(1)])
+    };
+    problem.commands = (0..STEPS).map(told).collect();
+    problem
+}
+
+/// Where cables rub in their holes at the same time, whose tensions go with the forces of the contacts.
+#[test]
+fn gradients_in_contact_with_friction_of_cables_are_those_of_differences() {
+    let mut seen = [0; 3];
+    for (model, by_length) in MODELS.into_iter().flat_map(|of| [(of, false), (of, true)]) {
+        let all = [(0.05, 1.0), (0.05, 4.0), (0.0, 1.0), (3.0, 1.0)];
+        let is_short = by_length || model == ModelKind::CosseratDisks;
+        for (friction, grip) in all.into_iter().take(if is_short { 2 } else { 4 }) {
+            let name = format!("{model:?}, by length {by_length}, {friction}, grip {grip}");
+            let at = |command| rubbing((model, by_length), friction, grip, command);
+            let base = at((STEPS, 0, 0.0));
+            let record = base.simulation().record(&base.commands, DT).unwrap();
+            for state in &record.states[1..] {
+                for slip in &state.holes.slip_states {
+                    seen[match slip {
+                        SlipState::Sticks => 0,
+                        SlipState::Pulled => 1,
+                        SlipState::Released => 2,
+                    }] += 1;
+                }
+            }
+            let touching = record.states.iter().filter(|state| !state.contacts.is_empty()).count();
+            assert!(touching > 3, "{name}: {touching}");
+            assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
+            base.check_by_commands(if by_length { 1e-8 } else { 1e-4 }, at, &name);
+        }
+    }
+    assert!(seen.iter().all(|count| *count > 20), "sticks, pulled, released: {seen:?}");
 }
 
 /// Beside cables that are driven by their lengths.
@@ -106,6 +193,10 @@ fn gradients_in_contact_by_the_start_are_those_of_differences() {
     for friction in [0.0, 0.05, 3.0] {
         let problem = problem(ModelKind::Cosserat, friction, 6e-3, (STEPS, 0, 0.0));
         problem.check_by_start(1e-5, &friction.to_string());
+    }
+    for model in MODELS {
+        let rubbing = rubbing((model, false), 0.05, 1.0, (STEPS, 0, 0.0));
+        rubbing.check_by_start(1e-4, &format!("{model:?}, cables rub"));
     }
 }
 
