@@ -144,6 +144,9 @@ impl StageAdjoint {
         if let Some(rows) = &holes {
             let by_end;
             (by_end, tensions) = rows.by_beyond(&self.beyond);
+            for &(cable, p) in &rows.outside {
+                tensions[p] += self.stage_tensions[cable];
+            }
             self.add_by_end(scheme, &by_end, 1.0);
         }
         let find = |this: &mut Self,

@@ -96,6 +96,24 @@ impl Drives {
         }
     }
 
+    /// The motors with a command, each with its set-point.
+    pub fn driven(&self) -> Vec<(usize, f64)> {
+        let driven = self.motors.iter().filter(|of| of.is_driven);
+        driven.map(|of| (of.motor, of.set_point)).collect()
+    }
+
+    /// Where these rest against the tensions of their cables.
+    pub fn at_rest(&self, tensions: &[f64]) -> Vec<f64> {
+        let driven = self.motors.iter().filter(|of| of.is_driven);
+        driven.map(|of| of.at_rest(of.taken(tensions))).collect()
+    }
+
+    /// Whether a motor with inertia and a command drives a cable.
+    pub fn moves(&self, cable: usize) -> bool {
+        let of_cable = |of: &MotorStage| of.pulls.iter().any(|pull| pull.0 == cable);
+        self.motors.iter().any(|of| of.is_driven && of_cable(of))
+    }
+
     /// Begins a step from the motors of a state.
     pub fn begin(&mut self, from: &[MotorMotion], method: &OneStage, h: f64) {
         for of in &mut self.motors {

@@ -1,13 +1,15 @@
 //! Friction of cables: their tensions in all passages by the law of the holes, in every step of the iteration.
 //!
 //! Where cables are straight between disks a passage is a chord, and its near hole that of a disk. Where they are continuous a passage stands for one point of an
-//! element, and a hole for the way from point to point, on which the cable turns.
+//! element, and a hole for the way from point to point, on which the cable turns. A cable on a motor with inertia has a further passage in front of these, from the motor to the
+//! hole in the base.
 
 use whipcord::{HoleFriction, HoleResponse, Robot, Wrench};
 use whipcord_numerics::{GAUSS_2, Pose, Twist, Vec3};
 
-use crate::block::{dot, transposed_bracket};
+use crate::block::{add, dot, transposed_bracket};
 use crate::chords;
+use crate::drives::Drives;
 use crate::element::{POINTS, add_to_nodes};
 use crate::hole_rows::HoleRows;
 use crate::pose;
@@ -20,8 +22,14 @@ use crate::stage::Stage;
 #[derive(Clone, Debug)]
 pub(crate) struct Friction {
     pub holes: HoleFriction,
-    /// The cable of each passage.
+    /// The cable of each passage; those between a motor with inertia and the base are the last ones.
     cables: Vec<usize>,
+    /// Number of passages inside the robot.
+    inside: usize,
+    /// Length in m that the drive of each cable leaves, but for what motors with inertia shorten.
+    targets: Vec<f64>,
+    /// Pairs of cables, with how the tension of the second at its motor lengthens the first.
+    yields: Vec<(usize, usize, f64)>,
     /// The shape at the end of a step.
     strains: Vec<Twist>,
     poses: Vec<Pose>,
@@ -69,25 +77,34 @@ impl Friction {
         let rest: Vec<Twist> = rod.points.iter().map(|point| point.rest).collect();
         let mut poses = vec![Pose::IDENTITY; nodes];
         pose::nodes(rod, Pose::IDENTITY, &rest, &mut poses);
-        let cables = rod.cables_of_passages();
+        let mut cables = rod.cables_of_passages();
+        let inside = cables.len();
         let lengths: Vec<f64> =
-            (0..cables.len()).map(|p| length(rod, p, cables[p], &rest, &poses)).collect();
+            (0..inside).map(|p| length(rod, p, cables[p], &rest, &poses)).collect();
         let passages: Vec<(usize, f64)> =
             cables.iter().copied().zip(lengths.iter().copied()).collect();
         let lever = robot.routes().iter().map(|route| route.at(0.0).offset.norm());
         let lever = lever.fold(1e-3 * rod.length, f64::max);
         let bending = rod.points.iter().map(|point| point.stiffness.d.rows[0].x);
         let bending = bending.fold(f64::INFINITY, f64::min);
-        let holes = HoleFriction::new(robot, &passages, lever * lever * rod.length / bending);
-        let count = passages.len();
+        let with_inertia = robot.motors().iter().filter(|motor| motor.dynamics.is_some());
+        let driven: Vec<usize> =
+            with_inertia.flat_map(|motor| motor.cables.iter().map(|of| of.cable)).collect();
+        let compliance = lever * lever * rod.length / bending;
+        let holes = HoleFriction::new(robot, &passages, compliance).with_drives(&driven);
+        cables.extend(driven);
+        let count = cables.len();
         Some(Self {
             holes,
             cables,
+            inside,
+            targets: vec![0.0; robot.cables().len()],
+            yields: Vec::new(),
             strains: rest,
             poses,
             pulls: vec![Wrench::default(); nodes],
             gradient: vec![Twist::default(); points],
-            lengths,
+            lengths: vec![0.0; count],
             turns: vec![0.0; count],
             columns: vec![vec![Twist::default(); nodes]; count],
             row: vec![Twist::default(); nodes],
@@ -100,8 +117,63 @@ impl Friction {
 
     /// Lengths of all passages in a shape.
     pub fn lengths(&self, rod: &Rod, strains: &[Twist], poses: &[Pose]) -> Vec<f64> {
-        let cables = self.cables.iter().enumerate();
-        cables.map(|(p, &cable)| length(rod, p, cable, strains, poses)).collect()
+        let cables = self.cables[..self.inside].iter().enumerate();
+        let mut lengths: Vec<f64> =
+            cables.map(|(p, &cable)| length(rod, p, cable, strains, poses)).collect();
+        lengths.resize(self.cables.len(), 0.0);
+        lengths
+    }
+
+    /// The cables on motors with inertia, each with its passage between motor and base.
+    pub fn outside(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.cables.iter().copied().zip(0..).skip(self.inside)
+    }
+
+    /// The passages of a cable from a passage on.
+    fn from(&self, rod: &Rod, passage: usize) -> Vec<usize> {
+        let cable = self.cables[passage];
+        let (outside, first) = match passage.checked_sub(self.inside) {
+            Some(_) => (Some(passage), rod.first_passages[cable]),
+            None => (None, passage),
+        };
+        let inside = (first..self.inside).take_while(|&k| self.cables[k] == cable);
+        outside.into_iter().chain(inside).collect()
+    }
+
+    /// Commands a cable by the unstretched length in m that its drive leaves, but for what a motor with inertia shortens.
+    pub fn command_length(&mut self, cable: usize, target: f64) {
+        self.targets[cable] = target;
+        self.holes.command_length(cable, target);
+    }
+
+    /// Energy in J of the stretch of a cable and its drive, where the passages have these tensions.
+    pub fn stretch(&self, robot: &Robot, cable: usize, tensions: &[f64]) -> f64 {
+        let passages = self.cables.iter().zip(tensions).zip(self.holes.yielding());
+        let own = passages.filter(|((of, _), _)| **of == cable);
+        let inside: f64 = own.map(|((_, tension), by)| 0.5 * by * tension * tension).sum();
+        let outside = self.outside().find(|(of, _)| *of == cable);
+        let tension = outside.and_then(|(_, p)| tensions.get(p)).copied().unwrap_or_default();
+        inside + 0.5 * robot.outside_compliance(cable) * tension * tension
+    }
+
+    /// Has motors with inertia leave the lengths that they do where the cables have the tensions of a stage, and yield as these change.
+    fn follow_drives(&mut self, scheme: &Scheme, stage: &Stage, drives: &Drives) {
+        let Self { holes, cables, inside, targets, yields, .. } = self;
+        let driven = &cables[*inside..];
+        yields.clear();
+        let mut moved = vec![0.0; driven.len()];
+        drives.add_lengths(
+            scheme,
+            driven,
+            &stage.tensions,
+            |i, more| moved[i] += more,
+            |i, j, by| yields.push((driven[i], driven[j], by)),
+        );
+        let is_driven = |cable: usize| drives.moves(cable);
+        for (&cable, more) in driven.iter().zip(moved).filter(|(cable, _)| is_driven(**cable)) {
+            holes.command_length(cable, targets[cable] + more);
+        }
+        holes.set_yields(yields.iter().copied());
     }
 
     /// Changes the tensions in a step of the iteration of a stage, whose residual is already solved for; adds what they do to the velocities.
@@ -110,8 +182,9 @@ impl Friction {
         rod: &Rod,
         scheme: &Scheme,
         stage: &mut Stage,
+        drives: &Drives,
     ) -> Result<(), SingularHoles> {
-        self.linearise(rod, scheme, stage, &[]);
+        self.linearise(rod, scheme, (stage, drives), &[]);
         self.respond_to_forces(&[])?;
         self.take(stage);
         Ok(())
@@ -123,9 +196,10 @@ impl Friction {
         &mut self,
         rod: &Rod,
         scheme: &Scheme,
-        stage: &Stage,
+        (stage, drives): (&Stage, &Drives),
         by_forces: &[Vec<Twist>],
     ) {
+        self.follow_drives(scheme, stage, drives);
         self.measure(rod, scheme, stage);
         let n = self.cables.len();
         for p in 0..n {
@@ -175,9 +249,12 @@ impl Friction {
 
     /// Changes the tensions as they respond, with what they do to the velocities.
     pub fn take(&mut self, stage: &mut Stage) {
-        let Self { holes, responses, columns, .. } = self;
+        let Self { holes, responses, columns, cables, inside, .. } = self;
         let Some(changes) = responses.first() else { return };
         holes.advance(changes);
+        for (&cable, &tension) in cables.iter().zip(holes.tensions()).skip(*inside) {
+            stage.tensions[cable] = tension;
+        }
         for (p, (&tension, before)) in holes.tensions().iter().zip(&mut stage.passages).enumerate()
         {
             let change = tension - *before;
@@ -211,6 +288,8 @@ impl Friction {
         let mut rows = HoleRows {
             equations: self.holes.equations(),
             cables: self.cables.clone(),
+            from: (0..n).map(|p| self.from(rod, p)).collect(),
+            outside: self.outside().collect(),
             pulls: Vec::with_capacity(n),
             beyond: Vec::with_capacity(n),
             turns: Vec::with_capacity(n),
@@ -229,10 +308,10 @@ impl Friction {
             self.find_unit_pull(rod, scheme, stage, p);
             rows.pulls.push(self.gradient.clone());
         }
-        for p in (1..n).rev().filter(|&p| self.cables[p] == self.cables[p - 1]) {
-            let [before, of] = &mut rows.beyond[p - 1..=p] else { continue };
-            for (sum, of) in before.iter_mut().zip(of) {
-                *sum = *sum + *of;
+        let own = rows.beyond.clone();
+        for (p, beyond) in rows.beyond.iter_mut().enumerate() {
+            for &k in &rows.from[p][1..] {
+                add(beyond, &own[k], 1.0);
             }
         }
         rows
@@ -242,6 +321,9 @@ impl Friction {
     fn find_gradient(&mut self, rod: &Rod, p: usize, is_turn: bool) {
         let cable = self.cables[p];
         self.gradient.fill(Twist::default());
+        if p >= self.inside {
+            return;
+        }
         match (rod.has_chords(), is_turn) {
             (true, false) => self.straight_length(rod, p),
             (true, true) => self.straight_turn(rod, p, cable),
@@ -252,7 +334,7 @@ impl Friction {
 
     /// Measures lengths and angles of the shape at hand.
     fn measure_shape(&mut self, rod: &Rod) {
-        for p in 0..self.cables.len() {
+        for p in 0..self.inside {
             let cable = self.cables[p];
             self.lengths[p] = length(rod, p, cable, &self.strains, &self.poses);
             self.turns[p] = if rod.has_chords() {
@@ -309,7 +391,11 @@ impl Friction {
 
     /// Writes what a tension of 1 N in a passage exerts on the strains of the stage, times the weights of the points.
     fn find_unit_pull(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage, p: usize) {
-        let Self { cables, pulls, gradient, .. } = self;
+        let Self { cables, inside, pulls, gradient, .. } = self;
+        if p >= *inside {
+            gradient.fill(Twist::default());
+            return;
+        }
         if rod.has_chords() {
             let tension = |of: usize| if of == p { 1.0 } else { 0.0 };
             chords::gradient(rod, &stage.strains, &stage.poses, tension, pulls, gradient);

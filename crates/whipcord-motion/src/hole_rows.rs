@@ -13,6 +13,10 @@ pub(crate) struct HoleRows {
     pub equations: Vec<HoleEquation>,
     /// The cable of each passage.
     pub cables: Vec<usize>,
+    /// The passages of its cable from each passage on.
+    pub from: Vec<Vec<usize>>,
+    /// The cables on motors with inertia, each with its passage between motor and base.
+    pub outside: Vec<(usize, usize)>,
     /// What a tension of 1 N in each passage exerts on the strains of the stage, times the weights of the points.
     pub pulls: Vec<Vec<Twist>>,
     /// Gradient by the strains at the end of the step of the length of each cable from the near hole of each passage on.
@@ -26,12 +30,6 @@ pub(crate) struct HoleRows {
 impl HoleRows {
     pub fn count(&self) -> usize {
         self.equations.len()
-    }
-
-    /// The passages of a cable from a passage on.
-    fn from(&self, passage: usize) -> impl Iterator<Item = usize> + '_ {
-        let cable = self.cables[passage];
-        (passage..self.count()).take_while(move |&k| self.cables[k] == cable)
     }
 
     /// Gradient by the strains at the end of the step of what an equation contains of lengths and angles.
@@ -62,7 +60,7 @@ impl HoleRows {
     /// Changes of the unstretched lengths beyond all holes at the end of a step, by those of strains and tensions.
     pub fn beyond_changes(&self, end: &[Twist], tensions: &[f64]) -> Vec<f64> {
         let of_passage = |p: usize| {
-            let stretch: f64 = self.from(p).map(|k| self.yielding[k] * tensions[k]).sum();
+            let stretch: f64 = self.from[p].iter().map(|&k| self.yielding[k] * tensions[k]).sum();
             sum(&self.beyond[p], end) - stretch
         };
         (0..self.count()).map(of_passage).collect()
@@ -75,7 +73,7 @@ impl HoleRows {
         let mut tensions = vec![0.0; self.count()];
         for (p, by) in beyond.iter().enumerate() {
             add(&mut strains, &self.beyond[p], *by);
-            for k in self.from(p) {
+            for &k in &self.from[p] {
                 tensions[k] -= self.yielding[k] * by;
             }
         }

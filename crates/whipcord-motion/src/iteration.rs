@@ -185,7 +185,7 @@ impl Solver {
                 let parts = (friction, &*lengths, contacts);
                 unilateral.solve_with_holes(rod, scheme, stage, parts).ok()?;
             }
-            Some(friction) => friction.solve(rod, scheme, stage).ok()?,
+            Some(friction) => friction.solve(rod, scheme, stage, &lengths.drives).ok()?,
             None if touches || !lengths.cables.is_empty() => {
                 unilateral.solve(rod, scheme, stage, lengths, contacts)?;
             }

@@ -59,7 +59,9 @@ pub use error::MotionError;
 pub use gradient::{Gradient, Record, Seed};
 pub use linear::Linearized;
 pub use modes::Mode;
-pub use options::{BaseMotion, Damping, Drag, Initial, LoadCourse, Method, MotionOptions, Start};
+pub use options::{
+    BaseMotion, Damping, Drag, Initial, LoadCourse, Method, MotionOptions, Start, StartRates,
+};
 pub use simulation::Simulation;
 pub use state::{CableMotion, EnergyBalance, MotorMotion, State, StepDiagnostics};
 pub use trajectory::Trajectory;

@@ -77,6 +77,26 @@ pub struct Start {
     /// Position, velocity and integral of the error ([`crate::MotorMotion`]) of each motor, which those with inertia start from; empty where they are at rest at
     /// [`Self::motor_outputs`].
     pub motors: Vec<[f64; 3]>,
+    /// Of each cable the tensions in N of its passages ([`crate::State::passage_tensions`]); empty where no cable has friction.
+    pub passage_tensions: Vec<Vec<f64>>,
+    /// Of each cable the unstretched lengths in m beyond the near holes of its passages ([`crate::State::lengths_beyond`]), which say where it sticks; empty where no cable has
+    /// friction.
+    pub lengths_beyond: Vec<Vec<f64>>,
+    /// The rates that the next step goes on from; `None` where they are not known, so that it begins without them.
+    pub rates: Option<StartRates>,
+}
+
+/// The rates of a state, and the step that they are of.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StartRates {
+    /// Of the velocities of the nodes.
+    pub velocities: Vec<Twist>,
+    /// Of the strains.
+    pub strains: Vec<Twist>,
+    /// Of position, velocity and integral of the error of each motor.
+    pub motors: Vec<[f64; 3]>,
+    /// Length of that step in s.
+    pub step: f64,
 }
 
 /// Where a motion starts.

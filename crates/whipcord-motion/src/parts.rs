@@ -349,9 +349,11 @@ impl Simulation {
         for i in 0..self.rod.cables.len() {
             if self.is_by_length(commands, i) {
                 let line = &self.rod.cables[i];
-                let shortening = self.command(commands, i, end, false);
+                let is_moving = self.moving_motor(commands, i).is_some();
+                let shortening =
+                    if is_moving { 0.0 } else { self.command(commands, i, end, false) };
                 let wound_up = line.compliance * line.pretension;
-                friction.holes.command_length(i, line.rest_length - shortening - wound_up);
+                friction.command_length(i, line.rest_length - shortening - wound_up);
             } else {
                 let tension = commands.cables[i].course().before(time).max(0.0);
                 friction.holes.command_tension(i, tension);
@@ -367,7 +369,11 @@ impl Simulation {
         let (memory, lost) = friction.holes.end_step();
         next.holes = memory;
         next.changes += usize::from(friction.holes.margin() < ABOUT_TO_CHANGE);
-        Power { cables: work.cables + lost, dissipated: work.dissipated + lost, ..work }
+        // What motors with inertia give is in the work of their loops.
+        let of_cables = lost.iter().zip(&stage.is_internal).filter(|(_, internal)| !**internal);
+        let given: f64 = of_cables.map(|(lost, _)| lost).sum();
+        let lost: f64 = lost.iter().sum();
+        Power { cables: work.cables + given, dissipated: work.dissipated + lost, ..work }
     }
 
     /// Looks for obstacles that the robot may touch in a step of length `h` from its state: as far as it may come in that time.
@@ -470,7 +476,10 @@ impl Simulation {
                 let (of, position) =
                     (&self.robot.motors()[motor], self.next.motors[motor].position);
                 shortening = self.pull(motor, i) * (position - of.offset) / of.gear_ratio();
-                stretch += 0.5 * line.compliance * tension * tension;
+                stretch += match &self.solver.friction {
+                    Some(friction) => friction.stretch(&self.robot, i, &self.next.holes.tensions),
+                    None => 0.5 * line.compliance * tension * tension,
+                };
             }
             let longest =
                 line.rest_length - shortening + line.compliance * (tension - line.pretension);

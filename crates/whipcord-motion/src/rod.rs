@@ -348,14 +348,6 @@ impl Rod {
 /// What has no dynamics here.
 fn refuse_unsupported(robot: &Robot) -> Result<(), MotionError> {
     let refuse = |path: String, what, advice| Err(MotionError::Unsupported { path, what, advice });
-    let rubs = robot.cables().iter().any(whipcord::Cable::has_friction);
-    if let Some(i) = robot.motors().iter().position(|motor| rubs && motor.dynamics.is_some()) {
-        return refuse(
-            format!("motors[{i}].inertia"),
-            "a motor with inertia beside cables with friction",
-            "leave out the friction, or the inertia and the gains of the motor",
-        );
-    }
     let plays = |motor: &whipcord::Motor| motor.dynamics.is_some() && motor.backlash > 0.0;
     if let Some(i) = robot.motors().iter().position(plays) {
         return refuse(

@@ -12,7 +12,7 @@ use crate::error::{MotionError, count};
 use crate::friction::Friction;
 use crate::iteration::{Mechanics, Solver};
 use crate::loads::NodeLoads;
-use crate::options::{Initial, MotionOptions, Start};
+use crate::options::{Initial, MotionOptions, Start, StartRates};
 use crate::pose;
 use crate::rod::Rod;
 use crate::state::{CableMotion, MotorMotion, State};
@@ -115,12 +115,11 @@ impl Simulation {
             });
         }
         let friction = Friction::new(robot, &rod);
-        refuse_with_friction(&friction, &options)?;
         let holes = friction.as_ref().map(|friction| friction.holes.memory()).unwrap_or_default();
         let mut first_passages = Vec::new();
         if friction.is_some() {
             first_passages.clone_from(&rod.first_passages);
-            first_passages.push(holes.tensions.len());
+            first_passages.push(rod.cables_of_passages().len());
         }
         let solver = Solver::new(&rod, Drives::new(robot), drag, surroundings, friction);
         let mut solver = solver;
@@ -281,7 +280,7 @@ impl Simulation {
 
     /// Puts velocities, strains, tensions and motors of a state that was kept in their places.
     fn start_from(&mut self, start: &Start, commands: &Commands) -> Result<(), MotionError> {
-        let Start { velocities, strains, tensions, motor_outputs, motors } = start;
+        let Start { velocities, strains, tensions, motor_outputs, motors, .. } = start;
         count("velocities of the state to start from", velocities.len(), self.rod.nodes.len())?;
         count("strains of the state to start from", strains.len(), self.rod.points.len())?;
         if !tensions.is_empty() {
@@ -299,9 +298,16 @@ impl Simulation {
         if !motors.is_empty() {
             count("motors of the state to start from", motors.len(), self.state.motors.len())?;
         }
-        let twists = velocities.iter().chain(strains);
+        self.put_passages(start)?;
+        let none = StartRates::default();
+        let rates = start.rates.as_ref().unwrap_or(&none);
+        let twists =
+            velocities.iter().chain(strains).chain(&rates.velocities).chain(&rates.strains);
         let numbers = twists.flat_map(|of| [of.linear, of.angular]).flat_map(Vec3::to_array);
-        let scalars = tensions.iter().chain(motor_outputs).chain(motors.as_flattened()).copied();
+        let passages = start.passage_tensions.iter().chain(&start.lengths_beyond).flatten();
+        let of_motors = motors.as_flattened().iter().chain(rates.motors.as_flattened());
+        let scalars = tensions.iter().chain(motor_outputs).chain(of_motors).chain(passages);
+        let scalars = scalars.chain([&rates.step]).copied();
         for value in numbers.chain(scalars) {
             if !value.is_finite() {
                 let need = "all of its numbers must be finite";
@@ -323,6 +329,64 @@ impl Simulation {
         }
         self.set_lengths(commands, 0.0);
         self.set_tensions(commands, 0.0);
+        Ok(())
+    }
+
+    /// Has the holes remember what a state that was kept has of them.
+    fn put_passages(&mut self, start: &Start) -> Result<(), MotionError> {
+        let Start { tensions: of_cables, passage_tensions, lengths_beyond, .. } = start;
+        let Some(friction) = &self.solver.friction else { return Ok(()) };
+        if passage_tensions.is_empty() || lengths_beyond.is_empty() {
+            return Err(MotionError::Missing {
+                path: "motion.initial.passage_tensions".to_owned(),
+                advice: "give the tensions of the passages and the lengths beyond them (`passage_tensions`, `lengths_beyond`) of a robot whose cables have friction, as a motion of it has them",
+            });
+        }
+        let cables = self.rod.cables.len();
+        count("passage_tensions of the state to start from", passage_tensions.len(), cables)?;
+        count("lengths_beyond of the state to start from", lengths_beyond.len(), cables)?;
+        let ends =
+            self.state.first_passages.windows(2).zip(passage_tensions.iter().zip(lengths_beyond));
+        for (end, (tensions, lengths)) in ends {
+            let passages = end[1] - end[0];
+            count("tensions of passages of the state to start from", tensions.len(), passages)?;
+            count("lengths beyond passages of the state to start from", lengths.len(), passages)?;
+        }
+        let holes = &mut self.next.holes;
+        holes.tensions = passage_tensions.concat();
+        holes.beyond = lengths_beyond.concat();
+        let outside: Vec<usize> = friction.outside().map(|(cable, _)| cable).collect();
+        for cable in outside {
+            holes.tensions.push(of_cables.get(cable).copied().unwrap_or_default());
+            holes.beyond.push(holes.beyond[self.rod.first_passages[cable]]);
+        }
+        for (cable, base) in holes.base.iter_mut().enumerate() {
+            *base = of_cables.get(cable).copied().unwrap_or_default();
+        }
+        self.solver.stage.passages.clone_from(&holes.tensions);
+        Ok(())
+    }
+
+    /// Takes over the rates of a state that was kept, if it has any, and what the loops of its motors give.
+    fn put_rates(&mut self, start: &Start, commands: &Commands) -> Result<(), MotionError> {
+        self.solver.lengths.drives.write_efforts(commands, 0.0, &mut self.next.motors);
+        let Some(StartRates { velocities, strains, motors, step }) = &start.rates else {
+            return Ok(());
+        };
+        let next = &mut self.next;
+        count(
+            "rates of velocities of the state to start from",
+            velocities.len(),
+            self.rod.nodes.len(),
+        )?;
+        count("rates of strains of the state to start from", strains.len(), self.rod.points.len())?;
+        count("rates of motors of the state to start from", motors.len(), next.motors.len())?;
+        next.velocity_rates.clone_from(velocities);
+        next.strain_rates.clone_from(strains);
+        for (motor, rates) in next.motors.iter_mut().zip(motors) {
+            motor.rates = *rates;
+        }
+        (next.has_rates, next.rates_of) = (true, *step);
         Ok(())
     }
 
@@ -359,6 +423,60 @@ impl Simulation {
         })
     }
 
+    /// Finds the equilibrium of a case under the commands before the start, into the stage. Without friction of cables the lengths that motors with inertia leave are found with it; with
+    /// friction the tensions are those of the statics at given lengths, and the motors are found by Broyden's method.
+    fn find_equilibrium(&mut self, case: &Case, commands: &Commands) -> Result<(), MotionError> {
+        /// Solutions of the statics at most.
+        const MOST: usize = 60;
+        /// What the loops may lack, in rad or m, as a part of what the motors turn.
+        const TOLERANCE: f64 = 1e-10;
+        /// Part of what they lack that the first change is: soft loops yield much.
+        const CAREFUL: f64 = 0.1;
+        let mut statics = self.statics(case, commands)?;
+        let solve = |this: &mut Self, statics: &Case| {
+            let Self { robot, rod, loads, solver, .. } = this;
+            equilibrium::find(robot, statics, Mechanics { rod, loads }, solver)
+        };
+        let driven = self.solver.lengths.drives.driven();
+        if self.solver.friction.is_none() || driven.is_empty() {
+            return solve(self, &statics);
+        }
+        let n = driven.len();
+        let mut positions: Vec<f64> = driven.iter().map(|of| of.1).collect();
+        let mut inverse = vec![0.0; n * n];
+        (0..n).for_each(|i| inverse[i * n + i] = CAREFUL);
+        let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
+        let mut greatest = f64::INFINITY;
+        for _ in 0..MOST {
+            for (&(motor, _), position) in driven.iter().zip(&positions) {
+                let of = &self.robot.motors()[motor];
+                for drive in &of.cables {
+                    let value = drive.pull() * (position - of.offset) / of.gear_ratio();
+                    statics.commands[drive.cable].shortening = Some(Shortening::Length(value));
+                }
+            }
+            solve(self, &statics)?;
+            let Solver { lengths, stage, .. } = &self.solver;
+            let at_rest = lengths.drives.at_rest(&stage.tensions);
+            let lack: Vec<f64> = positions.iter().zip(&at_rest).map(|(x, at)| x - at).collect();
+            let size = positions.iter().fold(1e-3_f64, |most, x| most.max(x.abs()));
+            greatest = lack.iter().fold(0.0_f64, |most, x| most.max(x.abs())) / size;
+            if greatest < TOLERANCE {
+                return Ok(());
+            }
+            if let Some((before, lacked)) = &last {
+                let of = |a: &[f64], b: &[f64]| -> Vec<f64> {
+                    a.iter().zip(b).map(|(a, b)| a - b).collect()
+                };
+                update_inverse(&mut inverse, &of(&positions, before), &of(&lack, lacked));
+            }
+            let step = times(&inverse, &lack);
+            last = Some((positions.clone(), lack));
+            positions.iter_mut().zip(step).for_each(|(x, by)| *x -= by);
+        }
+        Err(MotionError::Unbalanced { iterations: MOST, change: greatest })
+    }
+
     /// Sets the state at the start.
     fn start(&mut self, case: &Case, commands: &Commands) -> Result<(), MotionError> {
         let initial = self.options.initial.clone();
@@ -369,14 +487,14 @@ impl Simulation {
                 self.set_tensions(commands, 0.0);
                 self.start_lengths.clone_from(&self.solver.lengths.cables);
                 self.start_drives.clone_from(&self.solver.lengths.drives);
-                let statics = self.statics(case, commands)?;
-                let Self { robot, rod, loads, solver, .. } = self;
-                equilibrium::find(robot, &statics, Mechanics { rod, loads }, solver)?;
+                self.find_equilibrium(case, commands)?;
+                let Self { rod, solver, .. } = self;
                 if let Some(friction) = &solver.friction {
                     let stage = &mut solver.stage;
                     pose::nodes(rod, stage.base, &stage.strains, &mut stage.poses);
                     let lengths = friction.lengths(rod, &stage.strains, &stage.poses);
-                    let (passages, base) = (stage.passages.clone(), stage.tensions.clone());
+                    let (mut passages, base) = (stage.passages.clone(), stage.tensions.clone());
+                    passages.extend(friction.outside().map(|(cable, _)| base[cable]));
                     self.next.holes = friction.holes.memory_at(&lengths, passages, base);
                 }
                 self.put_motors_in_equilibrium()?;
@@ -392,6 +510,9 @@ impl Simulation {
         let is_rest = initial == Initial::Rest;
         self.finish(commands, 0.0, &Power::default(), 1.0);
         self.next.has_rates = false;
+        if let Initial::State(start) = &initial {
+            self.put_rates(start, commands)?;
+        }
         let energy = &mut self.next.energy;
         energy.initial = energy.total();
         (energy.loads, energy.cables, energy.contacts) = (0.0, 0.0, 0.0);
@@ -408,20 +529,25 @@ impl Simulation {
     }
 }
 
-/// What has no dynamics beside friction of cables.
-fn refuse_with_friction(
-    friction: &Option<Friction>,
-    options: &MotionOptions,
-) -> Result<(), MotionError> {
-    if friction.is_none() {
-        return Ok(());
+/// A matrix given by rows times numbers.
+fn times(matrix: &[f64], x: &[f64]) -> Vec<f64> {
+    let row = |row: &[f64]| row.iter().zip(x).map(|(a, b)| a * b).sum();
+    matrix.chunks_exact(x.len()).map(row).collect()
+}
+
+/// Broyden's change of the inverse of a derivative, for what has changed and what that changed.
+fn update_inverse(inverse: &mut [f64], moved: &[f64], changed: &[f64]) {
+    let n = moved.len();
+    let found = times(inverse, changed);
+    let row: Vec<f64> =
+        (0..n).map(|j| (0..n).map(|i| moved[i] * inverse[i * n + j]).sum()).collect();
+    let size: f64 = moved.iter().zip(&found).map(|(a, b)| a * b).sum();
+    if size == 0.0 {
+        return;
     }
-    let refuse = |path: &str, what, advice| {
-        Err(MotionError::Unsupported { path: path.to_owned(), what, advice })
-    };
-    if matches!(options.initial, Initial::State(_)) {
-        let advice = "start from the equilibrium or from rest";
-        return refuse("motion.initial", "a state to start from, without its passages", advice);
+    for i in 0..n {
+        for j in 0..n {
+            inverse[i * n + j] += (moved[i] - found[i]) * row[j] / size;
+        }
     }
-    Ok(())
 }

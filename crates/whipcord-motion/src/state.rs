@@ -3,7 +3,7 @@
 use whipcord::HoleMemory;
 use whipcord_numerics::{Pose, Twist};
 
-use crate::options::{Method, Start};
+use crate::options::{Method, Start, StartRates};
 
 /// Energies in J of a robot in motion, and the work since the start of the motion.
 ///
@@ -99,7 +99,7 @@ pub struct MotorMotion {
     pub effort: f64,
     /// Integral of the error of the position over time in rad·s or m·s.
     pub integral: f64,
-    /// Rates of position, velocity and integral that the next step goes on from.
+    /// StartRates of position, velocity and integral that the next step goes on from.
     pub(crate) rates: [f64; 3],
 }
 
@@ -126,9 +126,9 @@ pub struct State {
     pub velocities: Vec<Twist>,
     /// Strains `(v, u)` at the points of the elements.
     pub strains: Vec<Twist>,
-    /// Rates of the velocities, where [`Self::has_rates`].
+    /// StartRates of the velocities, where [`Self::has_rates`].
     pub velocity_rates: Vec<Twist>,
-    /// Rates of the strains, where [`Self::has_rates`].
+    /// StartRates of the strains, where [`Self::has_rates`].
     pub strain_rates: Vec<Twist>,
     /// Whether the rates are known: not at the start, and not behind a jump of a command or a load.
     pub has_rates: bool,
@@ -176,8 +176,19 @@ impl State {
     /// Tension in N of each passage of a cable from the base on, as it acted in the last step; empty where no cable has friction.
     #[must_use]
     pub fn passage_tensions(&self, cable: usize) -> &[f64] {
+        self.of_passages(cable, &self.holes.tensions)
+    }
+
+    /// Unstretched length in m of a cable beyond the near hole of each of its passages, from the base on; empty where no cable has friction. In a hole in which the cable sticks it is that
+    /// of the step before.
+    #[must_use]
+    pub fn lengths_beyond(&self, cable: usize) -> &[f64] {
+        self.of_passages(cable, &self.holes.beyond)
+    }
+
+    fn of_passages<'a>(&self, cable: usize, values: &'a [f64]) -> &'a [f64] {
         match (self.first_passages.get(cable), self.first_passages.get(cable + 1)) {
-            (Some(&first), Some(&end)) => self.holes.tensions.get(first..end).unwrap_or_default(),
+            (Some(&first), Some(&end)) => values.get(first..end).unwrap_or_default(),
             _ => &[],
         }
     }
@@ -191,7 +202,27 @@ impl State {
             tensions: self.cables.iter().map(|cable| cable.tension).collect(),
             motor_outputs: self.motor_outputs.clone(),
             motors: self.motors.iter().map(MotorMotion::values).collect(),
+            passage_tensions: self.by_cable(Self::passage_tensions),
+            lengths_beyond: self.by_cable(Self::lengths_beyond),
+            rates: self.rates(),
         }
+    }
+
+    /// The rates that the next step goes on from; `None` where they are not known.
+    #[must_use]
+    pub fn rates(&self) -> Option<StartRates> {
+        self.has_rates.then(|| StartRates {
+            velocities: self.velocity_rates.clone(),
+            strains: self.strain_rates.clone(),
+            motors: self.motors.iter().map(|motor| motor.rates).collect(),
+            step: self.rates_of,
+        })
+    }
+
+    /// Of all cables; empty where no cable has friction.
+    fn by_cable(&self, of: fn(&Self, usize) -> &[f64]) -> Vec<Vec<f64>> {
+        let cables = self.first_passages.len().saturating_sub(1);
+        (0..cables).map(|cable| of(self, cable).to_vec()).collect()
     }
 
     /// Copies another state of the same robot without allocation.

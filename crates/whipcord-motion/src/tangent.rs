@@ -207,6 +207,10 @@ impl StageTangent {
         let of_responses: Vec<f64> = unknowns.iter().map(|j| changes[*j]).collect();
         add_responses(&mut velocities, &mut strains, &responses, &of_responses);
         if let Some(rows) = &holes {
+            self.stage_tensions.fill(0.0);
+            for &(cable, p) in &rows.outside {
+                self.stage_tensions[cable] = changes[first_passage + p];
+            }
             self.beyond = rows.beyond_changes(&ends(&start, &strains), &changes[first_passage..]);
         }
         (self.velocities, self.strains) = (velocities, strains);

@@ -132,7 +132,7 @@ impl Unilateral {
                 i += 1;
             }
         }
-        friction.linearise(rod, scheme, stage, &self.columns[..n]);
+        friction.linearise(rod, scheme, (stage, &lengths.drives), &self.columns[..n]);
         let (gaps, mut changes) = (self.offset.clone(), vec![0.0; n]);
         let mut expected: Option<Vec<f64>> = None;
         for _ in 0..MOST_CASES {

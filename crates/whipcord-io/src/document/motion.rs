@@ -1,7 +1,7 @@
 //! How a robot moves over time, as tables of a file.
 
 use whipcord::{LoadFrame, Loads, ModelKind, Robot, Twist};
-use whipcord_motion::{BaseMotion, Course, Damping, Drag, Initial, Method, Start};
+use whipcord_motion::{BaseMotion, Course, Damping, Drag, Initial, Method, Start, StartRates};
 
 use super::describe::loads;
 use super::{Inexpressible, Item, Table};
@@ -83,13 +83,15 @@ pub fn describe_motion(
 
 /// Where a motion starts; a state that was read from a file is written out.
 fn initial(initial: &Initial) -> Item {
-    let Start { velocities, strains, tensions, motor_outputs, motors } = match initial {
+    let start = match initial {
         Initial::Equilibrium => return "equilibrium".into(),
         Initial::Rest => return "rest".into(),
         Initial::State(start) => &**start,
     };
+    let Start { velocities, strains, tensions, motor_outputs, motors, .. } = start;
     let six = |of: &Twist| [of.linear.to_array(), of.angular.to_array()].concat();
     let rows = |twists: &[Twist]| twists.iter().map(six).collect::<Vec<_>>();
+    let threes = |motors: &[[f64; 3]]| motors.iter().map(|of| of.to_vec()).collect::<Vec<_>>();
     let mut table = Table::default();
     table.insert("strains", rows(strains));
     table.insert("velocities", rows(velocities));
@@ -99,7 +101,22 @@ fn initial(initial: &Initial) -> Item {
         }
     }
     if !motors.is_empty() {
-        table.insert("motors", motors.iter().map(|of| of.to_vec()).collect::<Vec<_>>());
+        table.insert("motors", threes(motors));
+    }
+    let passages =
+        [("passage_tensions", &start.passage_tensions), ("lengths_beyond", &start.lengths_beyond)];
+    for (key, values) in passages.into_iter().filter(|(_, values)| !values.is_empty()) {
+        table.insert(key, values.clone());
+    }
+    if let Some(StartRates { velocities, strains, motors, step }) = &start.rates {
+        let mut rates = Table::default();
+        rates.insert("velocities", rows(velocities));
+        rates.insert("strains", rows(strains));
+        if !motors.is_empty() {
+            rates.insert("motors", threes(motors));
+        }
+        rates.insert("step", *step);
+        table.insert("rates", rates);
     }
     table.into()
 }

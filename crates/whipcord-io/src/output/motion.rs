@@ -2,14 +2,14 @@
 
 use serde_json::{Value, json};
 use whipcord::{Drive, Obstacle, Robot, Twist};
-use whipcord_motion::{EnergyBalance, State, Trajectory};
+use whipcord_motion::{EnergyBalance, StartRates, State, Trajectory};
 
 use super::NonFinite;
 use super::csv::{CONTACT_COLUMNS, Cell, CsvTable, contact_cells};
 use super::json::{number, numbers, quaternion, touch, vector};
 
 /// A motion as the JSON object that `whipcord simulate --json` prints; SI. Poses are those of the nodes in the world; strains `(v, u)` are those at the
-/// integration points, two for each element from base to tip.
+/// integration points, two for each element from base to tip. The last state has its rates, with which a motion goes on from it.
 ///
 /// # Errors
 /// [`NonFinite`] with the place of a number that is not finite.
@@ -20,9 +20,14 @@ pub fn motion_json(
     trajectory: &Trajectory,
 ) -> Result<Value, NonFinite> {
     let states = trajectory.states.iter().enumerate();
-    let states: Vec<Value> = states
+    let mut states: Vec<Value> = states
         .map(|(k, state)| self::state(k, robot, obstacles, state))
         .collect::<Result<_, _>>()?;
+    if let (Some(state), Some(value)) = (trajectory.states.last(), states.last_mut())
+        && let Some(of) = state.rates()
+    {
+        value["rates"] = rates(&of)?;
+    }
     Ok(json!({
         "title": title,
         "model": trajectory.model.name(),
@@ -85,6 +90,8 @@ fn state(
             let passages = state.passage_tensions(i);
             if !passages.is_empty() {
                 value["passage_tensions"] = numbers(&path("passage_tensions"), passages)?;
+                let beyond = state.lengths_beyond(i);
+                value["lengths_beyond"] = numbers(&path("lengths_beyond"), beyond)?;
             }
             Ok(value)
         })
@@ -125,6 +132,20 @@ fn state(
         "contacts": contacts,
         "motors": motors,
         "energy": energy,
+    }))
+}
+
+fn rates(of: &StartRates) -> Result<Value, NonFinite> {
+    let list = |name: &str, values: &[[f64; 6]]| -> Result<Vec<Value>, NonFinite> {
+        values.iter().map(|row| numbers(&format!("rates.{name}"), row)).collect()
+    };
+    let twists = |of: &[Twist]| of.iter().map(six).collect::<Vec<_>>();
+    let motors = of.motors.iter().map(|row| numbers("rates.motors", row));
+    Ok(json!({
+        "velocities": list("velocities", &twists(&of.velocities))?,
+        "strains": list("strains", &twists(&of.strains))?,
+        "motors": motors.collect::<Result<Vec<_>, _>>()?,
+        "step": number(|| "rates.step".to_owned(), of.step)?,
     }))
 }
 

@@ -43,6 +43,7 @@ const RATE: Kind = Kind::Quantity(&[Dimension::AngularRate], EITHER_WAY);
 const RATE_ROW: Kind =
     Kind::Vector(&Kind::Quantity(&[Dimension::Time, Dimension::AngularRate], OF_COURSE), 2);
 const DRAG: Kind = Kind::Quantity(&[Dimension::LineDrag], LINE_DRAG);
+const LISTS: Kind = Kind::List(&Kind::List(&Kind::Number, 1), 1);
 const SIX_NUMBERS: Kind = Kind::List(&Kind::Vector(&Kind::Number, 6), 1);
 
 const SHORTENING: Kind = Kind::Quantity(&[Dimension::Length, Dimension::Ratio], limits::COORDINATE);
@@ -133,8 +134,43 @@ static INITIAL: Table = Table {
             "[[10.5, 0, 0.01]]",
             "Of each motor its angle or travel, its rate and the integral of the error of its position loop, which motors with inertia start from; by default they are at rest at `motor_outputs`.",
         ),
+        key(
+            "passage_tensions",
+            LISTS,
+            "[[1.5, 1.42], [0.8, 0.8]]",
+            "Of each cable the tensions in N of its passages from the base on; of a robot whose cables have friction.",
+        ),
+        key(
+            "lengths_beyond",
+            LISTS,
+            "[[0.18, 0.09], [0.17, 0.085]]",
+            "Of each cable the unstretched length in m beyond the near hole of each of its passages, which says where it sticks; of a robot whose cables have friction.",
+        ),
+        key("rates", Kind::Table(&RATES), RATES.title, RATES.doc),
     ],
     rules: &[Rule::Required("strains"), Rule::Required("velocities")],
+};
+
+static RATES: Table = Table {
+    title: "[motion.initial.rates]",
+    doc: "The rates that the first step goes on from; without them it begins as behind a jump.",
+    keys: &[
+        key(
+            "velocities",
+            SIX_NUMBERS,
+            "[[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]",
+            "Of the velocities of the nodes.",
+        ),
+        key("strains", SIX_NUMBERS, "[[0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]]", "Of the strains."),
+        key(
+            "motors",
+            Kind::List(&Kind::Vector(&Kind::Number, 3), 1),
+            "[[0, 0, 0]]",
+            "Of the three numbers of each motor.",
+        ),
+        key("step", Kind::Number, "0.01", "Length in s of the step that they are of."),
+    ],
+    rules: &[Rule::Required("velocities"), Rule::Required("strains"), Rule::Required("step")],
 };
 
 static MOTION_DRAG: Table = Table {

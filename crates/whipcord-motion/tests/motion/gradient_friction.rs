@@ -1,7 +1,7 @@
 //! Gradients over motions with friction of cables against central differences of the same steps.
 
 use whipcord::shape::SlipState;
-use whipcord::{Cable, Case, ModelKind};
+use whipcord::{Cable, Case, ModelKind, Motor, MotorDynamics};
 use whipcord_motion::{CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions};
 
 use super::gradient::{DT, Problem, STEPS, close, difference, gravity, options, robot, weight};
@@ -160,4 +160,68 @@ fn steps_between_two_cases_are_named() {
     problem.commands = vec![Commands::tensions(&[1.0]), Commands::tensions(&[2.0])];
     let record = problem.simulation().record(&problem.commands, DT).unwrap();
     assert_eq!(record.one_sided(), [0, 1]);
+}
+
+/// Motors with inertia, antagonists on one shaft among them, one at the limit of its torque, pull cables that rub.
+#[test]
+fn gradients_by_motors_with_inertia_and_friction_are_those_of_differences() {
+    let problem = |model: ModelKind,
+                   limit: Option<f64>,
+                   (k, by): (usize, f64),
+                   [kp, km]: [f64; 2]| {
+        let rubs =
+            |cable: Cable| Cable { friction: Some(0.7), axial_stiffness: Some(9000.0), ..cable };
+        let rigid = Cable { friction: Some(0.5), ..straight("c", 1.5, 0.008) };
+        let cables = vec![rubs(helix()), rubs(straight("b", 3.0, 0.008)), rigid];
+        let dynamics = MotorDynamics {
+            damping: 2e-3,
+            derivative: 6e-3,
+            integral: 2.0,
+            ..MotorDynamics::new(2e-5, 0.7)
+        };
+        let mut bend = Motor {
+            stiffness: Some(5e3),
+            dynamics: Some(dynamics),
+            ..Motor::spool("bend", [(0, 0.01), (1, -0.01)])
+        };
+        bend.limits.effort = limit;
+        let dynamics = MotorDynamics { integral: 0.0, ..dynamics };
+        let side = Motor { dynamics: Some(dynamics), ..Motor::spool("side", [(2, 0.01)]) };
+        let robot = robot(kp, km, cables).with_motors(vec![bend, side]).unwrap();
+        let case = Case { loads: gravity(), ..Case::with_motors(&robot, &[0.0, 0.0]).unwrap() };
+        let commands = (0..STEPS).map(|step| {
+            let more = if step == k { by } else { 0.0 };
+            let angles = [0.4 * COURSE[step] + more, 0.3 * COURSE[step] + 0.5 * more];
+            Commands::of_case(&robot, &Case::with_motors(&robot, &angles).unwrap())
+        });
+        let commands = commands.collect();
+        let damping = Damping::Time(2e-2 / kp);
+        let options = MotionOptions { model, damping, initial: Initial::Rest, ..options() };
+        Problem { robot, case, options, commands }
+    };
+    for (model, limit) in [
+        (ModelKind::Cosserat, None),
+        (ModelKind::Cosserat, Some(0.03)),
+        (ModelKind::CosseratDisks, None),
+    ] {
+        let name = format!("{model:?} {limit:?}");
+        let of = problem(model, limit, (STEPS, 0.0), [1.0; 2]);
+        let record = of.simulation().record(&of.commands, DT).unwrap();
+        assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
+        let efforts = record.states.iter().map(|of| of.motors[0].effort.abs());
+        let limited = efforts.filter(|effort| Some(*effort) == limit).count();
+        assert_eq!(limited > 0, limit.is_some(), "{limited}");
+        let gradient = of.gradient();
+        let scale = gradient.motors.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+        for k in 0..STEPS {
+            let by = difference(1e-5, |by| problem(model, limit, (k, by), [1.0; 2]).number());
+            let found = gradient.motors[k][0] + 0.5 * gradient.motors[k][1];
+            close(found, by, scale, &format!("{name} {k}"));
+        }
+        let at = |factors: [f64; 2]| problem(model, limit, (STEPS, 0.0), factors).number();
+        let stiffness = difference(1e-5, |by| at([1.0 + by, 1.0]));
+        close(gradient.factors.stiffness, stiffness, 0.1, &format!("{name} stiffness"));
+        let mass = difference(1e-5, |by| at([1.0, 1.0 + by]));
+        close(gradient.factors.mass, mass, 0.1, &format!("{name} mass"));
+    }
 }

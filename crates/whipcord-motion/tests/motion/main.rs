@@ -15,6 +15,7 @@ mod energy;
 mod free;
 mod friction;
 mod friction_contact;
+mod friction_drives;
 mod gradient;
 mod gradient_contact;
 mod gradient_friction;

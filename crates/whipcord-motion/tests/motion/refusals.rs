@@ -4,6 +4,7 @@ use whipcord::obstacle::{Form, MovableBody, Obstacle};
 use whipcord::{Backbone, Cable, Case, Disks, Loads, Pose, Robot, Section, Stiffness, Vec3};
 use whipcord_motion::{
     CableDrive, Commands, Course, Damping, Initial, Method, MotionError, MotionOptions, Simulation,
+    Start,
 };
 
 use super::robots::{paper, straight};
@@ -18,9 +19,10 @@ fn what_is_missing_or_has_no_dynamics_is_named() {
     let options = MotionOptions::default;
     let rubs = || Cable { friction: Some(0.2), ..straight("a", 0.0, 0.008) };
     let simulation = Simulation::new(&paper(vec![rubs()]), &case, options()).unwrap();
-    let start = Initial::State(Box::new(simulation.state().start()));
+    let start = Start { lengths_beyond: Vec::new(), ..simulation.state().start() };
+    let start = Initial::State(Box::new(start));
     let error = refusal(&paper(vec![rubs()]), &case, MotionOptions { initial: start, ..options() });
-    assert!(error.to_string().contains("motion.initial"), "{error}");
+    assert!(error.to_string().contains("motion.initial.passage_tensions"), "{error}");
 
     let cables = || vec![straight("a", 0.0, 0.008)];
     let backbone = Backbone { section: Some(Section::circle(0.003)), ..Backbone::new(0.18) };

@@ -63,8 +63,16 @@ impl Friction {
         let of_cable = (0..order.len()).map(|cable| nodes.of_cable(cable).collect()).collect();
         let at_rest = Vec::new();
         let outside = order.iter().map(|&cable| robot.outside_compliance(cable)).collect();
-        let mut holes =
-            Holes { of_cable, coefficients, yielding, outside, at_rest, length, compliance };
+        let mut holes = Holes {
+            of_cable,
+            coefficients,
+            yielding,
+            outside,
+            at_rest,
+            length,
+            compliance,
+            drives: Default::default(),
+        };
         holes.at_rest = holes.beyond(&lengths, &vec![0.0; lengths.len()]);
         Self { nodes, holes }
     }

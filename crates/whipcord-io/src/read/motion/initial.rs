@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use whipcord::{Twist, Vec3};
-use whipcord_motion::{Initial, Start};
+use whipcord_motion::{Initial, Start, StartRates};
 
 use super::Reader;
 use crate::check::{Data, Fields};
@@ -27,12 +27,21 @@ pub(super) fn initial(
         Data::Text(named) => from_file(named, sources, reader),
         Data::Table(fields) => {
             let numbers = |key: &str| fields.numbers(key).unwrap_or_default();
+            let lists = |key: &str| lists(fields.list(key));
             Some(Initial::State(Box::new(Start {
                 velocities: of_rows(fields.list("velocities")),
                 strains: of_rows(fields.list("strains")),
                 tensions: numbers("tensions"),
                 motor_outputs: numbers("motor_outputs"),
                 motors: rows(fields.list("motors")).collect(),
+                passage_tensions: lists("passage_tensions"),
+                lengths_beyond: lists("lengths_beyond"),
+                rates: fields.table("rates").map(|rates| StartRates {
+                    velocities: of_rows(rates.list("velocities")),
+                    strains: of_rows(rates.list("strains")),
+                    motors: rows(rates.list("motors")).collect(),
+                    step: rates.number("step").unwrap_or_default(),
+                }),
             })))
         }
         _ => None,
@@ -49,6 +58,12 @@ fn rows<const N: usize>(list: Option<&[Data]>) -> impl Iterator<Item = [f64; N]>
         let numbers: Vec<f64> = row.as_list()?.iter().filter_map(Data::as_number).collect();
         numbers.as_array::<N>().copied()
     })
+}
+
+/// Lists of numbers.
+fn lists(list: Option<&[Data]>) -> Vec<Vec<f64>> {
+    let of = |row: &Data| Some(row.as_list()?.iter().filter_map(Data::as_number).collect());
+    list.unwrap_or_default().iter().filter_map(of).collect()
 }
 
 fn twist([a, b, c, d, e, f]: [f64; 6]) -> Twist {
@@ -93,11 +108,12 @@ fn start(json: &Value) -> Result<Start, &'static str> {
     };
     let number = |value: &Value| value.as_f64().filter(|number| number.is_finite());
     let numbers = |value: &Value| value.as_array()?.iter().map(number).collect::<Option<Vec<_>>>();
-    let twists = |key: &str| {
-        let rows = state.get(key)?.as_array()?;
+    let twists_of = |of: &Value, key: &str| {
+        let rows = of.get(key)?.as_array()?;
         let six = |row: &Value| numbers(row)?.as_array::<6>().copied().map(twist);
         rows.iter().map(six).collect::<Option<Vec<_>>>()
     };
+    let twists = |key: &str| twists_of(state, key);
     let motors = || {
         let motors = state.get("motors")?.as_array()?;
         let of = |motor: &Value, key: &str| number(motor.get(key)?);
@@ -110,6 +126,22 @@ fn start(json: &Value) -> Result<Start, &'static str> {
         let cables = state.get("cables")?.as_array()?;
         cables.iter().map(|cable| number(cable.get("tension")?)).collect::<Option<Vec<_>>>()
     };
+    // Motions of robots without friction, and older files, have none.
+    let of_passages = |key: &str| {
+        let cables = state.get("cables")?.as_array()?;
+        cables.iter().map(|cable| numbers(cable.get(key)?)).collect::<Option<Vec<_>>>()
+    };
+    let rates = || {
+        let rates = state.get("rates")?;
+        let of_motors = rates.get("motors")?.as_array()?.iter();
+        let three = |motor: &Value| numbers(motor)?.as_array::<3>().copied();
+        Some(StartRates {
+            velocities: twists_of(rates, "velocities")?,
+            strains: twists_of(rates, "strains")?,
+            motors: of_motors.map(three).collect::<Option<Vec<_>>>()?,
+            step: number(rates.get("step")?)?,
+        })
+    };
     Ok(Start {
         velocities: twists("velocities")
             .ok_or("its last state has no `velocities` of six numbers")?,
@@ -117,5 +149,8 @@ fn start(json: &Value) -> Result<Start, &'static str> {
         tensions: tensions().ok_or("its last state has no tensions of `cables`")?,
         motor_outputs: state.get("motor_outputs").and_then(numbers).unwrap_or_default(),
         motors: motors().unwrap_or_default(),
+        passage_tensions: of_passages("passage_tensions").unwrap_or_default(),
+        lengths_beyond: of_passages("lengths_beyond").unwrap_or_default(),
+        rates: rates(),
     })
 }

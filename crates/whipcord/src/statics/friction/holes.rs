@@ -5,6 +5,15 @@ use crate::robot::Robot;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
 
+/// Drives whose motion is computed elsewhere, beside the holes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Drives {
+    /// The cables whose first passage is outside of the robot, from the drive to the hole in the base; of no length.
+    pub outside: Vec<usize>,
+    /// Pairs of these cables: by how much in m a tension of 1 N at the drive of the second lengthens the first.
+    pub yields: Vec<(usize, usize, f64)>,
+}
+
 /// What does not change from step to step.
 #[derive(Clone, Debug)]
 pub(crate) struct Holes {
@@ -22,6 +31,7 @@ pub(crate) struct Holes {
     pub length: f64,
     /// By how much a tension of 1 N shortens a cable, in m: its order of magnitude, `κ` of eq. (2).
     pub compliance: f64,
+    pub drives: Drives,
 }
 
 impl Holes {
@@ -44,8 +54,16 @@ impl Holes {
         }
         let coefficients = cables.iter().map(|cable| cable.friction.unwrap_or(0.0)).collect();
         let outside = (0..cables.len()).map(|cable| robot.outside_compliance(cable)).collect();
-        let mut holes =
-            Self { of_cable, coefficients, yielding, outside, at_rest, length, compliance };
+        let mut holes = Self {
+            of_cable,
+            coefficients,
+            yielding,
+            outside,
+            at_rest,
+            length,
+            compliance,
+            drives: Drives::default(),
+        };
         let lengths = holes.at_rest.clone();
         holes.at_rest = holes.beyond(&lengths, &vec![0.0; lengths.len()]);
         holes
@@ -61,7 +79,20 @@ impl Holes {
     /// What the drive of a cable leaves for the part beyond the hole in the base: `D₁ − T₁ c`, with the compliance c outside.
     pub fn at_drive(&self, cable: usize, beyond: &[f64], tensions: &[f64]) -> f64 {
         let first = self.of_cable[cable][0];
-        beyond[first] - tensions[first] * self.outside[cable]
+        let stretched = tensions[first] * self.outside[cable];
+        let yielded: f64 = self.yielded(cable).map(|(other, by)| by * tensions[other]).sum();
+        beyond[first] - stretched - yielded
+    }
+
+    /// By how much in m the tension of 1 N in each of these passages lengthens what the drive of a cable leaves, beside the stretch.
+    pub fn yielded(&self, cable: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let own = self.drives.yields.iter().filter(move |(of, ..)| *of == cable);
+        own.map(|&(_, other, by)| (self.of_cable[other][0], by))
+    }
+
+    /// Whether the near end of the first passage of a cable is a drive, not a hole.
+    pub fn starts_outside(&self, cable: usize) -> bool {
+        self.drives.outside.contains(&cable)
     }
 
     /// Number of all passages.
@@ -122,14 +153,19 @@ impl Holes {
             if self.coefficients[cable] == 0.0 {
                 continue;
             }
+            let outside = usize::from(self.starts_outside(cable));
             for (place, &p) in passages.iter().enumerate() {
                 if tensions[p] <= 0.0 {
                     continue;
                 }
+                if place < outside {
+                    continue;
+                }
                 let incoming = match (place.checked_sub(1), commands[cable]) {
+                    // What winds the cable up holds it, whatever the base hole does.
+                    (_, Command::Length { .. }) if place == outside => None,
                     (Some(before), _) => Some(tensions[passages[before]]),
                     (None, Command::Tension(given)) => Some(given),
-                    // What winds the cable up holds it, whatever the base hole does.
                     (None, Command::Length { .. }) => None,
                 };
                 if let Some(incoming) = incoming {

@@ -113,8 +113,9 @@ impl Law<'_> {
             let lack = self.lack(cable, at);
             return if lack + kappa * tension <= 0.0 { Mode::Slack } else { Mode::Held };
         };
+        let is_outside = place == 0 && self.holes.starts_outside(cable);
         let coefficient = self.holes.coefficients[cable];
-        if coefficient == 0.0 || (incoming <= 0.0 && tension <= 0.0) {
+        if is_outside || coefficient == 0.0 || (incoming <= 0.0 && tension <= 0.0) {
             return Mode::Free;
         }
         let slip = self.before[p] - at.beyond[p];

@@ -53,6 +53,9 @@ pub(super) fn linear_system(
                 if modes[p] == Mode::Held {
                     changes[p] += commanded;
                     row[p] -= holes.outside[cable];
+                    for (other, by) in holes.yielded(cable) {
+                        row[other] -= by;
+                    }
                 }
             }
             Row::Slides { factor, by_turn, incoming } => {

@@ -75,6 +75,27 @@ impl HoleFriction {
         Self { holes, commands, state, margin: f64::INFINITY }
     }
 
+    /// The same where these cables have a further passage each, behind all others in number: from a drive whose motion is computed elsewhere to the hole in the base. It has no length and
+    /// does not stretch, and its tension is that at the drive.
+    #[must_use]
+    pub fn with_drives(mut self, cables: &[usize]) -> Self {
+        for (&cable, p) in cables.iter().zip(self.holes.count()..) {
+            let passages = &mut self.holes.of_cable[cable];
+            self.holes.yielding.push(0.0);
+            self.holes.at_rest.push(passages.first().map_or(0.0, |&of| self.holes.at_rest[of]));
+            passages.insert(0, p);
+        }
+        self.holes.drives.outside = cables.to_vec();
+        self.state.reset(&self.holes);
+        self
+    }
+
+    /// Has the drives of [`Self::with_drives`] yield to the tensions there: pairs of cables with by how much in m a tension of 1 N at the drive of the second lengthens the first.
+    pub fn set_yields(&mut self, yields: impl Iterator<Item = (usize, usize, f64)>) {
+        self.holes.drives.yields.clear();
+        self.holes.drives.yields.extend(yields);
+    }
+
     /// Commands a cable by its tension in N.
     pub fn command_tension(&mut self, cable: usize, tension: f64) {
         self.commands[cable] = Command::Tension(tension);
@@ -208,6 +229,7 @@ impl HoleFriction {
                     out.tensions.extend(passages[place..].iter().map(stretch));
                     if is_commanded {
                         out.tensions[0].1 -= self.holes.outside[cable];
+                        out.tensions.extend(self.holes.yielded(cable).map(|(k, by)| (k, -by)));
                         out.by_command = 1.0;
                     } else {
                         out.by_before = 1.0;
@@ -226,19 +248,19 @@ impl HoleFriction {
         equations
     }
 
-    /// Ends a step at the state that was assessed last: what the holes remember then, and the work in J that friction has taken.
-    pub fn end_step(&mut self) -> (HoleMemory, f64) {
+    /// Ends a step at the state that was assessed last: what the holes remember then, and the work in J that friction has taken of each cable.
+    pub fn end_step(&mut self) -> (HoleMemory, Vec<f64>) {
         let before = self.state.history().beyond.clone();
         self.margin = self.state.margin(&self.holes, &self.commands);
         self.state.keep(&self.holes, &self.commands);
         let memory = self.memory();
-        let mut lost = 0.0;
+        let mut lost = vec![0.0; self.commands.len()];
         for ((cable, place), p) in self.holes.all() {
             let near = match place {
                 0 => memory.base[cable],
                 _ => memory.tensions[self.holes.of_cable[cable][place - 1]],
             };
-            lost += (near - memory.tensions[p]) * (before[p] - memory.beyond[p]);
+            lost[cable] += (near - memory.tensions[p]) * (before[p] - memory.beyond[p]);
         }
         (memory, lost)
     }
