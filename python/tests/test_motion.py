@@ -413,7 +413,15 @@ def test_cables_straight_between_disks_and_with_friction(arm: whipcord.Case, tmp
     passages = rubs.passage_tensions[rubs.cables.index("left")]
     assert passages.shape[0] == len(rubs) and passages.shape[1] > 1
     assert passages[-1, 0] == pytest.approx(3, rel=0.05) and (np.diff(passages[-1]) < 0).all()
-    assert straight.passage_tensions[0].shape == (len(straight), 0)
+    assert straight.passage_tensions[0].shape == straight.lengths_beyond[0].shape == (len(straight), 0)
+    # A motion goes on from what the holes remember.
+    beyond = rubs.lengths_beyond[rubs.cables.index("left")]
+    assert beyond.shape == passages.shape and (np.diff(beyond[-1]) < 0).all()
+    held = whipcord.load(tmp_path / "rubs.toml").simulate(
+        0.05, tension={"left": 3.0}, initial=rubs, model="cosserat-disks"
+    )
+    assert held.tip[0] == pytest.approx(rubs.tip[-1], abs=1e-12)
+    assert held.passage_tensions[rubs.cables.index("left")][0] == pytest.approx(passages[-1], abs=1e-12)
     # Slack cables hold nothing; those that are pulled slide in their holes.
     case = whipcord.load(tmp_path / "rubs.toml")
     assert case.modes(1).frequency[0] == pytest.approx(frequencies[0], rel=1e-6)

@@ -72,6 +72,8 @@ class Motion:
     passage_tensions: tuple[Array, ...]
     """Of each cable (N, p) tensions of its passages from the base on in N, as they acted in the last step: between two holes, or along a part of its curve. Without
     passages where no cable has friction."""
+    lengths_beyond: tuple[Array, ...]
+    """Of each cable (N, p) unstretched lengths in m beyond the near holes of its passages, which stay what they are where it sticks; a motion goes on from them."""
     motor_output: Array
     """(N, m) motion of the spool or drive of each motor, behind gear and backlash, in rad or m."""
     motor_position: Array
@@ -198,6 +200,8 @@ class State:
     """(c,) by how much in m a cable is longer than its path."""
     passage_tensions: tuple[Array, ...]
     """Of each cable (p,) tensions of its passages in N."""
+    lengths_beyond: tuple[Array, ...]
+    """Of each cable (p,) unstretched lengths in m beyond the near holes of its passages."""
     motor_output: Array
     """(m,) motion of the spool or drive of each motor in rad or m."""
     motor_position: Array
@@ -397,13 +401,15 @@ class Simulation:
             energy = {name: float(value[0]) for name, value in values.pop("energy").items()}
             time = float(values.pop("time")[0])
             (contacts,) = map(contacts_of, values.pop("contacts"))
-            passages = tuple(of[0] for of in values.pop("passage_tensions"))
+            passages = {
+                name: tuple(of[0] for of in values.pop(name)) for name in ("passage_tensions", "lengths_beyond")
+            }
             rows = {name: value[0] for name, value in values.items()}
             self._read = State(
                 time=time,
                 energy=energy,
                 contacts=contacts,
-                passage_tensions=passages,
+                **passages,
                 _inner=self._inner.state(),
                 **rows,
             )
@@ -523,7 +529,8 @@ def simulate(
     names = tuple(cable.name for cable in case.robot.cables)
     motors = tuple(motor.name for motor in case.robot.motors)
     values["contacts"] = tuple(map(contacts_of, values["contacts"]))
-    values["passage_tensions"] = tuple(values["passage_tensions"])
+    for name in ("passage_tensions", "lengths_beyond"):
+        values[name] = tuple(values[name])
     motion = Motion(cables=names, motors=motors, ok=failed is None, **values)
     if failed is None:
         return motion
@@ -630,6 +637,9 @@ def _kept(initial: State | Motion) -> dict[str, Any]:
             [last(values) for values in (initial.motor_position, initial.motor_velocity, initial.motor_integral)]
         ).tolist(),
     }
+    for name in ("passage_tensions", "lengths_beyond"):
+        of_cables = [last(values).tolist() for values in getattr(initial, name)]
+        table[name] = of_cables if any(of_cables) else []
     return {key: values for key, values in table.items() if values}
 
 

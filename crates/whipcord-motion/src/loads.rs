@@ -88,6 +88,19 @@ impl NodeLoads {
         }
     }
 
+    /// Sums of what acts on the nodes, dead and turning with them, and gravity: by which it is known that nothing else acts than before.
+    pub fn sums(&self, loads: &[NodeLoad]) -> [f64; 15] {
+        let mut sum = NodeLoad::default();
+        loads.iter().for_each(|load| sum.add(1.0, load));
+        let NodeLoad { force, moment, follower_force, follower_moment } = sum;
+        let mut out = [0.0; 15];
+        let all = [force, moment, follower_force, follower_moment, self.gravity];
+        for (out, of) in out.chunks_exact_mut(3).zip(all) {
+            out.copy_from_slice(&of.to_array());
+        }
+        out
+    }
+
     /// The first node that moves by the forces on it.
     pub fn first_free(&self) -> usize {
         usize::from(!self.has_free_base)

@@ -82,7 +82,7 @@ pub struct Start {
     /// Of each cable the unstretched lengths in m beyond the near holes of its passages ([`crate::State::lengths_beyond`]), which say where it sticks; empty where no cable has
     /// friction.
     pub lengths_beyond: Vec<Vec<f64>>,
-    /// The rates that the next step goes on from; `None` where they are not known, so that it begins without them.
+    /// The rates that the next step goes on from; `None` where they are not known, so that it begins without them. They count where commands and loads go on as they were.
     pub rates: Option<StartRates>,
 }
 
@@ -97,6 +97,10 @@ pub struct StartRates {
     pub motors: Vec<[f64; 3]>,
     /// Length of that step in s.
     pub step: f64,
+    /// What each cable was told at the end of that step, a tension in N or a shortening in m.
+    pub commands: Vec<f64>,
+    /// Sums of all forces and moments on the nodes in that step, then of those that turn with the robot, and gravity.
+    pub loads: [f64; 15],
 }
 
 /// Where a motion starts.

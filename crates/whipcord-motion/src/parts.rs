@@ -519,6 +519,7 @@ impl Simulation {
             }
         }
         next.time = time;
+        next.acting = loads.sums(&solver.stage.loads);
         // Behind a jump of a length the rates of the first step are those of an impact, which do not last.
         next.without_rates = if state.has_rates { 0 } else { state.without_rates + 1 };
         next.impact_parts = state.impact_parts.saturating_sub(1);

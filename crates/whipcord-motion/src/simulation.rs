@@ -307,7 +307,8 @@ impl Simulation {
         let passages = start.passage_tensions.iter().chain(&start.lengths_beyond).flatten();
         let of_motors = motors.as_flattened().iter().chain(rates.motors.as_flattened());
         let scalars = tensions.iter().chain(motor_outputs).chain(of_motors).chain(passages);
-        let scalars = scalars.chain([&rates.step]).copied();
+        let scalars = scalars.chain([&rates.step]).chain(&rates.commands).chain(&rates.loads);
+        let scalars = scalars.copied();
         for value in numbers.chain(scalars) {
             if !value.is_finite() {
                 let need = "all of its numbers must be finite";
@@ -369,23 +370,33 @@ impl Simulation {
 
     /// Takes over the rates of a state that was kept, if it has any, and what the loops of its motors give.
     fn put_rates(&mut self, start: &Start, commands: &Commands) -> Result<(), MotionError> {
+        /// Loads that differ by less than this part are the same.
+        const SAME: f64 = 1e-9;
         self.solver.lengths.drives.write_efforts(commands, 0.0, &mut self.next.motors);
-        let Some(StartRates { velocities, strains, motors, step }) = &start.rates else {
+        let Some(rates) = &start.rates else { return Ok(()) };
+        let StartRates { velocities, strains, motors, step, commands: told, loads: acted } = rates;
+        let Self { rod, loads, solver, next, .. } = self;
+        for (what, given, expected) in [
+            ("velocities of the rates to start from", velocities.len(), rod.nodes.len()),
+            ("strains of the rates to start from", strains.len(), rod.points.len()),
+            ("motors of the rates to start from", motors.len(), next.motors.len()),
+            ("commands of the rates to start from", told.len(), rod.cables.len()),
+        ] {
+            count(what, given, expected)?;
+        }
+        loads.at(0.0, &mut solver.stage.loads);
+        let now = loads.sums(&solver.stage.loads);
+        let size = now.iter().chain(acted).fold(0.0_f64, |most, of| most.max(of.abs()));
+        if now.iter().zip(acted).any(|(now, before)| (now - before).abs() > SAME * size) {
             return Ok(());
-        };
-        let next = &mut self.next;
-        count(
-            "rates of velocities of the state to start from",
-            velocities.len(),
-            self.rod.nodes.len(),
-        )?;
-        count("rates of strains of the state to start from", strains.len(), self.rod.points.len())?;
-        count("rates of motors of the state to start from", motors.len(), next.motors.len())?;
+        }
         next.velocity_rates.clone_from(velocities);
         next.strain_rates.clone_from(strains);
         for (motor, rates) in next.motors.iter_mut().zip(motors) {
             motor.rates = *rates;
         }
+        // Another command is a jump.
+        next.commanded.clone_from(told);
         (next.has_rates, next.rates_of) = (true, *step);
         Ok(())
     }

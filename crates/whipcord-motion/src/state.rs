@@ -164,6 +164,8 @@ pub struct State {
     pub(crate) first_passages: Vec<usize>,
     /// What each cable was told last: a tension in N, or a shortening in m.
     pub(crate) commanded: Vec<f64>,
+    /// Sums of what acted on the nodes in the last step, and gravity.
+    pub(crate) acting: [f64; 15],
 }
 
 impl State {
@@ -216,6 +218,8 @@ impl State {
             strains: self.strain_rates.clone(),
             motors: self.motors.iter().map(|motor| motor.rates).collect(),
             step: self.rates_of,
+            commands: self.commanded.clone(),
+            loads: self.acting,
         })
     }
 
@@ -250,7 +254,9 @@ impl State {
             changes,
             first_passages,
             commanded,
+            acting,
         } = self;
+        *acting = other.acting;
         first_passages.clone_from(&other.first_passages);
         (*rates_of, *without_rates) = (other.rates_of, other.without_rates);
         (*impact_parts, *impacts) = (other.impact_parts, other.impacts);

@@ -103,14 +103,20 @@ fn states<'py>(
         let all = states.iter().flat_map(|state| state.cables.iter().map(value)).collect();
         values.set_item(name, array::<f64, _>(py, all, [rows, cables])?)?;
     }
-    let passages: Vec<_> = (0..cables)
-        .map(|cable| {
-            let of_cable = |state: &InnerState| state.passage_tensions(cable).to_vec();
-            let count = of.map_or(0, |state| state.passage_tensions(cable).len());
-            array::<f64, _>(py, states.iter().flat_map(of_cable).collect(), [rows, count])
-        })
-        .collect::<PyResult<_>>()?;
-    values.set_item("passage_tensions", passages)?;
+    let of_passages: [(&str, fn(&InnerState, usize) -> &[f64]); 2] = [
+        ("passage_tensions", InnerState::passage_tensions),
+        ("lengths_beyond", InnerState::lengths_beyond),
+    ];
+    for (name, value) in of_passages {
+        let passages: Vec<_> = (0..cables)
+            .map(|cable| {
+                let of_cable = |state: &InnerState| value(state, cable).to_vec();
+                let count = of.map_or(0, |state| value(state, cable).len());
+                array::<f64, _>(py, states.iter().flat_map(of_cable).collect(), [rows, count])
+            })
+            .collect::<PyResult<_>>()?;
+        values.set_item(name, passages)?;
+    }
     let outputs = states.iter().flat_map(|state| state.motor_outputs.iter().copied()).collect();
     values.set_item("motor_output", array::<f64, _>(py, outputs, [rows, motors])?)?;
     let of_motors: [Named<MotorMotion>; 4] = [

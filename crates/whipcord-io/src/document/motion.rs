@@ -108,7 +108,8 @@ fn initial(initial: &Initial) -> Item {
     for (key, values) in passages.into_iter().filter(|(_, values)| !values.is_empty()) {
         table.insert(key, values.clone());
     }
-    if let Some(StartRates { velocities, strains, motors, step }) = &start.rates {
+    if let Some(of) = &start.rates {
+        let StartRates { velocities, strains, motors, step, commands, loads } = of;
         let mut rates = Table::default();
         rates.insert("velocities", rows(velocities));
         rates.insert("strains", rows(strains));
@@ -116,6 +117,10 @@ fn initial(initial: &Initial) -> Item {
             rates.insert("motors", threes(motors));
         }
         rates.insert("step", *step);
+        if !commands.is_empty() {
+            rates.insert("commands", commands.clone());
+        }
+        rates.insert("loads", loads.to_vec());
         table.insert("rates", rates);
     }
     table.into()

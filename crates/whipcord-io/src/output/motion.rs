@@ -146,6 +146,8 @@ fn rates(of: &StartRates) -> Result<Value, NonFinite> {
         "strains": list("strains", &twists(&of.strains))?,
         "motors": motors.collect::<Result<Vec<_>, _>>()?,
         "step": number(|| "rates.step".to_owned(), of.step)?,
+        "commands": numbers("rates.commands", &of.commands)?,
+        "loads": numbers("rates.loads", &of.loads)?,
     }))
 }
 

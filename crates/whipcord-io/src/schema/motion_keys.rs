@@ -153,7 +153,7 @@ static INITIAL: Table = Table {
 
 static RATES: Table = Table {
     title: "[motion.initial.rates]",
-    doc: "The rates that the first step goes on from; without them it begins as behind a jump.",
+    doc: "The rates that the first step goes on from, where commands and loads go on as they were; without them it begins as behind a jump.",
     keys: &[
         key(
             "velocities",
@@ -169,8 +169,25 @@ static RATES: Table = Table {
             "Of the three numbers of each motor.",
         ),
         key("step", Kind::Number, "0.01", "Length in s of the step that they are of."),
+        key(
+            "commands",
+            Kind::List(&Kind::Number, 1),
+            "[1.5]",
+            "What each cable was told at the end of that step: a tension in N or a shortening in m.",
+        ),
+        key(
+            "loads",
+            Kind::Vector(&Kind::Number, 15),
+            "[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -9.81]",
+            "Sums of the forces in N and moments in N·m on the nodes in that step, of those that turn with the robot, and gravity in m/s², in the frame of the base.",
+        ),
     ],
-    rules: &[Rule::Required("velocities"), Rule::Required("strains"), Rule::Required("step")],
+    rules: &[
+        Rule::Required("velocities"),
+        Rule::Required("strains"),
+        Rule::Required("step"),
+        Rule::Required("loads"),
+    ],
 };
 
 static MOTION_DRAG: Table = Table {

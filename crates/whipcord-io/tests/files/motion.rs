@@ -92,7 +92,7 @@ fn what_is_written_is_read_as_the_same() {
         "[motion]\nduration = 2\nelements = 12\ndrag = { across = \"500 mN*s/m^2\" }\n[motion.base]\nvelocity = [0, \"1 cm/s\", [[0, 0], [\"0.5 s\", \"20 mm/s\"]]]\nangular_velocity = [0, \"90 deg/s\", 0]\n",
         "[motion]\nduration = 2\nmodel = \"cosserat-disks\"\n[motion.base]\nfree = true\n",
         "[motion]\nduration = 2\n[motion.initial]\nstrains = [[0, 0, 1, 0, 0.5, 0]]\nvelocities = [[0, 0, 0, 0, 0, 0], [0, 0.25, 0, 0, 0, 0]]\ntensions = [1, 2]\nmotor_outputs = [0.1]\n",
-        "[motion]\nduration = 2\n[motion.initial]\nstrains = [[0, 0, 1, 0, 0.5, 0]]\nvelocities = [[0, 0, 0, 0, 0, 0], [0, 0.25, 0, 0, 0, 0]]\npassage_tensions = [[1, 0.5], [2, 2]]\nlengths_beyond = [[0.18, 0.09], [0.17, 0.085]]\n[motion.initial.rates]\nvelocities = [[0, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0]]\nstrains = [[0, 0, 0, 0, 2, 0]]\nmotors = [[1, 2, 3]]\nstep = 0.01\n",
+        "[motion]\nduration = 2\n[motion.initial]\nstrains = [[0, 0, 1, 0, 0.5, 0]]\nvelocities = [[0, 0, 0, 0, 0, 0], [0, 0.25, 0, 0, 0, 0]]\npassage_tensions = [[1, 0.5], [2, 2]]\nlengths_beyond = [[0.18, 0.09], [0.17, 0.085]]\n[motion.initial.rates]\nvelocities = [[0, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0]]\nstrains = [[0, 0, 0, 0, 2, 0]]\nmotors = [[1, 2, 3]]\nstep = 0.01\ncommands = [0.5, 1]\nloads = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -9.81]\n",
     ];
     let dampings = [
         "",

@@ -41,6 +41,8 @@ pub(super) fn initial(
                     strains: of_rows(rates.list("strains")),
                     motors: rows(rates.list("motors")).collect(),
                     step: rates.number("step").unwrap_or_default(),
+                    commands: rates.numbers("commands").unwrap_or_default(),
+                    loads: rates.vector("loads").unwrap_or_default(),
                 }),
             })))
         }
@@ -140,6 +142,8 @@ fn start(json: &Value) -> Result<Start, &'static str> {
             strains: twists_of(rates, "strains")?,
             motors: of_motors.map(three).collect::<Option<Vec<_>>>()?,
             step: number(rates.get("step")?)?,
+            commands: numbers(rates.get("commands")?)?,
+            loads: numbers(rates.get("loads")?)?.try_into().ok()?,
         })
     };
     Ok(Start {
