@@ -171,6 +171,36 @@ fn a_film_has_its_pictures_and_a_motion_goes_on_from_another() {
     assert_ne!(strains(&on, 1), strains(&before, 1));
 }
 
+/// An arm whose cable rubs falls on a ball; with a motor with inertia it is pulled; and a motion goes on from the last state of another one, as that would have.
+#[test]
+fn cables_rub_among_obstacles_and_on_motors() {
+    let scratch = Scratch::new();
+    let file = "examples/contact/falling-arm.toml";
+    let rubs = "cables.up.friction=0.4";
+    let json = |args: &[&str]| -> Value { serde_json::from_str(&succeed(args)).unwrap() };
+    let fallen = json(&["simulate", file, "--set", rubs, "--json"]);
+    let last = fallen["states"].as_array().unwrap().last().unwrap();
+    assert_eq!(last["contacts"][0]["name"], "ball");
+    assert!(last["cables"][0]["passage_tensions"].as_array().unwrap().len() > 5);
+    let text = "[backbone]\nlength = \"200 mm\"\ndiameter = \"4 mm\"\nyoung_modulus = \"1 GPa\"\npoisson_ratio = 0.3\ndensity = \"1200 kg/m^3\"\n\
+                damping = { time = \"5 ms\" }\n[[cables]]\nname = \"a\"\nfriction = 0.3\nrouting = { kind = \"straight\", angle = 0, radius = \"10 mm\" }\n\
+                [[motors]]\nname = \"m\"\ncables = [\"a\"]\nspool_radius = \"10 mm\"\nstiffness = \"2 N/mm\"\ninertia = \"200 g*cm^2\"\n\
+                proportional_gain = \"0.5 N*m/rad\"\nderivative_gain = \"4 mN*m*s/rad\"\n\
+                [motion]\nduration = \"0.25 s\"\nstep = \"0.0078125 s\"\n[[motion.commands]]\nmotor = \"m\"\nangle = \"40 deg\"\n";
+    let file = scratch.write("arm.toml", text);
+    let (out, rest) = (scratch.file("out"), "motion.initial=\"rest\"");
+    succeed(&["simulate", &file, "--set", rest, "--out", &out]);
+    let initial = format!("motion.initial={:?}", scratch.path().join("out/motion.json"));
+    let on = json(&["simulate", &file, "--set", &initial, "--json"]);
+    let whole =
+        json(&["simulate", &file, "--set", rest, "--set", "motion.duration=\"0.5 s\"", "--json"]);
+    let ends = [&on, &whole].map(|of| of["states"].as_array().unwrap().last().unwrap().clone());
+    for key in ["strains", "velocities", "cables", "motors", "poses"] {
+        assert_eq!(ends[0][key], ends[1][key], "{key}");
+    }
+    assert!(number(&ends[0]["energy"]["dissipated"]) > 0.0);
+}
+
 /// The arm comes to rest on the ball: the forces of its contacts are those of the statics, in every output.
 #[test]
 fn an_arm_falls_on_a_ball_and_rests_there() {
