@@ -552,34 +552,3 @@ pub(crate) fn length(rod: &Rod, p: usize, cable: usize, strains: &[Twist], poses
     let q = p - rod.first_passages[cable];
     rod.points[q].weight * rod.crossings[q * rod.cables.len() + cable].tangent(&strains[q]).norm()
 }
-
-/// Tensions of all passages in an answer of the statics, straight between the middles of its spans.
-pub(crate) fn tensions_of_answer(
-    rod: &Rod,
-    robot: &Robot,
-    solution: &whipcord::Solution,
-) -> Vec<f64> {
-    let disks = &robot.disks().arc_lengths;
-    let cables = rod.cables_of_passages();
-    let of_passage = |(p, &cable): (usize, &usize)| {
-        let answer = &solution.cables[cable];
-        let spans = &answer.span_tensions;
-        let place = p - rod.first_passages[cable];
-        if spans.is_empty() {
-            return answer.tension.unwrap_or_default();
-        }
-        if rod.has_chords() {
-            return spans[place.min(spans.len() - 1)];
-        }
-        let (e, k) = (place / POINTS, place % POINTS);
-        let s = rod.nodes[2 * e].arc_length + GAUSS_2.nodes[k] * rod.lengths[e];
-        let middle = |i: usize| 0.5 * (disks[i] + disks[i + 1]);
-        let after = (0..spans.len()).position(|i| middle(i) >= s).unwrap_or(spans.len() - 1).max(1);
-        if spans.len() == 1 {
-            return spans[0];
-        }
-        let t = (s - middle(after - 1)) / (middle(after) - middle(after - 1));
-        spans[after - 1] + t * (spans[after] - spans[after - 1])
-    };
-    cables.iter().enumerate().map(of_passage).collect()
-}

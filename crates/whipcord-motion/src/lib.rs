@@ -46,6 +46,7 @@ mod rod;
 mod scheme;
 mod simulation;
 mod stage;
+mod start;
 mod state;
 mod surroundings;
 mod tangent;

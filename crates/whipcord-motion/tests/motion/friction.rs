@@ -5,7 +5,7 @@ use whipcord_motion::{
     CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions, Simulation,
 };
 
-use super::robots::{helix, paper, straight};
+use super::robots::{helix, paper, ramps, straight};
 
 const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
 
@@ -25,17 +25,6 @@ fn options(model: ModelKind) -> MotionOptions {
     }
 }
 
-/// From zero to each value in this time in s, with a second of rest behind each.
-fn course(ramp: f64, values: &[f64]) -> Course {
-    let (mut times, mut rows) = (vec![0.0], vec![0.0]);
-    for (k, value) in values.iter().enumerate() {
-        let start = (ramp + 1.0) * k as f64;
-        times.extend([start + ramp, start + ramp + 1.0]);
-        rows.extend([*value, *value]);
-    }
-    Course::table(times, rows).unwrap()
-}
-
 /// After a slow pull, and after a slow release, the robot stands where the statics has it after the same steps: the nearer, the slower.
 #[test]
 fn slow_motions_are_the_steps_of_the_statics() {
@@ -50,7 +39,7 @@ fn slow_motions_are_the_steps_of_the_statics() {
             false => Case::with_tensions(&values),
         };
         let drive = |i: usize| {
-            let course = course(ramp, &steps.map(|step| step[i]));
+            let course = ramps(ramp, 1.0, &steps.map(|step| step[i]));
             if by_length { CableDrive::Shortening(course) } else { CableDrive::Tension(course) }
         };
         let commands = Commands::new(vec![drive(0), drive(1)]);
@@ -94,7 +83,7 @@ fn a_planar_robot_against_the_closed_form() {
     for model in MODELS {
         let mut simulation =
             Simulation::new(&robot, &Case::with_tensions(&[0.0]), options(model)).unwrap();
-        let commands = Commands::new(vec![CableDrive::Tension(course(1.0, &[tension, 0.0]))]);
+        let commands = Commands::new(vec![CableDrive::Tension(ramps(1.0, 1.0, &[tension, 0.0]))]);
         let angle = |simulation: &Simulation| simulation.state().tip().rotation.log().norm();
         for _ in 0..200 {
             simulation.step(&commands, 0.01).unwrap();

@@ -10,7 +10,7 @@ use whipcord_motion::{
     CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions, Simulation, State,
 };
 
-use super::robots::{helix, paper, straight};
+use super::robots::{helix, paper, ramps, straight};
 
 const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
 const RUBBING: f64 = 0.3;
@@ -44,17 +44,6 @@ fn wall(distance: f64, friction: f64) -> Obstacle {
     Obstacle { name: "wall".to_owned(), form: Form::HalfSpace, pose, friction, movable: None }
 }
 
-/// Ramps to each value in this time in s, with half of it to rest behind each.
-fn course(ramp: f64, values: &[f64]) -> Course {
-    let (mut times, mut rows) = (vec![0.0], vec![0.0]);
-    for (k, value) in values.iter().enumerate() {
-        let start = 1.5 * ramp * k as f64;
-        times.extend([start + ramp, start + 1.5 * ramp]);
-        rows.extend([*value, *value]);
-    }
-    Course::table(times, rows).unwrap()
-}
-
 fn pushed(contacts: &[whipcord::Contact]) -> Vec3 {
     let force = |c: &whipcord::Contact| c.normal * c.force.unwrap() + c.friction.unwrap();
     contacts.iter().map(force).fold(Vec3::ZERO, |a, b| a + b)
@@ -82,7 +71,7 @@ fn slow_motions_are_the_steps_of_the_statics() {
             ..Case::default()
         };
         let drive = |i: usize| {
-            let course = course(ramp, &steps.map(|step| step[i]));
+            let course = ramps(ramp, 0.5 * ramp, &steps.map(|step| step[i]));
             if by_length { CableDrive::Shortening(course) } else { CableDrive::Tension(course) }
         };
         let commands = Commands::new(vec![drive(0), drive(1)]);

@@ -10,7 +10,7 @@ use whipcord_motion::{
     CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions, Simulation, Start, State,
 };
 
-use super::robots::{helix, paper, straight};
+use super::robots::{helix, paper, ramps, straight};
 
 const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
 const RADIUS: f64 = 5e-3;
@@ -43,16 +43,6 @@ fn options(model: ModelKind) -> MotionOptions {
     }
 }
 
-fn course(ramp: f64, values: &[f64]) -> Course {
-    let (mut times, mut rows) = (vec![0.0], vec![0.0]);
-    for (k, value) in values.iter().enumerate() {
-        let start = 1.5 * ramp * k as f64;
-        times.extend([start + ramp, start + 1.5 * ramp]);
-        rows.extend([*value, *value]);
-    }
-    Course::table(times, rows).unwrap()
-}
-
 fn told(courses: [Course; 2]) -> Commands {
     let motors = courses.into_iter().map(Some).collect();
     Commands { motors, ..Commands::tensions(&[0.0; 3]) }
@@ -81,7 +71,7 @@ fn slow_motors_lead_to_the_steps_of_the_statics() {
     let ramp = 4.0;
     for model in MODELS {
         let steps = [[0.8, 0.3], [0.5, 0.4]];
-        let commands = told([0, 1].map(|i| course(ramp, &steps.map(|step| step[i]))));
+        let commands = told([0, 1].map(|i| ramps(ramp, 0.5 * ramp, &steps.map(|step| step[i]))));
         let case = Case::with_tensions(&[0.0; 3]);
         let options = MotionOptions { elements: 16, ..options(model) };
         let mut simulation = Simulation::with_commands(&robot, &case, &commands, options).unwrap();
@@ -143,7 +133,7 @@ fn hardly_any_friction_is_none() {
     let dynamics =
         MotorDynamics { derivative: 5e-3, integral: 3.0, ..MotorDynamics::new(2e-5, 0.5) };
     for model in MODELS {
-        let commands = told([course(0.1, &[0.8, -0.2]), course(0.1, &[0.3, 0.5])]);
+        let commands = told([ramps(0.1, 0.05, &[0.8, -0.2]), ramps(0.1, 0.05, &[0.3, 0.5])]);
         let tips = [0.0, 1e-14].map(|friction| {
             let options = MotionOptions {
                 damping: Damping::Time(5e-3),
@@ -167,7 +157,7 @@ fn the_energy_of_motors_and_friction_is_in_the_balance() {
     let dynamics =
         MotorDynamics { damping: 1e-3, derivative: 5e-3, ..MotorDynamics::new(2e-5, 0.5) };
     for model in MODELS {
-        let commands = told([course(0.2, &[0.8, 0.0]), course(0.2, &[0.3, 0.4])]);
+        let commands = told([ramps(0.2, 0.1, &[0.8, 0.0]), ramps(0.2, 0.1, &[0.3, 0.4])]);
         let defects = [2e-2, 5e-3, 1e-3].map(|dt| {
             let options = MotionOptions {
                 damping: Damping::Time(5e-3),

@@ -1,10 +1,10 @@
 //! Gradients over motions in contact with obstacles against central differences of the same steps.
 
-use whipcord::shape::SlipState;
 use whipcord::{Cable, Case, Form, ModelKind, Obstacle, Pose, Robot, Shortening, Vec3};
 use whipcord_motion::{CableDrive, Commands, Course, Initial, Method};
 
 use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, weight};
+use super::gradient_friction::count_slips;
 
 const MODELS: [ModelKind; 2] = [ModelKind::Cosserat, ModelKind::CosseratDisks];
 
@@ -120,15 +120,7 @@ fn gradients_in_contact_with_friction_of_cables_are_those_of_differences() {
             let at = |command| rubbing((model, by_length), friction, grip, command);
             let base = at((STEPS, 0, 0.0));
             let record = base.simulation().record(&base.commands, DT).unwrap();
-            for state in &record.states[1..] {
-                for slip in &state.holes.slip_states {
-                    seen[match slip {
-                        SlipState::Sticks => 0,
-                        SlipState::Pulled => 1,
-                        SlipState::Released => 2,
-                    }] += 1;
-                }
-            }
+            count_slips(&record, &mut seen);
             let touching = record.states.iter().filter(|state| !state.contacts.is_empty()).count();
             assert!(touching > 3, "{name}: {touching}");
             assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());

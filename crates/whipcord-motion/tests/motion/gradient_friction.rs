@@ -2,7 +2,9 @@
 
 use whipcord::shape::SlipState;
 use whipcord::{Cable, Case, ModelKind, Motor, MotorDynamics};
-use whipcord_motion::{CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions};
+use whipcord_motion::{
+    CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions, Record,
+};
 
 use super::gradient::{DT, Problem, STEPS, close, difference, gravity, options, robot, weight};
 use super::robots::{helix, straight};
@@ -72,14 +74,8 @@ fn problem(
     }
 }
 
-/// How often a hole sticks.
-fn check(model: ModelKind, by_length: bool, initial: &Initial, start: f64, grip: f64) -> usize {
-    let at =
-        |of: Changed| problem(model, by_length, initial.clone(), start, Changed { grip, ..of });
-    let name = format!("{model:?}, by length {by_length}, {initial:?} {start}, grip {grip}");
-    let base = at(UNCHANGED);
-    let record = base.simulation().record(&base.commands, DT).unwrap();
-    let mut seen = [0; 3];
+/// Adds how often holes stick, are pulled and are released.
+pub(super) fn count_slips(record: &Record, seen: &mut [usize; 3]) {
     for state in &record.states[1..] {
         for slip in &state.holes.slip_states {
             seen[match slip {
@@ -89,6 +85,17 @@ fn check(model: ModelKind, by_length: bool, initial: &Initial, start: f64, grip:
             }] += 1;
         }
     }
+}
+
+/// How often a hole sticks.
+fn check(model: ModelKind, by_length: bool, initial: &Initial, start: f64, grip: f64) -> usize {
+    let at =
+        |of: Changed| problem(model, by_length, initial.clone(), start, Changed { grip, ..of });
+    let name = format!("{model:?}, by length {by_length}, {initial:?} {start}, grip {grip}");
+    let base = at(UNCHANGED);
+    let record = base.simulation().record(&base.commands, DT).unwrap();
+    let mut seen = [0; 3];
+    count_slips(&record, &mut seen);
     assert!(seen[1] > 0 && seen[2] > 0, "{name}: {seen:?}");
     assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
     assert_eq!(record.holds_start(), start > 0.0, "{name}");

@@ -1,6 +1,7 @@
 //! Robots that several tests move.
 
 use whipcord::{Backbone, Cable, Disks, Material, Robot, Routing, Section};
+use whipcord_motion::Course;
 
 /// A round rod without disks.
 pub fn rod(
@@ -53,4 +54,15 @@ pub fn paper(cables: Vec<Cable>) -> Robot {
 /// A cable on a helix of half a turn.
 pub fn helix() -> Cable {
     Cable::new("helix", Routing::Helix { start_angle: 0.0, turns: 0.5, radius: 0.008 })
+}
+
+/// From zero to each value in this time in s, with a rest behind each.
+pub fn ramps(ramp: f64, rest: f64, values: &[f64]) -> Course {
+    let (mut times, mut rows) = (vec![0.0], vec![0.0]);
+    for (k, value) in values.iter().enumerate() {
+        let start = (ramp + rest) * k as f64;
+        times.extend([start + ramp, start + ramp + rest]);
+        rows.extend([*value, *value]);
+    }
+    Course::table(times, rows).unwrap()
 }
