@@ -401,15 +401,14 @@ class Simulation:
             energy = {name: float(value[0]) for name, value in values.pop("energy").items()}
             time = float(values.pop("time")[0])
             (contacts,) = map(contacts_of, values.pop("contacts"))
-            passages = {
-                name: tuple(of[0] for of in values.pop(name)) for name in ("passage_tensions", "lengths_beyond")
-            }
+            passages, beyond = (tuple(of[0] for of in values.pop(name)) for name in ("passage_tensions", "lengths_beyond"))
             rows = {name: value[0] for name, value in values.items()}
             self._read = State(
                 time=time,
                 energy=energy,
                 contacts=contacts,
-                **passages,
+                passage_tensions=passages,
+                lengths_beyond=beyond,
                 _inner=self._inner.state(),
                 **rows,
             )
