@@ -401,7 +401,9 @@ class Simulation:
             energy = {name: float(value[0]) for name, value in values.pop("energy").items()}
             time = float(values.pop("time")[0])
             (contacts,) = map(contacts_of, values.pop("contacts"))
-            passages, beyond = (tuple(of[0] for of in values.pop(name)) for name in ("passage_tensions", "lengths_beyond"))
+            passages, beyond = (
+                tuple(of[0] for of in values.pop(name)) for name in ("passage_tensions", "lengths_beyond")
+            )
             rows = {name: value[0] for name, value in values.items()}
             self._read = State(
                 time=time,
