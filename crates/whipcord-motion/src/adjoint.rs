@@ -4,7 +4,7 @@
 use whipcord::Wrench;
 use whipcord_numerics::{DenseLu, Twist, Vec3};
 
-use crate::block::{Block, add, dot};
+use crate::block::{Block, add, dot, sum, transposed_bracket};
 use crate::cable_work::CableWork;
 use crate::conserving::{Conserving, along};
 use crate::element::{POINTS, add_to_nodes};
@@ -55,6 +55,8 @@ pub(crate) struct StageAdjoint {
     pub base: Twist,
     /// How the pose of a free base changes with its velocity.
     pub base_by_velocity: Option<Block>,
+    /// After [`Self::pull_back`]: what the equations of contacts depend on the length of the step by themselves.
+    pub by_length: f64,
     /// `λ`: multipliers of the equations of motion.
     multipliers: Vec<Twist>,
     /// The multipliers that a length of each cable has, and its gradient by the strains.
@@ -111,6 +113,7 @@ impl StageAdjoint {
             stage_tensions: vec![0.0; rod.cables.len()],
             base: Twist::default(),
             base_by_velocity: None,
+            by_length: 0.0,
             multipliers: list(nodes),
             of_lengths: Vec::new(),
             right: list(nodes),
@@ -138,6 +141,7 @@ impl StageAdjoint {
         let Solver { stage, lengths, contacts, friction, holds_passages, .. } = solver;
         let touching = contacts.rows(rod, scheme, stage);
         self.start.fill(Twist::default());
+        self.by_length = 0.0;
         let mut tensions = Vec::new();
         let holes = friction.as_mut().filter(|_| !*holds_passages);
         let holes = holes.map(|friction| friction.rows(rod, scheme, stage));
@@ -254,7 +258,10 @@ impl StageAdjoint {
                 add(&mut multipliers, of_length, -force);
                 add(&mut strains, gradient, -force);
                 match k.checked_sub(taut.len()).and_then(|k| touching.rows.get(k)) {
-                    Some(row) => add(&mut self.start, &row.start, -force),
+                    Some(row) => {
+                        add(&mut self.start, &row.start, -force);
+                        self.by_length -= force * row.by_length;
+                    }
                     // Where the stage is not at the end, the end lies beyond it, away from the start.
                     None => add(&mut self.start, gradient, -force * (scheme.place - 1.0)),
                 }
@@ -294,6 +301,18 @@ impl StageAdjoint {
             velocity.angular = node.inertia.scale(velocity.angular) * scheme.inertia;
         }
         Ok(())
+    }
+
+    /// The derivative by the time at which loads act on the stage that was pulled back last.
+    pub fn load_rate(
+        &self,
+        mechanics: Mechanics<'_>,
+        solver: &mut Solver,
+        scheme: &Scheme,
+        time: f64,
+    ) -> f64 {
+        let rates = load_rates(mechanics, &mut solver.stage, scheme, time);
+        rates.map_or(0.0, |rates| -sum(&rates, &self.multipliers))
     }
 
     /// Adds derivatives by the strains at the end of the step, times a factor, to those by the strains of the stage and at the start.
@@ -458,6 +477,45 @@ pub(crate) fn inertia_and_weight(
         linear: (change.linear + omega.cross(nu) * moving - weight) * node.mass,
         angular: node.inertia.scale(change.angular)
             + omega.cross(node.inertia.scale(omega)) * moving,
+    }
+}
+
+/// What loads over time add to the residual of each node in 1 s; `None` where there are none.
+pub(crate) fn load_rates(
+    mechanics: Mechanics<'_>,
+    stage: &mut Stage,
+    scheme: &Scheme,
+    time: f64,
+) -> Option<Vec<Twist>> {
+    let Mechanics { rod, loads } = mechanics;
+    let rates = loads.rates_at(time)?;
+    let mut out = vec![Twist::default(); rod.nodes.len()];
+    if scheme.conserves {
+        // Forces act by the gradient of their heights.
+        let forces = Conserving::of_forces(rod, stage, scheme, &rates);
+        add_forces(rod, stage, &forces, 1.0, &mut out);
+    }
+    for a in loads.first_free()..rod.nodes.len() {
+        let (rate, turn) = (&rates[a], stage.poses[a].rotation.conjugate());
+        let force = if scheme.conserves { Vec3::ZERO } else { turn.rotate(rate.force) };
+        out[a].linear -= force + rate.follower_force;
+        out[a].angular -= turn.rotate(rate.moment) + rate.follower_moment;
+    }
+    Some(out)
+}
+
+/// Adds to what the equations of motion lack what forces on the strains, times the weights of the points and a factor, are there.
+pub(crate) fn add_forces(
+    rod: &Rod,
+    stage: &Stage,
+    forces: &[Twist],
+    factor: f64,
+    out: &mut [Twist],
+) {
+    for (q, force) in forces.iter().enumerate() {
+        let (e, k) = (q / POINTS, q % POINTS);
+        let across = transposed_bracket(&stage.strains[q], force);
+        add_to_nodes(&mut out[2 * e..], force, &across, factor, k, rod.lengths[e]);
     }
 }
 

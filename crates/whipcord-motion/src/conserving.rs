@@ -6,6 +6,7 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 use crate::block::dot;
 use crate::chords::{self, Curvature};
 use crate::element::POINTS;
+use crate::loads::NodeLoad;
 use crate::pose;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
@@ -143,17 +144,37 @@ impl Conserving {
         gravity: Vec3,
         cable: Option<usize>,
     ) -> Vec<Twist> {
-        let loads = stage.loads.clone();
-        let (tensions, potential) = (stage.tensions.clone(), stage.potential.clone());
-        stage.loads.fill(Default::default());
-        stage.tensions.fill(0.0);
-        if let Some(cable) = cable {
-            stage.tensions[cable] = 1.0;
-        }
-        stage.find_conserving_forces(rod, gravity, scheme);
-        (stage.loads, stage.tensions) = (loads, tensions);
-        core::mem::replace(&mut stage.potential, potential)
+        let none = vec![NodeLoad::default(); rod.nodes.len()];
+        potential_of(rod, stage, scheme, (gravity, cable, none))
     }
+
+    /// The potential of these dead forces alone.
+    pub fn of_forces(
+        rod: &Rod,
+        stage: &mut Stage,
+        scheme: &Scheme,
+        loads: &[NodeLoad],
+    ) -> Vec<Twist> {
+        potential_of(rod, stage, scheme, (Vec3::ZERO, None, loads.to_vec()))
+    }
+}
+
+/// The potential of gravity, of 1 N in a cable and of dead forces, without that of anything else.
+fn potential_of(
+    rod: &Rod,
+    stage: &mut Stage,
+    scheme: &Scheme,
+    (gravity, cable, loads): (Vec3, Option<usize>, Vec<NodeLoad>),
+) -> Vec<Twist> {
+    let loads = core::mem::replace(&mut stage.loads, loads);
+    let (tensions, potential) = (stage.tensions.clone(), stage.potential.clone());
+    stage.tensions.fill(0.0);
+    if let Some(cable) = cable {
+        stage.tensions[cable] = 1.0;
+    }
+    stage.find_conserving_forces(rod, gravity, scheme);
+    (stage.loads, stage.tensions) = (loads, tensions);
+    core::mem::replace(&mut stage.potential, potential)
 }
 
 /// The dead force on each node, and the tension of each chord.

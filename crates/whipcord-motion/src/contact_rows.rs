@@ -9,24 +9,23 @@ use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
 use crate::block::{add, sum};
 use crate::contact::{Contact, in_section};
-use crate::contacts::Contacts;
+use crate::contacts::{Contacts, OUTWARD};
 use crate::element::{POINTS, pose_at};
 use crate::pose;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
 use crate::stage::Stage;
-use crate::surroundings::{Posed, Station};
+use crate::surroundings::{MOTIONS, Posed, Station, displaced, unit};
 
-/// Displacements of a section: along and about the axes of the base.
-const MOTIONS: usize = 6;
 /// A slip below this part of the length has no direction.
 const LEAST_SLIP: f64 = 1e-13;
 
-/// An equation: what it has for changes of the strains of the stage, of those at the start of the step and of the unknowns of the contacts.
+/// An equation: what it has for changes of the strains of the stage, of those at the start of the step, of the length of the step and of the unknowns of the contacts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactRow {
     pub stage: Vec<Twist>,
     pub start: Vec<Twist>,
+    pub by_length: f64,
     pub unknowns: Vec<(usize, f64)>,
 }
 
@@ -63,20 +62,6 @@ struct Held<'a> {
 
 fn component(of: &Twist, i: usize) -> f64 {
     if i < 3 { of.linear[i] } else { of.angular[i - 3] }
-}
-
-fn unit(axis: usize) -> Twist {
-    let mut out = Twist::default();
-    let part = if axis < 3 { &mut out.linear } else { &mut out.angular };
-    part[axis % 3] = 1.0;
-    out
-}
-
-/// A pose displaced along, or turned about, an axis of the base.
-fn moved(pose: &Pose, axis: usize, by: f64) -> Pose {
-    let motion = unit(axis) * by;
-    let rotation = UnitQuaternion::exp(motion.angular) * pose.rotation;
-    Pose { position: pose.position + motion.linear, rotation }
 }
 
 impl Held<'_> {
@@ -116,7 +101,7 @@ impl Push {
 }
 
 /// The gradient by the strains of the displacement of a section along a wrench, in the frame that the poses are given in.
-fn gradient(shape: &Posed<'_>, station: Station, along: Twist) -> Vec<Twist> {
+pub(crate) fn gradient(shape: &Posed<'_>, station: Station, along: Twist) -> Vec<Twist> {
     let Posed { rod, strains, poses } = *shape;
     let mut out = vec![Twist::default(); strains.len()];
     let (e, h) = (station.element, rod.lengths[station.element]);
@@ -226,7 +211,7 @@ impl ContactRows {
                 let step = if axis < 3 { 1e-6 * length } else { 1e-6 };
                 let at = |by: f64| {
                     let mut of = poses;
-                    of[which] = moved(&of[which], axis, by);
+                    of[which] = displaced(&of[which], axis, by);
                     held.at(&of[0], &of[1])
                 };
                 let (above, below) = (at(step), at(-step));
@@ -278,7 +263,11 @@ impl ContactRows {
             add(&mut row.start, &gradient(start, station, sum(0)), 1.0);
             row
         };
-        self.rows.push(line_row(&[(0, 1.0)]));
+        let mut gap = line_row(&[(0, 1.0)]);
+        if contact.least < 0.0 {
+            gap.by_length = -OUTWARD * length;
+        }
+        self.rows.push(gap);
         if contact.lines() == 1 {
             return;
         }

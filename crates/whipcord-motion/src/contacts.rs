@@ -11,7 +11,7 @@ use crate::pose;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
 use crate::stage::Stage;
-use crate::surroundings::{Near, Posed, Station, Surroundings};
+use crate::surroundings::{Hit, Near, Posed, Station, Surroundings};
 
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +39,8 @@ pub(crate) const OVERLAP: f64 = 1e-5;
 /// Overlap that is no impact yet, as a part of the length.
 const HIT: f64 = 1e-7;
 /// Speed at which overlap is mended, as a part of the length in 1 s.
-const OUTWARD: f64 = 0.02;
+pub(crate) const OUTWARD: f64 = 0.02;
+
 impl Contacts {
     pub fn new(rod: &Rod, surroundings: Option<Surroundings>) -> Self {
         if surroundings.is_none() {
@@ -276,13 +277,13 @@ impl Contacts {
         self.list.iter().filter(|contact| contact.force > 0.0).map(of).sum()
     }
 
-    /// The part of the way between two shapes, each a pose of the base with strains, at which an obstacle is hit first.
+    /// Where an obstacle is hit first on the way between two shapes, each a pose of the base with strains.
     pub fn first_hit(
         &mut self,
         rod: &Rod,
         (from_base, from): (Pose, &[Twist]),
         (to_base, to): (Pose, &[Twist]),
-    ) -> Option<f64> {
+    ) -> Option<Hit> {
         let Self { surroundings: Some(surroundings), poses, start_poses, .. } = self else {
             return None;
         };

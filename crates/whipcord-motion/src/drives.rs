@@ -226,7 +226,7 @@ impl Drives {
     }
 
     /// Turns derivatives by the motors at the end of a step into those at its start; `lengths` has those by the length that each cable is held to. `set_point`
-    /// is called with the number of a motor and the derivative by its set-point.
+    /// is called with the number of a motor and the derivatives by its set-point and by the length of the step.
     pub fn pull_back(
         &self,
         method: &OneStage,
@@ -234,7 +234,7 @@ impl Drives {
         tensions: &[f64],
         lengths: &[f64],
         motors: &mut [MotorValues],
-        mut set_point: impl FnMut(usize, f64),
+        mut set_point: impl FnMut(usize, [f64; 2]),
     ) {
         for of in self.motors.iter().filter(|of| of.is_driven) {
             let mut ends = motors[of.motor];
@@ -242,24 +242,25 @@ impl Drives {
             ends[0] -= of.pulls.iter().map(|&(cable, pull)| pull * lengths[cable]).sum::<f64>();
             let by = of.by_inputs(method, h, tensions, &ends);
             motors[of.motor].copy_from_slice(&by[..SET_POINT]);
-            set_point(of.motor, by[SET_POINT]);
+            set_point(of.motor, [by[SET_POINT], by[LENGTH]]);
         }
     }
 
-    /// What the motors at the end of a step change by, for changes at its start, of the set-points and of the tensions at the stage. Of motors without a command
-    /// nothing changes.
+    /// What the motors at the end of a step change by, for changes at its start, of the set-points, of the length of the step and of the tensions at the stage. Of motors without a
+    /// command nothing changes.
     pub fn push_forward(
         &self,
         method: &OneStage,
         h: f64,
         (tensions, changes): (&[f64], &[f64]),
-        set_point: impl Fn(usize) -> f64,
+        (set_point, length): (impl Fn(usize) -> f64, f64),
         motors: &mut [MotorValues],
     ) {
         for of in self.motors.iter().filter(|of| of.is_driven) {
             let mut inputs = [0.0; INPUTS];
             inputs[..SET_POINT].copy_from_slice(&motors[of.motor]);
             inputs[SET_POINT] = set_point(of.motor);
+            inputs[LENGTH] = length;
             inputs[TAKEN] = of.taken(changes);
             motors[of.motor] = of.linear(method, h, tensions, &inputs);
         }
@@ -309,10 +310,11 @@ impl Drives {
 
 /// Numbers of a motor, or derivatives by them: position, velocity and integral of the error, and their rates.
 pub(crate) type MotorValues = [f64; 6];
-/// What a step of a motor is made from: its values, the set-point and what the cables take.
-const INPUTS: usize = 8;
+/// What a step of a motor is made from: its values, the set-point, what the cables take and the length of the step.
+const INPUTS: usize = 9;
 const SET_POINT: usize = 6;
 const TAKEN: usize = 7;
+const LENGTH: usize = 8;
 
 impl MotorStage {
     /// What its values at the end of a step change by with what the step is made from, on this side of the limit. The equations are linear but for a constant torque,
@@ -327,6 +329,7 @@ impl MotorStage {
         let scheme = method.scheme(h);
         let mut of = self.clone();
         let (_, _, effort) = self.velocity(scheme.g, self.taken(tensions));
+        let at = self.solve(&scheme, self.taken(tensions)).values;
         if effort.abs() >= self.limit {
             let MotorDynamics { inertia, damping, .. } = self.dynamics;
             of.dynamics = MotorDynamics { damping, ..MotorDynamics::new(inertia, 0.0) };
@@ -336,6 +339,10 @@ impl MotorStage {
         let rates = &inputs[3..6];
         for ((history, value), rate) in of.history.iter_mut().zip(of.start).zip(rates) {
             *history = value + method.carried(h) * rate;
+        }
+        // The values go from the start to the stage by sums of rates that the length multiplies.
+        for (k, history) in of.history.iter_mut().enumerate() {
+            *history += (at[k] - self.start[k]) / h * inputs[LENGTH];
         }
         (of.set_point, of.set_rate) = (inputs[SET_POINT], 0.0);
         let Solved { values, .. } = of.solve(&scheme, inputs[TAKEN]);

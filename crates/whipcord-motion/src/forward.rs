@@ -10,7 +10,9 @@ use crate::coefficients::OneStage;
 use crate::commands::Commands;
 use crate::error::{MotionError, count};
 use crate::free_base::BaseTangent;
-use crate::gradient::{Costate as Change, Gradient, Part, Record, Seed};
+use crate::gradient::{
+    Costate as Change, Gradient, Part, Record, Seed, Shift, motor_slope, tension_slope,
+};
 use crate::iteration::Mechanics;
 use crate::options::Method;
 use crate::pose;
@@ -64,7 +66,7 @@ impl Simulation {
     ) -> Result<Vec<Seed>, MotionError> {
         let (cables, motors) = (self.rod.cables.len(), self.robot.motors().len());
         let mut tangent = StageTangent::new(&self.rod);
-        let mut change = Change::new(&self.rod, motors, self.state.holes.tensions.len());
+        let mut change = self.costate();
         if !direction.velocities.is_empty() {
             change.velocities.copy_from_slice(&direction.velocities);
         }
@@ -113,22 +115,41 @@ impl Simulation {
 
     fn part_forwards(
         &mut self,
+        of: (&Commands, &Part),
+        told: (&[f64], &[f64]),
+        tangent: &mut StageTangent,
+        change: &mut Change,
+        factors: &Factors,
+    ) -> Result<(), MotionError> {
+        let length = self.length_forwards(of, told, tangent, change, factors)?;
+        self.repeat(of.0, of.1)?;
+        self.solved_forwards(of, length, told, tangent, change, factors)
+    }
+
+    /// The part that the solver has solved, whose length changes by `length`.
+    pub(crate) fn solved_forwards(
+        &mut self,
         (commands, part): (&Commands, &Part),
+        length: f64,
         (cables, motors): (&[f64], &[f64]),
         tangent: &mut StageTangent,
         change: &mut Change,
         factors: &Factors,
     ) -> Result<(), MotionError> {
         let fails = || MotionError::NoGradient { time: part.before.time };
-        self.repeat(commands, part)?;
+        let shift = Shift { start: change.time, length };
+        let end = part.before.time + part.length;
         for (motor, output) in change.outputs.iter_mut().enumerate() {
             if self.drive_moves(commands, part, motor) {
-                *output = motors[motor] / self.robot.motors()[motor].gear_ratio();
+                let later = motor_slope(commands, motor, end) * shift.at(1.0);
+                *output = (motors[motor] + later) / self.robot.motors()[motor].gear_ratio();
             }
         }
         for i in 0..cables.len() {
             let shortening = match commands.motor_of(&self.robot, i) {
-                None => cables[i],
+                None => {
+                    cables[i] + commands.cables[i].course().slope_before(end) * shift.at(1.0)
+                }
                 // Those with inertia turn by what they are told and by the motion.
                 Some((motor, _)) if self.robot.motors()[motor].dynamics.is_some() => 0.0,
                 Some((motor, _)) => self.pull(motor, i) * change.outputs[motor],
@@ -137,31 +158,37 @@ impl Simulation {
                 if self.is_by_length(commands, i) { -shortening } else { cables[i] };
         }
         match self.next.diagnostics.method {
-            Method::Accurate => self.stages_forwards(commands, part, tangent, change, factors),
+            Method::Accurate => {
+                let of = (commands, part, shift);
+                self.stages_forwards(of, cables, tangent, change, factors)
+            }
             _ => {
                 let method = part.method(self.next.diagnostics.method);
-                self.one_stage_forwards((part, &method), motors, tangent, change, factors)
+                let of = (commands, part, &method, shift);
+                self.one_stage_forwards(of, (cables, motors), tangent, change, factors)
             }
         }
         .map_err(|_| fails())?;
         for i in 0..cables.len() {
             if !self.is_by_length(commands, i) {
-                change.tensions[i] = cables[i];
+                change.tensions[i] = cables[i] + tension_slope(commands, i, end) * shift.at(1.0);
             }
         }
+        change.time = shift.at(1.0);
         Ok(())
     }
 
     /// The stages of `accurate`.
     fn stages_forwards(
         &mut self,
-        commands: &Commands,
-        part: &Part,
+        (commands, part, shift): (&Commands, &Part, Shift),
+        cables: &[f64],
         tangent: &mut StageTangent,
         change: &mut Change,
         factors: &Factors,
     ) -> Result<(), NotSolved> {
         let h = part.length;
+        tangent.length = shift.length;
         let scheme = Scheme::at_end(accurate::GAMMA * h);
         let inverse = 1.0 / scheme.g;
         let mut velocity_rates: Vec<Vec<Twist>> = Vec::with_capacity(accurate::STAGES);
@@ -170,6 +197,11 @@ impl Simulation {
         let mut base = change.base;
         for i in 0..accurate::STAGES {
             let free = self.put_stage(commands, part, i)?;
+            let time = part.before.time + accurate::C[i] * h;
+            tangent.time = [time, shift.at(accurate::C[i])];
+            for (j, (out, by)) in tangent.cables.iter_mut().zip(cables).enumerate() {
+                *out = by + tension_slope(commands, j, time) * tangent.time[1];
+            }
             let history = |from: &[Twist], rates: &[Vec<Twist>]| {
                 let mut out = from.to_vec();
                 for (rate, a) in rates.iter().zip(&accurate::A[i]) {
@@ -177,8 +209,9 @@ impl Simulation {
                 }
                 out
             };
-            let velocities = history(&change.velocities, &velocity_rates);
-            let strains = history(&change.strains, &strain_rates);
+            let mut velocities = history(&change.velocities, &velocity_rates);
+            let mut strains = history(&change.strains, &strain_rates);
+            self.add_to_histories(part, shift.length, &mut velocities, &mut strains);
             tangent.velocities.copy_from_slice(&velocities);
             tangent.strains.copy_from_slice(&strains);
             tangent.start.copy_from_slice(&change.strains);
@@ -186,6 +219,8 @@ impl Simulation {
             let weighted = base_rates.iter().zip(&accurate::A[i]);
             let exponent = weighted
                 .fold(Twist::default(), |sum, (rate, a): (&Twist, _)| sum + *rate * (h * a));
+            let longer = free.as_ref().map_or(Twist::default(), |of| of.exponent);
+            let exponent = exponent + longer * (shift.length / h);
             let known = free.as_ref().map_or(Twist::default(), |of| {
                 of.pose_by_start.apply(&change.base) + of.pose_by_history().apply(&exponent)
             });
@@ -216,8 +251,8 @@ impl Simulation {
     /// A step by a method with one stage, which the solver has solved.
     fn one_stage_forwards(
         &mut self,
-        (part, method): (&Part, &OneStage),
-        motors: &[f64],
+        (commands, part, method, shift): (&Commands, &Part, &OneStage, Shift),
+        (cables, motors): (&[f64], &[f64]),
         tangent: &mut StageTangent,
         change: &mut Change,
         factors: &Factors,
@@ -231,8 +266,16 @@ impl Simulation {
             add(&mut out, rates, back.carried);
             out
         };
-        let velocities = history(&change.velocities, &change.velocity_rates);
-        let strains = history(&change.strains, &change.strain_rates);
+        let mut velocities = history(&change.velocities, &change.velocity_rates);
+        let mut strains = history(&change.strains, &change.strain_rates);
+        self.add_to_histories(part, shift.length, &mut velocities, &mut strains);
+        let time = method.time(part.before.time, h);
+        (tangent.time, tangent.length) = ([time, shift.at(method.place)], shift.length);
+        for (i, out) in tangent.cables.iter_mut().enumerate() {
+            if !self.is_by_length(commands, i) {
+                *out = cables[i] + tension_slope(commands, i, time) * shift.at(method.place);
+            }
+        }
         tangent.velocities.copy_from_slice(&velocities);
         tangent.strains.copy_from_slice(&strains);
         tangent.start.copy_from_slice(&change.strains);
@@ -240,8 +283,8 @@ impl Simulation {
         tangent.base_by_velocity = bases.as_ref().map(|[_, (of, _)]| of.pose_by_velocity());
         let start_velocity = change.velocities[0];
         let known = |(of, g): &(BaseTangent, f64)| {
-            of.pose_by_start.apply(&change.base)
-                + of.pose_by_history().apply(&(start_velocity * *g))
+            let history = start_velocity * *g + of.exponent * (shift.length / h);
+            of.pose_by_start.apply(&change.base) + of.pose_by_history().apply(&history)
         };
         tangent.base = bases.as_ref().map_or(Twist::default(), |[_, of]| known(of));
         let Self { rod, loads, solver, .. } = self;
@@ -249,16 +292,18 @@ impl Simulation {
         let tensions = solver.stage.tensions.clone();
         let still = vec![0.0; tensions.len()];
         let mut free = change.motors.clone();
-        let set_point = |motor: usize| motors[motor];
+        let set_point = |motor: usize| {
+            motors[motor] + motor_slope(commands, motor, time) * shift.at(method.place)
+        };
         let drives = &solver.lengths.drives;
-        drives.push_forward(method, h, (&tensions, &still), set_point, &mut free);
+        drives.push_forward(method, h, (&tensions, &still), (&set_point, shift.length), &mut free);
         drives.add_length_changes(&free, &mut tangent.cables);
         tangent.beyond.clone_from(&change.beyond);
         tangent.push_forward(Mechanics { rod, loads }, solver, &scheme, factors)?;
         change.beyond.clone_from(&tangent.beyond);
         let changes = (tensions.as_slice(), tangent.stage_tensions.as_slice());
         let drives = &solver.lengths.drives;
-        drives.push_forward(method, h, changes, set_point, &mut change.motors);
+        drives.push_forward(method, h, changes, (set_point, shift.length), &mut change.motors);
         let end = |of: &mut [Twist], rates: &mut [Twist], at: &[Twist], history: &[Twist]| {
             for j in 0..of.len() {
                 let by_stage = (at[j] - history[j]) * back.stage_by_rate;
@@ -276,6 +321,25 @@ impl Simulation {
         Ok(())
     }
 
+    /// Adds what the histories of a stage in the solver change by with the length of its part: both go from the start to the stage by sums of rates that the length multiplies.
+    fn add_to_histories(
+        &self,
+        part: &Part,
+        length: f64,
+        velocities: &mut [Twist],
+        strains: &mut [Twist],
+    ) {
+        let (stage, from, factor) = (&self.solver.stage, &part.before, length / part.length);
+        let of = |out: &mut [Twist], at: &[Twist], from: &[Twist]| {
+            add(out, at, factor);
+            add(out, from, -factor);
+        };
+        let free = self.loads.first_free()..;
+        let (out, at) = (&mut velocities[free.clone()], &stage.velocities[free.clone()]);
+        of(out, at, &from.velocities[free]);
+        of(strains, &stage.strains, &from.strains);
+    }
+
     /// The equilibrium that the motion starts from, by the factors.
     fn equilibrium_forwards(
         &mut self,
@@ -285,6 +349,7 @@ impl Simulation {
         factors: &Factors,
     ) -> Result<(), MotionError> {
         self.put_equilibrium(start);
+        (tangent.time, tangent.length) = ([0.0; 2], 0.0);
         let Self { rod, loads, solver, .. } = self;
         solver.holds_passages = true;
         let found =

@@ -42,6 +42,8 @@ impl FreeBase {
 /// How the exponent of a free base, and by it the pose, change: the pose by displacements along and about its own axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BaseTangent {
+    /// `θ`.
+    pub exponent: Twist,
     pub exponent_by_history: Block,
     pub exponent_by_velocity: Block,
     pub pose_by_exponent: Block,
@@ -61,6 +63,7 @@ impl BaseTangent {
         let back = moved.rotation.conjugate();
         let by_velocity = Block::of(|change| of(Twist::default(), change));
         Some(Self {
+            exponent,
             exponent_by_history,
             exponent_by_velocity: exponent_by_history.times(&by_velocity),
             pose_by_exponent: Block::of(|change| pose::exponential_change(&exponent, &change)),

@@ -5,15 +5,16 @@ use whipcord_numerics::{Pose, Twist, Vec3};
 
 use crate::accurate;
 use crate::adjoint::{Factors, NotSolved, StageAdjoint};
-use crate::block::add;
+use crate::block::{add, dot};
 use crate::coefficients::OneStage;
-use crate::commands::Commands;
+use crate::commands::{CableDrive, Commands};
 use crate::drives::MotorValues;
 use crate::error::{MotionError, count};
 use crate::free_base::{BaseTangent, FreeBase};
+use crate::impact::{Impact, touches};
 use crate::iteration::Mechanics;
 use crate::options::{Initial, Method};
-use crate::parts::RHO;
+use crate::parts::{RHO, Taken};
 use crate::pose;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
@@ -65,10 +66,46 @@ impl Record {
 pub(crate) struct Part {
     pub before: State,
     pub length: f64,
-    warm: bool,
+    pub warm: bool,
+    /// Whether it is, or its impact was looked for in, all that was left of the step.
+    pub is_rest: bool,
+    pub is_frictionless: bool,
+    /// The impact that it ends in.
+    pub impact: Option<Impact>,
+}
+
+/// How much later a part of a step begins and how much longer it is, or derivatives by both.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Shift {
+    pub start: f64,
+    pub length: f64,
+}
+
+impl Shift {
+    /// How much later a place of the part is, from 0 at its start to 1 at its end.
+    pub fn at(&self, place: f64) -> f64 {
+        self.start + place * self.length
+    }
+
+    /// Adds a derivative by the time of a place.
+    pub fn add(&mut self, place: f64, by: f64) {
+        self.start += by;
+        self.length += place * by;
+    }
 }
 
 impl Part {
+    fn new(of: &Taken<'_>) -> Self {
+        Self {
+            before: of.before.clone(),
+            length: of.length,
+            warm: of.is_warm,
+            is_rest: of.is_rest,
+            is_frictionless: of.is_frictionless,
+            impact: of.impact.clone(),
+        }
+    }
+
     /// The coefficients of a method with one stage.
     pub fn method(&self, method: Method) -> OneStage {
         match method {
@@ -76,6 +113,20 @@ impl Part {
             _ => OneStage::damping(RHO, &self.before, self.length),
         }
     }
+}
+
+/// Rate in N/s of the tension that a cable is driven by; zero where it is told none or none that pulls.
+pub(crate) fn tension_slope(commands: &Commands, cable: usize, time: f64) -> f64 {
+    match &commands.cables[cable] {
+        CableDrive::Tension(course) if course.before(time) > 0.0 => course.slope_before(time),
+        _ => 0.0,
+    }
+}
+
+/// Rate of the command of a motor.
+pub(crate) fn motor_slope(commands: &Commands, motor: usize, time: f64) -> f64 {
+    let course = commands.motors.get(motor).and_then(Option::as_ref);
+    course.map_or(0.0, |course| course.slope_before(time))
 }
 
 /// Derivatives of a number by a state of a motion. An empty list stands for zeros.
@@ -108,6 +159,7 @@ pub struct Gradient {
 }
 
 /// Derivatives by a state and its rates on their way back, or changes of these on their way forward.
+#[derive(Clone, Debug)]
 pub(crate) struct Costate {
     pub velocities: Vec<Twist>,
     pub strains: Vec<Twist>,
@@ -123,6 +175,8 @@ pub(crate) struct Costate {
     pub base: Twist,
     /// Of the unstretched length beyond the near hole of each passage of cables with friction.
     pub beyond: Vec<f64>,
+    /// Of the time.
+    pub time: f64,
 }
 
 impl Costate {
@@ -140,7 +194,28 @@ impl Costate {
             motors: vec![MotorValues::default(); motors],
             base: Twist::default(),
             beyond: vec![0.0; passages],
+            time: 0.0,
         }
+    }
+
+    /// Adds another one.
+    pub fn add(&mut self, other: &Self) {
+        add(&mut self.velocities, &other.velocities, 1.0);
+        add(&mut self.strains, &other.strains, 1.0);
+        add(&mut self.velocity_rates, &other.velocity_rates, 1.0);
+        add(&mut self.strain_rates, &other.strain_rates, 1.0);
+        let scalars = [
+            (&mut self.outputs, &other.outputs),
+            (&mut self.tensions, &other.tensions),
+            (&mut self.beyond, &other.beyond),
+        ];
+        for (of, by) in scalars {
+            of.iter_mut().zip(by).for_each(|(of, by)| *of += by);
+        }
+        let motors = self.motors.as_flattened_mut().iter_mut().zip(other.motors.as_flattened());
+        motors.for_each(|(of, by)| *of += by);
+        self.base = self.base + other.base;
+        self.time += other.time;
     }
 }
 
@@ -149,7 +224,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`MotionError`] of the first step that fails; [`MotionError::Unsupported`] for what has no gradients: a tolerance
-    /// of steps that are not taken by `accurate`; [`MotionError::NotSmooth`] where the robot hits an obstacle.
+    /// of steps that are not taken by `accurate`.
     pub fn record(&mut self, commands: &[Commands], dt: f64) -> Result<Record, MotionError> {
         let is_equilibrium = self.options.initial == Initial::Equilibrium;
         let mut record = Record {
@@ -172,13 +247,7 @@ impl Simulation {
                 });
             }
             let mut parts = Vec::new();
-            self.step_in_parts(commands, dt, &mut |before, length, warm| {
-                parts.push(Part { before: before.clone(), length, warm });
-            })?;
-            // An impact divides the step at its time, and contacts that jam are solved in another way.
-            if self.state.impacts > 0 || self.state.diagnostics.frictionless_parts > 0 {
-                return Err(MotionError::NotSmooth { time: self.state.time });
-            }
+            self.step_in_parts(commands, dt, &mut |taken| parts.push(Part::new(taken)))?;
             if self.state.changes > 0 {
                 record.one_sided.push(k);
             }
@@ -221,7 +290,7 @@ impl Simulation {
 
     fn backwards(&mut self, record: &Record, seeds: &[Seed]) -> Result<Gradient, MotionError> {
         let (cables, motors) = (self.rod.cables.len(), self.robot.motors().len());
-        let mut costate = Costate::new(&self.rod, motors, self.state.holes.tensions.len());
+        let mut costate = self.costate();
         let mut adjoint = StageAdjoint::new(&self.rod);
         let mut gradient = Gradient::default();
         for (k, parts) in record.parts.iter().enumerate().rev() {
@@ -259,6 +328,11 @@ impl Simulation {
         gradient.velocities = costate.velocities;
         gradient.strains = costate.strains;
         Ok(gradient)
+    }
+
+    /// Nothing.
+    pub(crate) fn costate(&self) -> Costate {
+        Costate::new(&self.rod, self.robot.motors().len(), self.state.holes.tensions.len())
     }
 
     /// Adds the derivatives by a state.
@@ -300,9 +374,19 @@ impl Simulation {
     /// Takes a part once more, for what its stages have found.
     pub(crate) fn repeat(&mut self, commands: &Commands, part: &Part) -> Result<(), MotionError> {
         self.state.copy_from(&part.before);
-        self.attempt(commands, part.length, part.warm)
-            .map(|_| ())
-            .map_err(|_| MotionError::NoGradient { time: part.before.time })
+        self.solver.contacts.is_frictionless = part.is_frictionless;
+        let method = self.begin_part(commands, part.length);
+        let (h, warm) = (part.length, part.warm);
+        self.solver.contacts.clear();
+        let outcome = match &part.impact {
+            Some(impact) => self.take_to_impact(commands, impact, h, warm),
+            None if touches(&part.before) && self.solver.contacts.surroundings.is_some() => {
+                self.attempt_by(commands, Method::Robust, h, warm, true)
+            }
+            None => self.attempt_by(commands, method, h, warm, false),
+        };
+        self.solver.contacts.is_frictionless = false;
+        outcome.map(|_| ()).map_err(|_| MotionError::NoGradient { time: part.before.time })
     }
 
     /// Whether the drive of a motor without inertia goes with its command in a part: within its play it stays where it was.
@@ -383,51 +467,84 @@ impl Simulation {
         factors: &mut Factors,
         (cables, motors): (&mut [f64], &mut [f64]),
     ) -> Result<(), MotionError> {
-        let fails = |_| MotionError::NoGradient { time: part.before.time };
         self.repeat(commands, part)?;
+        let told = (&mut *cables, &mut *motors);
+        let length =
+            self.solved_backwards((commands, part), adjoint, costate, factors, told)?;
+        self.length_backwards(
+            (commands, part),
+            length,
+            adjoint,
+            costate,
+            factors,
+            (cables, motors),
+        )
+    }
+
+    /// The part that the solver has solved; the derivative by its length.
+    pub(crate) fn solved_backwards(
+        &mut self,
+        (commands, part): (&Commands, &Part),
+        adjoint: &mut StageAdjoint,
+        costate: &mut Costate,
+        factors: &mut Factors,
+        (cables, motors): (&mut [f64], &mut [f64]),
+    ) -> Result<f64, MotionError> {
+        let fails = |_| MotionError::NoGradient { time: part.before.time };
+        let end = part.before.time + part.length;
+        let mut shift = Shift { start: 0.0, length: 0.0 };
+        shift.add(1.0, core::mem::take(&mut costate.time));
         // A cable that is driven by its tension ends the step with its command.
         let mut by_cable = vec![0.0; cables.len()];
         for i in 0..cables.len() {
             if !self.is_by_length(commands, i) {
                 by_cable[i] = core::mem::take(&mut costate.tensions[i]);
+                shift.add(1.0, by_cable[i] * tension_slope(commands, i, end));
             }
         }
         match self.next.diagnostics.method {
             Method::Accurate => {
-                self.stages_backwards(commands, part, adjoint, costate, factors, &mut by_cable)
+                let of = (commands, part, &mut shift);
+                self.stages_backwards(of, adjoint, costate, factors, &mut by_cable)
             }
             method => {
                 let method = part.method(method);
-                let of = (part, &method);
+                let of = (commands, part, &method, &mut shift);
                 self.one_stage_backwards(of, adjoint, costate, factors, (&mut by_cable, motors))
             }
         }
         .map_err(fails)?;
         for (i, value) in by_cable.into_iter().enumerate() {
             // A length is what the cable has at rest less its shortening.
-            let value = if self.is_by_length(commands, i) { -value } else { value };
+            let by_length = self.is_by_length(commands, i);
+            let value = if by_length { -value } else { value };
             match commands.motor_of(&self.robot, i) {
+                None if by_length => {
+                    cables[i] += value;
+                    shift.add(1.0, value * commands.cables[i].course().slope_before(end));
+                }
                 None => cables[i] += value,
                 // One with inertia has passed its derivative on.
                 Some((motor, _)) if self.robot.motors()[motor].dynamics.is_some() => {}
                 Some((motor, _)) => costate.outputs[motor] += self.pull(motor, i) * value,
             }
         }
-        for (motor, output) in costate.outputs.iter_mut().enumerate() {
+        for motor in 0..costate.outputs.len() {
             if self.drive_moves(commands, part, motor) {
-                let of = &self.robot.motors()[motor];
-                motors[motor] += *output / of.gear_ratio();
-                *output = 0.0;
+                let output = core::mem::take(&mut costate.outputs[motor]);
+                let by_command = output / self.robot.motors()[motor].gear_ratio();
+                motors[motor] += by_command;
+                shift.add(1.0, by_command * motor_slope(commands, motor, end));
             }
         }
-        Ok(())
+        costate.time = shift.start;
+        Ok(shift.length)
     }
 
     /// The stages of `accurate`.
     fn stages_backwards(
         &mut self,
-        commands: &Commands,
-        part: &Part,
+        (commands, part, shift): (&Commands, &Part, &mut Shift),
         adjoint: &mut StageAdjoint,
         costate: &mut Costate,
         factors: &mut Factors,
@@ -471,6 +588,14 @@ impl Simulation {
             adjoint.pull_back(Mechanics { rod, loads }, solver, &scheme, factors)?;
             add(&mut adjoint.velocities, &velocity_rates[i], -inverse);
             add(&mut adjoint.strains, &strain_rates[i], -inverse);
+            shift.length += self.history_by_length(part, &adjoint.velocities, &adjoint.strains);
+            let time = part.before.time + accurate::C[i] * h;
+            let Self { rod, loads, solver, .. } = &mut *self;
+            let by_loads = adjoint.load_rate(Mechanics { rod, loads }, solver, &scheme, time);
+            let slopes = adjoint.cables.iter().enumerate();
+            let by_tensions: f64 =
+                slopes.map(|(j, by)| by * tension_slope(commands, j, time)).sum();
+            shift.add(accurate::C[i], by_loads + by_tensions);
             add(&mut start_velocities, &adjoint.velocities, 1.0);
             add(&mut start_strains, &adjoint.strains, 1.0);
             for j in 0..i {
@@ -483,6 +608,7 @@ impl Simulation {
                 let history = of.pose_by_history().apply_transposed(&adjoint.base)
                     + of.exponent_by_history.apply_transposed(&rate)
                     - rate;
+                shift.length += dot(&history, &of.exponent) / h;
                 for (rate, a) in base_rates.iter_mut().zip(&accurate::A[i][..i]) {
                     *rate = *rate + history * (h * a);
                 }
@@ -502,12 +628,14 @@ impl Simulation {
     /// The stage of `robust`, which the solver has solved.
     fn one_stage_backwards(
         &mut self,
-        (part, method): (&Part, &OneStage),
+        (commands, part, method, shift): (&Commands, &Part, &OneStage, &mut Shift),
         adjoint: &mut StageAdjoint,
         costate: &mut Costate,
         factors: &mut Factors,
         (cables, motors): (&mut [f64], &mut [f64]),
     ) -> Result<(), NotSolved> {
+        let by_length: Vec<bool> =
+            (0..cables.len()).map(|i| self.is_by_length(commands, i)).collect();
         // The base moves from the start of the step, once to the stage and once to the end.
         let bases = self.half_bases(part, method)?;
         let Self { rod, loads, solver, .. } = self;
@@ -535,7 +663,9 @@ impl Simulation {
             let by_velocity = of_end.pose_by_velocity().apply_transposed(&end);
             costate.velocities[0] = costate.velocities[0] + by_velocity;
             base = of_end.pose_by_start.apply_transposed(&end);
-            base_velocity = of_end.pose_by_history().apply_transposed(&end) * *g;
+            let by_history = of_end.pose_by_history().apply_transposed(&end);
+            base_velocity = by_history * *g;
+            shift.length += dot(&by_history, &of_end.exponent) / h;
         }
         adjoint.base = Twist::default();
         adjoint.base_by_velocity = bases.as_ref().map(|[_, (of, _)]| of.pose_by_velocity());
@@ -551,28 +681,59 @@ impl Simulation {
         costate.beyond.clone_from(&adjoint.beyond);
         let drives = &solver.lengths.drives;
         let by_lengths = &adjoint.cables;
-        drives.pull_back(method, h, &tensions, by_lengths, &mut costate.motors, |motor, by| {
-            motors[motor] += by;
-        });
+        let at_stage = method.time(part.before.time, h);
+        let found = |motor: usize, [set_point, length]: [f64; 2]| {
+            motors[motor] += set_point;
+            shift.add(method.place, set_point * motor_slope(commands, motor, at_stage));
+            shift.length += length;
+        };
+        drives.pull_back(method, h, &tensions, by_lengths, &mut costate.motors, found);
         if let Some([_, (of_stage, g)]) = &bases {
             let of = &adjoint.base;
             base = base + of_stage.pose_by_start.apply_transposed(of);
-            base_velocity = base_velocity + of_stage.pose_by_history().apply_transposed(of) * *g;
+            let by_history = of_stage.pose_by_history().apply_transposed(of);
+            base_velocity = base_velocity + by_history * *g;
+            shift.length += dot(&by_history, &of_stage.exponent) / h;
         }
+        let time = method.time(part.before.time, h);
+        let of = Mechanics { rod, loads };
+        shift.add(method.place, adjoint.load_rate(of, solver, &scheme, time));
+        shift.length += adjoint.by_length;
+        let mut histories = [adjoint.velocities.clone(), adjoint.strains.clone()];
+        add(&mut histories[0], &costate.velocity_rates, -back.stage_by_rate);
+        add(&mut histories[1], &costate.strain_rates, -back.stage_by_rate);
         let (mut velocities, velocity_rates) =
             start_of(&costate.velocities, &costate.velocity_rates, &adjoint.velocities);
         let (mut strains, strain_rates) =
             start_of(&costate.strains, &costate.strain_rates, &adjoint.strains);
         add(&mut strains, &adjoint.start, 1.0);
-        for (of, by) in cables.iter_mut().zip(&adjoint.cables) {
+        for (i, (of, by)) in cables.iter_mut().zip(&adjoint.cables).enumerate() {
             *of += by;
+            if !by_length[i] {
+                // By its tension at the stage.
+                shift.add(method.place, by * tension_slope(commands, i, time));
+            }
         }
+        let [of_velocities, of_strains] = &histories;
+        shift.length += self.history_by_length(part, of_velocities, of_strains);
         velocities[0] = velocities[0] + base_velocity;
         (costate.velocities, costate.strains) = (velocities, strains);
         (costate.velocity_rates, costate.strain_rates) = (velocity_rates, strain_rates);
         costate.tensions.clone_from(&adjoint.tensions);
         costate.base = base;
         Ok(())
+    }
+
+    /// The derivative by the length of a part of what a stage in the solver has from derivatives by its histories: both go from the start to the stage by sums of rates that the length multiplies.
+    fn history_by_length(&self, part: &Part, velocities: &[Twist], strains: &[Twist]) -> f64 {
+        let (stage, from) = (&self.solver.stage, &part.before);
+        let of = |by: &[Twist], at: &[Twist], from: &[Twist]| -> f64 {
+            by.iter().zip(at).zip(from).map(|((by, at), from)| dot(by, &(*at - *from))).sum()
+        };
+        let free = self.loads.first_free()..;
+        let (by, at) = (&velocities[free.clone()], &stage.velocities[free.clone()]);
+        let sum = of(by, at, &from.velocities[free]) + of(strains, &stage.strains, &from.strains);
+        sum / part.length
     }
 
     /// The equilibrium that the motion starts from, by the factors.

@@ -1,9 +1,12 @@
 //! Parts of a step among obstacles: free where nothing is hit, in short parts behind an impact.
 
 use crate::commands::Commands;
+use crate::contact::Contact;
 use crate::iteration::Stalled;
 use crate::options::Method;
 use crate::simulation::Simulation;
+use crate::state::State;
+use crate::surroundings::Hit;
 
 /// Lengths of the parts without rates behind an impact, as parts of the step: the first ends the motion into the obstacle, the second its rates; the
 /// others grow, since rates in a short part are those of waves that a longer one cannot follow.
@@ -13,69 +16,113 @@ const LOCATED: usize = 6;
 /// A gap that closes from less than this part of the length is no impact.
 const GRAZING: f64 = 1e-4;
 
+/// A part that ends in an impact.
+#[derive(Clone, Debug)]
+pub(crate) struct Impact {
+    /// Length in s of the part that was tried, in which the obstacle was hit.
+    pub tried: f64,
+    pub end: ImpactEnd,
+}
+
+/// How the length of a part that ends in an impact follows.
+#[derive(Clone, Debug)]
+pub(crate) enum ImpactEnd {
+    /// It is this part of the length that was tried.
+    Fraction(f64),
+    /// It is the part of what was tried in which the robot gets to the obstacle.
+    Hit(Hit),
+    /// A contact, as it is at the start, closes by then if its gap goes on to close as fast as there.
+    Closing(Box<Contact>),
+}
+
+/// Whether a part from a state goes by the equations with contacts.
+pub(crate) fn touches(from: &State) -> bool {
+    !from.contacts.is_empty() || from.impact_parts > 0
+}
+
 impl Simulation {
-    /// Takes a part of a step among obstacles, or the part up to an impact. Returns its estimated error in m and its length in s.
+    /// Takes a part of a step among obstacles, or the part up to an impact. Returns its estimated error in m, its length in s and the impact.
     pub(crate) fn attempt_among_obstacles(
         &mut self,
         commands: &Commands,
         method: Method,
         h: f64,
         warm: bool,
-    ) -> Result<(f64, f64), Stalled> {
+    ) -> Result<(f64, f64, Option<Impact>), Stalled> {
         self.solver.contacts.clear();
-        if self.state.contacts.is_empty() && self.state.impact_parts == 0 {
+        let (error, end) = if touches(&self.state) {
+            let error = self.attempt_by(commands, Method::Robust, h, warm, true)?;
+            (error, self.first_new_contact(h))
+        } else {
             let error = self.attempt_by(commands, method, h, warm, false)?;
-            let Self { rod, solver, state, next, .. } = self;
-            let from = (state.base, state.strains.as_slice());
-            let to = (next.base, next.strains.as_slice());
-            let Some(part) = solver.contacts.first_hit(rod, from, to) else {
-                return Ok((error, h));
-            };
-            return self.take_to_impact(commands, part, h, warm);
-        }
-        let error = self.attempt_by(commands, Method::Robust, h, warm, true)?;
-        match self.first_new_contact(h) {
-            Some(part) if self.state.impact_parts == 0 => {
-                self.take_to_impact(commands, part, h, warm)
-            }
-            _ => Ok((error, h)),
-        }
+            (error, self.first_hit().map(|hit| (hit.part, ImpactEnd::Hit(hit))))
+        };
+        let Some((part, end)) = end else { return Ok((error, h, None)) };
+        let is_located = self.state.impacts < LOCATED;
+        let (part, end) = if !is_located {
+            (1.0, ImpactEnd::Fraction(1.0))
+        } else if part <= PARTS[0] {
+            (PARTS[0], ImpactEnd::Fraction(PARTS[0]))
+        } else {
+            (part, end)
+        };
+        let impact = Impact { tried: h, end };
+        let error = self.take_to_impact(commands, &impact, h * part, warm)?;
+        Ok((error, h * part, Some(impact)))
     }
 
-    /// Takes a step to where an obstacle is hit, at a part of its length.
-    fn take_to_impact(
+    /// Where the robot hits an obstacle first in the free part that was taken last.
+    pub(crate) fn first_hit(&mut self) -> Option<Hit> {
+        let Self { rod, solver, state, next, .. } = self;
+        let from = (state.base, state.strains.as_slice());
+        let to = (next.base, next.strains.as_slice());
+        solver.contacts.first_hit(rod, from, to)
+    }
+
+    /// Takes the part of this length that ends where an obstacle is hit; its estimated error in m.
+    pub(crate) fn take_to_impact(
         &mut self,
         commands: &Commands,
-        part: f64,
+        impact: &Impact,
         h: f64,
         warm: bool,
-    ) -> Result<(f64, f64), Stalled> {
-        let is_located = self.state.impacts < LOCATED;
-        let taken = if is_located { h * part.max(PARTS[0]) } else { h };
+    ) -> Result<f64, Stalled> {
         self.next.copy_from(&self.state);
         self.next.diagnostics.method = Method::Robust;
         let touched = core::mem::replace(&mut self.state.impact_parts, PARTS.len());
-        let outcome = self.attempt_one_stage(commands, Method::Robust, taken, warm, false, true);
+        let outcome = self.attempt_one_stage(commands, Method::Robust, h, warm, false, true);
         self.state.impact_parts = touched;
         let error = outcome?;
         self.next.impacts = self.state.impacts + 1;
         self.next.impact_parts = PARTS.len();
         self.next.has_rates = false;
-        Ok((error, taken))
+        // Of two that hit at once the other one may be the first.
+        if matches!(&impact.end, ImpactEnd::Hit(hit) if !hit.is_alone) {
+            self.next.changes += 1;
+        }
+        Ok(error)
     }
 
-    /// Where in a step of length `h` the first contact closed that was open at its start.
-    fn first_new_contact(&self, h: f64) -> Option<f64> {
+    /// The first contact that closed in a step of length `h` though it was open at its start, and the part of the step up to there.
+    fn first_new_contact(&self, h: f64) -> Option<(f64, ImpactEnd)> {
         let Self { rod, solver, state, .. } = self;
+        if state.impact_parts > 0 {
+            return None;
+        }
+        let surroundings = solver.contacts.surroundings.as_ref()?;
         let new = solver
             .contacts
             .list
             .iter()
             .filter(|contact| contact.force > 0.0 && contact.start_gap > GRAZING * rod.length);
-        new.filter_map(|contact| {
+        let closing = new.filter_map(|contact| {
+            let mut contact = *contact;
+            contact.look(&surroundings.obstacles[contact.obstacle], &contact.start.clone());
             let closing = -contact.start_rate(&state.velocities);
-            (closing * h > contact.start_gap).then(|| contact.start_gap / (closing * h))
-        })
-        .min_by(f64::total_cmp)
+            let gap = contact.nearest.gap;
+            (closing * h > gap)
+                .then(|| (gap / (closing * h), ImpactEnd::Closing(Box::new(contact))))
+        });
+        closing.min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }

@@ -39,6 +39,7 @@ mod mesh;
 mod modes;
 mod one_stage;
 mod options;
+mod part_length;
 mod parts;
 mod pose;
 mod pull;

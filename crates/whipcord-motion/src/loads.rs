@@ -101,6 +101,21 @@ impl NodeLoads {
         out
     }
 
+    /// What the loads at a time change by in 1 s; `None` where none is over time.
+    pub fn rates_at(&self, time: f64) -> Option<Vec<NodeLoad>> {
+        if self.varying.is_empty() {
+            return None;
+        }
+        let mut rates = vec![NodeLoad::default(); self.constant.len()];
+        for (varying, course) in &self.varying {
+            let slope = course.slope_before(time);
+            for (rate, varying) in rates.iter_mut().zip(varying) {
+                rate.add(slope, varying);
+            }
+        }
+        Some(rates)
+    }
+
     /// The first node that moves by the forces on it.
     pub fn first_free(&self) -> usize {
         usize::from(!self.has_free_base)

@@ -6,7 +6,7 @@ use crate::drives::MotorWork;
 use crate::energy::{Power, energies};
 use crate::error::MotionError;
 use crate::friction::Friction;
-use crate::impact::PARTS;
+use crate::impact::{Impact, PARTS};
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::lengths::Lengths;
 use crate::options::Method;
@@ -33,8 +33,23 @@ const ABOUT_TO_CHANGE: f64 = 1e-9;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
 
+/// A part of a step that was taken.
+#[derive(Debug)]
+pub(crate) struct Taken<'a> {
+    pub before: &'a State,
+    /// In s.
+    pub length: f64,
+    /// Whether its iteration began with a prediction.
+    pub is_warm: bool,
+    /// Whether it is, or its impact was looked for in, all that was left up to the next jump or the end of the step.
+    pub is_rest: bool,
+    /// Whether its contacts were without friction.
+    pub is_frictionless: bool,
+    pub impact: Option<Impact>,
+}
+
 /// A part of a step that has been solved.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Attempt {
     /// Its length in s.
     taken: f64,
@@ -42,15 +57,17 @@ pub(crate) struct Attempt {
     error: f64,
     /// Whether the integration has added more energy than it should.
     gains: bool,
+    /// The impact that it ends in.
+    impact: Option<Impact>,
 }
 
 impl Simulation {
-    /// Goes on to a time, up to which nothing jumps. `taken` gets the state before each part, its length and whether its iteration began with a prediction.
+    /// Goes on to a time, up to which nothing jumps. `taken` gets each part.
     pub(crate) fn advance(
         &mut self,
         commands: &Commands,
         goal: f64,
-        taken: &mut dyn FnMut(&State, f64, bool),
+        taken: &mut dyn FnMut(&Taken<'_>),
     ) -> Result<(), MotionError> {
         let total = goal - self.state.time;
         self.solver.contacts.is_frictionless = false;
@@ -67,18 +84,26 @@ impl Simulation {
             let part = total * impact * 0.5_f64.powi(halvings);
             // What rounding leaves is no part of its own; nor, among obstacles, what is much shorter than the others.
             let whole = if self.solver.contacts.surroundings.is_some() { 0.6 } else { 0.999_999 };
-            let h = if part > whole * left { left } else { part };
+            let is_rest = part > whole * left;
+            let h = if is_rest { left } else { part };
             let attempt = self.attempt(commands, h, !cold);
             let limit = self.options.tolerance.map(|tolerance| tolerance * h / total);
             match attempt {
-                Ok(Attempt { taken: h, error, gains })
+                Ok(Attempt { taken: h, error, gains, impact })
                     if limit.is_none_or(|limit| error <= limit)
                         && !(gains && halvings < HALVINGS_FOR_ENERGY) =>
                 {
                     if h == left {
                         self.next.time = goal;
                     }
-                    taken(&self.state, h, !cold);
+                    taken(&Taken {
+                        before: &self.state,
+                        length: h,
+                        is_warm: !cold,
+                        is_rest,
+                        is_frictionless: self.solver.contacts.is_frictionless,
+                        impact,
+                    });
                     self.next.diagnostics.error += error;
                     self.next.diagnostics.parts += 1;
                     let slid = core::mem::take(&mut self.solver.contacts.is_frictionless);
@@ -173,18 +198,10 @@ impl Simulation {
         h: f64,
         warm: bool,
     ) -> Result<Attempt, Stalled> {
-        self.set_lengths(commands, self.state.time + h);
-        self.solver.lengths.motor_work = MotorWork::default();
-        let by_length = !self.solver.lengths.cables.is_empty();
-        let method = if by_length || self.solver.friction.is_some() {
-            Method::Robust
-        } else {
-            self.options.method
-        };
-        self.next.copy_from(&self.state);
+        let method = self.begin_part(commands, h);
         (self.solver.iterations, self.solver.factorisations) = (0, 0);
-        let (error, taken) = match self.solver.contacts.surroundings {
-            None => (self.attempt_by(commands, method, h, warm, false)?, h),
+        let (error, taken, impact) = match self.solver.contacts.surroundings {
+            None => (self.attempt_by(commands, method, h, warm, false)?, h, None),
             Some(_) => self.attempt_among_obstacles(commands, method, h, warm)?,
         };
         self.next.diagnostics.iterations += self.solver.iterations;
@@ -194,7 +211,19 @@ impl Simulation {
         let watches = self.next.diagnostics.method == Method::Accurate
             || !self.solver.contacts.list.is_empty();
         let gains = watches && gained > GREATEST_GAIN * (energy.kinetic + energy.elastic);
-        Ok(Attempt { taken, error, gains })
+        Ok(Attempt { taken, error, gains, impact })
+    }
+
+    /// Begins a part of a step of length `h`; the method that it is taken by where nothing touches.
+    pub(crate) fn begin_part(&mut self, commands: &Commands, h: f64) -> Method {
+        self.set_lengths(commands, self.state.time + h);
+        self.solver.lengths.motor_work = MotorWork::default();
+        self.next.copy_from(&self.state);
+        let by_length = !self.solver.lengths.cables.is_empty();
+        match by_length || self.solver.friction.is_some() {
+            true => Method::Robust,
+            false => self.options.method,
+        }
     }
 
     /// Takes a part of a step by a method, into [`Self::next`]; its estimated error in m. Obstacles count where the robot `touches` some.

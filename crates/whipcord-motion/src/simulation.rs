@@ -11,6 +11,7 @@ use crate::friction::Friction;
 use crate::iteration::Solver;
 use crate::loads::NodeLoads;
 use crate::options::MotionOptions;
+use crate::parts::Taken;
 use crate::rod::Rod;
 use crate::state::{CableMotion, MotorMotion, State};
 use crate::surroundings::Surroundings;
@@ -220,15 +221,15 @@ impl Simulation {
     /// # Errors
     /// [`MotionError`]; the state is then that before the step.
     pub fn step(&mut self, commands: &Commands, dt: f64) -> Result<&State, MotionError> {
-        self.step_in_parts(commands, dt, &mut |_, _, _| ())
+        self.step_in_parts(commands, dt, &mut |_| ())
     }
 
-    /// The same; `taken` gets the state before each part of the step, its length and whether its iteration began with a prediction.
+    /// The same; `taken` gets each part of the step.
     pub(crate) fn step_in_parts(
         &mut self,
         commands: &Commands,
         dt: f64,
-        taken: &mut dyn FnMut(&State, f64, bool),
+        taken: &mut dyn FnMut(&Taken<'_>),
     ) -> Result<&State, MotionError> {
         if !(dt > 0.0 && dt.is_finite()) {
             let need = "it must be a positive time in s";

@@ -4,7 +4,7 @@ use whipcord::contact::body::{Nearest, Rim};
 use whipcord::contact::member::Member;
 use whipcord::shape::Part;
 use whipcord::{Case, Obstacle, Robot};
-use whipcord_numerics::{Pose, Twist, Vec3, golden_section};
+use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3, golden_section};
 
 use crate::element::{NODES, PLACES, POINTS, pose_at, shapes};
 use crate::error::MotionError;
@@ -31,6 +31,11 @@ impl Station {
     pub fn of_node(node: usize) -> Self {
         let element = (node - 1) / POINTS;
         Self { element, fraction: PLACES[node - POINTS * element] }
+    }
+
+    /// Arc length in m.
+    pub fn arc_length(self, rod: &Rod) -> f64 {
+        rod.nodes[POINTS * self.element].arc_length + self.fraction * rod.lengths[self.element]
     }
 
     /// The velocity there is the sum of those of the three nodes of the element with these weights.
@@ -84,6 +89,8 @@ const ALL_AROUND: f64 = 0.05;
 const AROUND: usize = 4;
 /// Steps of the search for the least gap between three watched places.
 const SECTIONS: usize = 20;
+/// Parts of a way that differ by less are the same.
+const AT_ONCE: f64 = 1e-9;
 /// Looks at a part on its way from one pose to another.
 const LOOKS: f64 = 64.0;
 
@@ -211,54 +218,102 @@ impl Surroundings {
     }
 
     fn on_backbone(&self, shape: &Posed<'_>, k: usize, station: Station, of: Member) -> Near {
-        let rod = shape.rod;
-        let arc_length = rod.nodes[POINTS * station.element].arc_length
-            + station.fraction * rod.lengths[station.element];
+        let arc_length = station.arc_length(shape.rod);
         let member = Member { part: Part::Backbone, arc_length, ..of };
         let nearest = member.body.at_place(&self.obstacles[k], &shape.at(station), [0.0, 0.0]);
         Near { obstacle: k, member, station, nearest, keeps_place: false }
     }
 
-    /// The part of the way between two shapes at which the robot first overlaps an obstacle by more than `overlap`, if each of its cross-sections moves
-    /// straight.
-    pub fn first_hit(&self, from: &Posed<'_>, to: &Posed<'_>, overlap: f64) -> Option<f64> {
+    /// Where the robot first overlaps an obstacle by `overlap` on its way between two shapes, if each of its cross-sections moves straight.
+    pub fn first_hit(&self, from: &Posed<'_>, to: &Posed<'_>, overlap: f64) -> Option<Hit> {
         // What hits between two watched places is deepest at neither of them.
         let mut behind = Vec::new();
         self.near(to, 0.0, f64::INFINITY, &mut behind);
         let between = behind.iter().map(|near| (near.station, near.member));
         let all = self.disks.iter().chain(&self.watched).copied().chain(between);
-        let hits = all.filter_map(|(station, member)| {
-            self.first_hit_of(&member, from.at(station), to.at(station), overlap)
-        });
-        hits.min_by(f64::total_cmp)
+        let mut hits = Vec::new();
+        for (station, member) in all {
+            for (obstacle, of) in self.obstacles.iter().enumerate() {
+                let way = Way::new(of, member, [from, to].map(|shape| shape.at(station)));
+                let [low, high] = match way.first_hit(overlap) {
+                    Some(interval) => interval,
+                    None => continue,
+                };
+                let hit = Hit { part: low, obstacle, member, station, overlap, is_alone: true };
+                hits.push((high, hit));
+            }
+        }
+        // Where it is the first of all it is looked at to rounding.
+        let sooner = hits.iter().map(|(high, _)| *high).min_by(f64::total_cmp)?;
+        hits.retain(|(_, hit)| hit.part <= sooner);
+        for (high, hit) in &mut hits {
+            hit.part = self.way(hit, from, to).at_overlap(overlap, [hit.part, *high]);
+        }
+        let first = hits.iter().map(|(_, hit)| *hit).min_by(|a, b| a.part.total_cmp(&b.part))?;
+        let is_other = |hit: &Hit| {
+            (hit.obstacle, hit.member.part) != (first.obstacle, first.member.part)
+                && hit.part - first.part < AT_ONCE
+        };
+        let is_alone = !hits.iter().any(|(_, hit)| is_other(hit));
+        Some(self.soonest_along(from, to, Hit { is_alone, ..first }))
     }
 
-    /// The same for one part of the robot.
-    fn first_hit_of(&self, member: &Member, start: Pose, end: Pose, overlap: f64) -> Option<f64> {
-        let way = (start.inverse() * end).log();
-        let moved = (end.position - start.position).norm() + way.angular.norm() * member.body.flat;
-        let mut places = Vec::new();
-        let hits = self.obstacles.iter().filter_map(|obstacle| {
-            let mut gap = |pose: &Pose| {
-                if member.body.is_ball() {
-                    return obstacle.surface(pose.position).distance - member.body.rounding;
-                }
-                member.body.nearest(obstacle, pose, f64::INFINITY, &mut places);
-                places.iter().map(|near| near.gap).fold(f64::INFINITY, f64::min)
-            };
-            let (at_start, at_end) = (gap(&start), gap(&end));
-            if at_start < -overlap {
-                // It overlapped before: what counts is that it gets worse.
-                return (at_end < at_start - overlap).then_some(0.0);
+    fn way(&self, hit: &Hit, from: &Posed<'_>, to: &Posed<'_>) -> Way<'_> {
+        let poses = [from, to].map(|shape| shape.at(hit.station));
+        Way::new(&self.obstacles[hit.obstacle], hit.member, poses)
+    }
+
+    /// The same hit of the backbone at the place that gets there first, between the neighbours of the place that was watched.
+    fn soonest_along(&self, from: &Posed<'_>, to: &Posed<'_>, hit: Hit) -> Hit {
+        /// The time is least there, so that the place need not be known as well as the time.
+        const SECTIONS: usize = 26;
+        if hit.member.part != Part::Backbone || hit.part == 0.0 {
+            return hit;
+        }
+        let rod = from.rod;
+        let spacing = rod.lengths[hit.station.element] / WATCHED.len() as f64;
+        let ends = [0, self.watched.len() - 1].map(|i| self.watched[i].1.arc_length);
+        let [low, high] = [-spacing, spacing]
+            .map(|by| (hit.station.arc_length(rod) + by).clamp(ends[0], ends[1]));
+        let at = |x: f64| {
+            let station = Station::at(rod, low + x * (high - low));
+            let member = Member { arc_length: station.arc_length(rod), ..hit.member };
+            Hit { station, member, ..hit }
+        };
+        let part = |x: f64| {
+            let way = self.way(&at(x), from, to);
+            let beyond = way.gap(1.0) + hit.overlap;
+            match beyond < 0.0 {
+                true => way.at_overlap(hit.overlap, [0.0, 1.0]),
+                // Later, the farther it stays away.
+                false => 1.0 + beyond / rod.length,
             }
-            if at_end >= -overlap && moved <= at_start + at_end {
-                return None;
-            }
-            let least = 0.5 * member.body.reach();
-            let mut at = |t: f64| gap(&(start * Pose::exp(way * t)));
-            first_below(&mut at, at_start, -overlap, [least, moved])
-        });
-        hits.min_by(f64::total_cmp)
+        };
+        let (x, soonest) = golden_section(SECTIONS, part);
+        if soonest < hit.part { Hit { part: soonest, ..at(x) } } else { hit }
+    }
+
+    /// What the part of the way of a hit changes by for displacements of its cross-section at the start and at the end of the way, along and about the axes that the poses
+    /// are given in. `None` where the obstacle is grazed.
+    pub fn hit_changes(&self, hit: &Hit, poses: [Pose; 2], length: f64) -> Option<[Twist; 2]> {
+        /// A speed at which the gap closes, as a part of what it closes by at the most.
+        const GRAZING: f64 = 1e-6;
+        let gap = |poses: [Pose; 2], part: f64| {
+            Way::new(&self.obstacles[hit.obstacle], hit.member, poses).gap(part)
+        };
+        let h = 1e-6;
+        let rate = (gap(poses, hit.part + h) - gap(poses, hit.part - h)) * (0.5 / h);
+        let way = Way::new(&self.obstacles[hit.obstacle], hit.member, poses);
+        if -rate <= GRAZING * way.moved() {
+            return None;
+        }
+        Some([0, 1].map(|which| {
+            by_displacements(length, |axis, by| {
+                let mut of = poses;
+                of[which] = displaced(&of[which], axis, by);
+                gap(of, hit.part)
+            }) * (-1.0 / rate)
+        }))
     }
 
     /// How deep in m the robot is in an obstacle, and in which.
@@ -272,15 +327,128 @@ impl Surroundings {
     }
 }
 
-/// Where a gap that begins with `start` and changes by no more than `moved` over its way first falls below a limit: looked at in steps of the gap, no
+/// Where a part of the robot first overlaps an obstacle on its way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hit {
+    /// The part of the way up to there: zero where it overlaps from the start on.
+    pub part: f64,
+    pub obstacle: usize,
+    pub member: Member,
+    pub station: Station,
+    /// Whether nothing else hits an obstacle at the same time.
+    pub is_alone: bool,
+    /// The overlap in m that it has there.
+    overlap: f64,
+}
+
+/// A part of the robot that moves straight from one pose to another, past an obstacle.
+struct Way<'a> {
+    obstacle: &'a Obstacle,
+    member: Member,
+    start: Pose,
+    twist: Twist,
+}
+
+impl<'a> Way<'a> {
+    fn new(obstacle: &'a Obstacle, member: Member, [start, end]: [Pose; 2]) -> Self {
+        Self { obstacle, member, start, twist: (start.inverse() * end).log() }
+    }
+
+    /// The gap in m at a part of the way.
+    fn gap(&self, part: f64) -> f64 {
+        let pose = self.start * Pose::exp(self.twist * part);
+        let body = &self.member.body;
+        if body.is_ball() {
+            return self.obstacle.surface(pose.position).distance - body.rounding;
+        }
+        let mut places = Vec::new();
+        body.nearest(self.obstacle, &pose, f64::INFINITY, &mut places);
+        places.iter().map(|near| near.gap).fold(f64::INFINITY, f64::min)
+    }
+
+    /// How far in m it moves at the most.
+    fn moved(&self) -> f64 {
+        let end = Pose::exp(self.twist);
+        end.position.norm() + self.twist.angular.norm() * self.member.body.flat
+    }
+
+    /// An interval of the way in which it first overlaps by `overlap`: of length zero at the start where it did so before and overlaps more behind it.
+    fn first_hit(&self, overlap: f64) -> Option<[f64; 2]> {
+        let (at_start, at_end, moved) = (self.gap(0.0), self.gap(1.0), self.moved());
+        if at_start < -overlap {
+            // What counts is that it gets worse.
+            return (at_end < at_start - overlap).then_some([0.0; 2]);
+        }
+        if at_end >= -overlap && moved <= at_start + at_end {
+            return None;
+        }
+        let least = 0.5 * self.member.body.reach();
+        first_below(&|part| self.gap(part), at_start, -overlap, [least, moved])
+    }
+
+    /// Where it overlaps by `overlap` in an interval in which it begins to, to rounding: by the method of false position with halved values (Illinois).
+    fn at_overlap(&self, overlap: f64, [mut low, mut high]: [f64; 2]) -> f64 {
+        const MOST: usize = 80;
+        let excess = |part: f64| self.gap(part) + overlap;
+        let (mut at_low, mut at_high) = (excess(low), excess(high));
+        let mut last = 0;
+        for _ in 0..MOST {
+            if !(at_low > 0.0 && at_high < 0.0) || high - low <= f64::EPSILON {
+                break;
+            }
+            let part = high - at_high * (high - low) / (at_high - at_low);
+            let part = if part > low && part < high { part } else { 0.5 * (low + high) };
+            let here = excess(part);
+            let side = if here < 0.0 { -1 } else { 1 };
+            if side < 0 {
+                (high, at_high) = (part, here);
+                at_low *= if last == side { 0.5 } else { 1.0 };
+            } else {
+                (low, at_low) = (part, here);
+                at_high *= if last == side { 0.5 } else { 1.0 };
+            }
+            last = side;
+        }
+        if -at_high < at_low { high } else { low }
+    }
+}
+
+/// Displacements of a cross-section: along and about three axes.
+pub(crate) const MOTIONS: usize = 6;
+
+/// A unit displacement along or about an axis.
+pub(crate) fn unit(axis: usize) -> Twist {
+    let mut out = Twist::default();
+    let part = if axis < 3 { &mut out.linear } else { &mut out.angular };
+    part[axis % 3] = 1.0;
+    out
+}
+
+/// A pose displaced along, or turned about, an axis of the frame that it is given in.
+pub(crate) fn displaced(pose: &Pose, axis: usize, by: f64) -> Pose {
+    let motion = unit(axis) * by;
+    let rotation = UnitQuaternion::exp(motion.angular) * pose.rotation;
+    Pose { position: pose.position + motion.linear, rotation }
+}
+
+/// Derivatives of a number by the displacements of a section along and about each axis, by central differences of a rod of this length.
+pub(crate) fn by_displacements(length: f64, at: impl Fn(usize, f64) -> f64) -> Twist {
+    let of = |axis: usize| {
+        let step = if axis < 3 { 1e-6 * length } else { 1e-6 };
+        (at(axis, step) - at(axis, -step)) * (0.5 / step)
+    };
+    Twist { linear: Vec3::new(of(0), of(1), of(2)), angular: Vec3::new(of(3), of(4), of(5)) }
+}
+
+/// The interval in which a gap that begins with `start` and changes by no more than `moved` over its way first falls below a limit: looked at in steps of the gap, no
 /// shorter than `least` and a fraction of the way.
 fn first_below(
-    gap: &mut impl FnMut(f64) -> f64,
+    gap: &impl Fn(f64) -> f64,
     start: f64,
     limit: f64,
     [least, moved]: [f64; 2],
-) -> Option<f64> {
-    const HALVINGS: usize = 12;
+) -> Option<[f64; 2]> {
+    const HALVINGS: usize = 6;
     let (mut t, mut here) = (0.0, start);
     while t < 1.0 {
         let step = here.max(least).max(moved / LOOKS) / moved.max(f64::MIN_POSITIVE);
@@ -292,7 +460,7 @@ fn first_below(
                 let middle = 0.5 * (low + high);
                 if gap(middle) < limit { high = middle } else { low = middle }
             }
-            return Some(low);
+            return Some([low, high]);
         }
         t = next;
     }

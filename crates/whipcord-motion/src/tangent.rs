@@ -4,7 +4,8 @@
 use whipcord_numerics::{DenseLu, Twist, Vec3};
 
 use crate::adjoint::{
-    Factors, MOST_CORRECTIONS, NotSolved, dead_load, inertia_and_weight, is_settled, linearise,
+    Factors, MOST_CORRECTIONS, NotSolved, add_forces, dead_load, inertia_and_weight, is_settled,
+    linearise, load_rates,
 };
 use crate::block::{Block, add, sum, transposed_bracket};
 use crate::cable_work::CableWork;
@@ -39,6 +40,10 @@ pub(crate) struct StageTangent {
     pub base: Twist,
     /// How the pose of a free base changes with its velocity.
     pub base_by_velocity: Option<Block>,
+    /// Time in s at which loads act on the stage, and how much later that is.
+    pub time: [f64; 2],
+    /// Of the length of the step.
+    pub length: f64,
     /// What the equations of motion lack where the velocities do not change.
     right: Vec<Twist>,
     /// What the strains change by where the velocities do not.
@@ -67,6 +72,8 @@ impl StageTangent {
             stage_tensions: vec![0.0; cables],
             base: Twist::default(),
             base_by_velocity: None,
+            time: [0.0; 2],
+            length: 0.0,
             right: list(nodes),
             history: list(points),
             potential: list(points),
@@ -158,7 +165,8 @@ impl StageTangent {
             matrix[i * n + i] += compliance / scheme.place;
         }
         for (row, i) in touching.rows.iter().zip(taut.len()..) {
-            changes[i] = row.by_stage(&strains) + row.by_start(&start);
+            changes[i] =
+                row.by_stage(&strains) + row.by_start(&start) + row.by_length * self.length;
             for (j, by) in &row.unknowns {
                 matrix[i * n + taut.len() + j] -= by;
             }
@@ -248,6 +256,12 @@ impl StageTangent {
             let of_mass = inertia_and_weight(mechanics, stage, scheme, a);
             right[a] = right[a] + of_mass * factors.mass;
         }
+        let [time, later] = self.time;
+        if later != 0.0
+            && let Some(rates) = load_rates(mechanics, stage, scheme, time)
+        {
+            add(&mut self.right, &rates, later);
+        }
         if scheme.conserves {
             if factors.mass != 0.0 {
                 let weight = Conserving::alone(rod, stage, scheme, loads.gravity, None);
@@ -278,11 +292,7 @@ impl StageTangent {
 
     /// Adds forces on the strains, times the weights of the points and a factor.
     fn add_forces(&mut self, rod: &Rod, stage: &Stage, forces: &[Twist], factor: f64) {
-        for (q, force) in forces.iter().enumerate() {
-            let (e, k) = (q / POINTS, q % POINTS);
-            let across = transposed_bracket(&stage.strains[q], force);
-            add_to_nodes(&mut self.right[2 * e..], force, &across, factor, k, rod.lengths[e]);
-        }
+        add_forces(rod, stage, forces, factor, &mut self.right);
     }
 
     /// Adds what a change of the tension of a cable exerts.

@@ -19,6 +19,7 @@ mod friction_drives;
 mod gradient;
 mod gradient_contact;
 mod gradient_friction;
+mod gradient_impact;
 mod invariance;
 mod lengths;
 mod order;
