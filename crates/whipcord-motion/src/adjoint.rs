@@ -57,6 +57,8 @@ pub(crate) struct StageAdjoint {
     pub base_by_velocity: Option<Block>,
     /// After [`Self::pull_back`]: what the equations of contacts depend on the length of the step by themselves.
     pub by_length: f64,
+    /// After [`Self::pull_back`]: by the arc length of the place of each contact.
+    pub places: Vec<f64>,
     /// `λ`: multipliers of the equations of motion.
     multipliers: Vec<Twist>,
     /// The multipliers that a length of each cable has, and its gradient by the strains.
@@ -114,6 +116,7 @@ impl StageAdjoint {
             base: Twist::default(),
             base_by_velocity: None,
             by_length: 0.0,
+            places: Vec::new(),
             multipliers: list(nodes),
             of_lengths: Vec::new(),
             right: list(nodes),
@@ -142,6 +145,8 @@ impl StageAdjoint {
         let touching = contacts.rows(rod, scheme, stage);
         self.start.fill(Twist::default());
         self.by_length = 0.0;
+        self.places.clear();
+        self.places.resize(contacts.list.len(), 0.0);
         let mut tensions = Vec::new();
         let holes = friction.as_mut().filter(|_| !*holds_passages);
         let holes = holes.map(|friction| friction.rows(rod, scheme, stage));
@@ -261,6 +266,7 @@ impl StageAdjoint {
                     Some(row) => {
                         add(&mut self.start, &row.start, -force);
                         self.by_length -= force * row.by_length;
+                        self.places[row.contact] -= force * row.by_place;
                     }
                     // Where the stage is not at the end, the end lies beyond it, away from the start.
                     None => add(&mut self.start, gradient, -force * (scheme.place - 1.0)),
@@ -283,6 +289,9 @@ impl StageAdjoint {
             } else {
                 -self.cable_work.tension_work(rod, stage, scheme, i, &multipliers)
             };
+        }
+        for shift in &touching.shifts {
+            self.places[shift.contact] -= shift.work(&multipliers);
         }
         self.multipliers.copy_from_slice(&multipliers);
         self.find_by_poses(mechanics, stage, scheme);

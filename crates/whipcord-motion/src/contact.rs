@@ -20,6 +20,8 @@ pub(crate) struct Contact {
     pub keeps_place: bool,
     /// Coefficient of friction.
     pub coefficient: f64,
+    /// How its place was looked for along the backbone; `None` where it is a place of the robot.
+    pub search: Option<Search>,
     /// Pose of the cross-section at the start of the step.
     pub start: Pose,
     /// Gap in m at the start of the step, and of which place of the section, in its axes x and y.
@@ -43,6 +45,15 @@ pub(crate) struct Contact {
     pub sticks: bool,
 }
 
+/// How the place of a contact was looked for along the backbone.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Search {
+    /// How far beside it in m the gap is as large on both sides.
+    pub beside: f64,
+    /// The round of the step behind which it was looked for at its end; at the start of the step where there is none.
+    pub round: Option<usize>,
+}
+
 /// A line of the complementarity problem: a unit force and where it acts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
@@ -57,7 +68,12 @@ pub(crate) struct Line {
 const SHARPEST: f64 = 1e-4;
 
 impl Contact {
-    pub fn new(near: &Near, obstacle: &whipcord::Obstacle, at_start: &Posed<'_>) -> Self {
+    pub fn new(
+        near: &Near,
+        obstacle: &whipcord::Obstacle,
+        at_start: &Posed<'_>,
+        round: Option<usize>,
+    ) -> Self {
         let start = at_start.at(near.station);
         let body = &near.member.body;
         let start_gap = body.at_place(obstacle, &start, near.nearest.local).gap;
@@ -68,6 +84,7 @@ impl Contact {
             shapes: near.station.shapes(),
             keeps_place: near.keeps_place,
             coefficient: obstacle.friction,
+            search: near.beside.map(|beside| Search { beside, round }),
             start,
             start_gap,
             start_place: near.nearest.local,

@@ -3,14 +3,15 @@
 //! Each contact that pushes has its push on the section as six unknowns and its forces in the lines as further ones, so that a push may change with the pose of the section
 //! as stiffly as it will.
 
+use whipcord::Obstacle;
 use whipcord::contact::body::{along, tangents};
-use whipcord::{Obstacle, Wrench};
 use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
 
 use crate::block::{add, sum};
+use crate::by_shape::ByShape;
 use crate::contact::{Contact, in_section};
 use crate::contacts::{Contacts, OUTWARD};
-use crate::element::{POINTS, pose_at};
+use crate::element::{NODES, POINTS};
 use crate::pose;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
@@ -20,12 +21,18 @@ use crate::surroundings::{MOTIONS, Posed, Station, displaced, unit};
 /// A slip below this part of the length has no direction.
 const LEAST_SLIP: f64 = 1e-13;
 
-/// An equation: what it has for changes of the strains of the stage, of those at the start of the step, of the length of the step and of the unknowns of the contacts.
+/// An equation: what it has for changes of the strains of the stage, of those at the start of the step, of the base, of the length of the step, of the place that touches and of the
+/// unknowns of the contacts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactRow {
     pub stage: Vec<Twist>,
     pub start: Vec<Twist>,
+    /// By displacements of the base at the start of the step, at the stage and at the end.
+    pub bases: [Twist; 3],
     pub by_length: f64,
+    /// By the arc length of the place, and the number of its contact.
+    pub by_place: f64,
+    pub contact: usize,
     pub unknowns: Vec<(usize, f64)>,
 }
 
@@ -35,6 +42,28 @@ pub(crate) struct ContactRows {
     pub rows: Vec<ContactRow>,
     /// The unknowns that are a component of a push on a section, each with the nodes that bear it and their weights.
     pub pushes: Vec<Push>,
+    /// What each contact that pushes exerts where its place moves along the rod.
+    pub shifts: Vec<PushShift>,
+}
+
+/// What a push exerts on the nodes of its element where its place moves by 1 m along the rod.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PushShift {
+    pub contact: usize,
+    element: usize,
+    forces: [Twist; NODES],
+}
+
+impl PushShift {
+    /// Adds it, times a factor, to what the equations of motion lack.
+    pub fn add(&self, out: &mut [Twist], factor: f64) {
+        add(&mut out[POINTS * self.element..][..NODES], &self.forces, -factor);
+    }
+
+    /// What the equations lack times multipliers.
+    pub fn work(&self, on: &[Twist]) -> f64 {
+        -sum(&self.forces, &on[POINTS * self.element..][..NODES])
+    }
 }
 
 /// A unit push along or about an axis of a section.
@@ -46,6 +75,7 @@ pub(crate) struct Push {
 }
 
 /// What a contact does at a pose of its section.
+#[derive(Default)]
 struct Doing {
     /// Gap, then the slip along both tangents.
     lines: [f64; 3],
@@ -53,6 +83,7 @@ struct Doing {
 }
 
 /// A contact with the forces in its lines held, at poses of its section.
+#[derive(Clone, Copy)]
 struct Held<'a> {
     contact: Contact,
     obstacle: &'a Obstacle,
@@ -100,49 +131,6 @@ impl Push {
     }
 }
 
-/// The gradient by the strains of the displacement of a section along a wrench, in the frame that the poses are given in.
-pub(crate) fn gradient(shape: &Posed<'_>, station: Station, along: Twist) -> Vec<Twist> {
-    let Posed { rod, strains, poses } = *shape;
-    let mut out = vec![Twist::default(); strains.len()];
-    let (e, h) = (station.element, rod.lengths[station.element]);
-    let (q, x) = (POINTS * e, station.fraction);
-    // From the last node before it on.
-    let from = q + if x < 0.5 {
-        0
-    } else if x < 1.0 {
-        1
-    } else {
-        2
-    };
-    let place = shape.at(station).position;
-    let moment = along.angular + (place - poses[from].position).cross(along.linear);
-    let wrench = |node: usize| match node == from {
-        true => Wrench { force: along.linear, moment },
-        false => Wrench::default(),
-    };
-    pose::work_gradient(rod, strains, poses, wrench, &mut out);
-    if x == 0.0 || x == 0.5 || x == 1.0 {
-        return out;
-    }
-    let own = [strains[q], strains[q + 1]];
-    for k in 0..POINTS {
-        for axis in 0..MOTIONS {
-            let step = if axis < 3 { 1e-6 } else { 1e-6 / rod.length };
-            let at = |by: f64| {
-                let mut points = own;
-                points[k] = points[k] + unit(axis) * by;
-                pose_at(&poses[q..], &points, h, x)
-            };
-            let (above, below) = (at(step), at(-step));
-            let shift = (above.position - below.position) * (0.5 / step);
-            let turn = (above.rotation * below.rotation.conjugate()).log() * (0.5 / step);
-            let change = along.linear.dot(shift) + along.angular.dot(turn);
-            out[q + k] = out[q + k] + unit(axis) * change;
-        }
-    }
-    out
-}
-
 impl Contacts {
     /// The linearised equations of all contacts that push at the stage that is solved, in the state each of them has.
     pub fn rows(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) -> ContactRows {
@@ -158,14 +146,15 @@ impl Contacts {
         let start = Posed { rod, strains: &stage.start, poses: &start_poses };
         let at_stage = Posed { rod, strains: &stage.strains, poses: &stage.poses };
         let Some(surroundings) = &self.surroundings else { return out };
-        for contact in self.list.iter().filter(|contact| contact.force > 0.0) {
+        let touching = self.list.iter().enumerate().filter(|(_, contact)| contact.force > 0.0);
+        for (number, contact) in touching {
             let held = Held {
                 contact: *contact,
                 obstacle: &surroundings.obstacles[contact.obstacle],
                 tangents: tangents(contact.nearest.normal),
                 forces: contact.forces(),
             };
-            out.add(&held, scheme, (&start, &end, &at_stage));
+            out.add(&held, number, scheme, (&start, &end, &at_stage));
         }
         out
     }
@@ -199,6 +188,7 @@ impl ContactRows {
     fn add(
         &mut self,
         held: &Held<'_>,
+        number: usize,
         scheme: &Scheme,
         (start, end, stage): (&Posed<'_>, &Posed<'_>, &Posed<'_>),
     ) {
@@ -222,6 +212,29 @@ impl ContactRows {
                 }
             })
         });
+        // The same with the arc length of the place, where it was looked for.
+        let by_place = contact.search.map(|_| {
+            let h = 1e-6 * length;
+            let at = |by: f64| {
+                let place = Station::at(end.rod, station.arc_length(end.rod) + by);
+                let [start, end, stage] = [start, end, stage].map(|shape| shape.at(place));
+                let mut held = Held { contact: held.contact, ..*held };
+                held.contact.at_stage = stage.rotation;
+                held.at(&start, &end)
+            };
+            let (above, below) = (at(h), at(-h));
+            Doing {
+                lines: [0, 1, 2].map(|i| (above.lines[i] - below.lines[i]) * (0.5 / h)),
+                push: (above.push - below.push) * (0.5 / h),
+            }
+        });
+        if by_place.is_some() {
+            let push = contact.push();
+            let forces = station.slopes(end.rod).map(|slope| push * slope);
+            let element = station.element;
+            self.shifts.push(PushShift { contact: number, element, forces });
+        }
+        let by_place = by_place.unwrap_or_default();
         let along_line = |which: usize, line: usize| {
             let of: [f64; MOTIONS] = core::array::from_fn(|axis| changes[which][axis].lines[line]);
             wrench(of)
@@ -238,7 +251,12 @@ impl ContactRows {
             let part = if axis < 3 { now.linear } else { now.angular };
             let turning = world(unit(axis % 3).linear).cross(world(part)) * -1.0;
             let of_stage = Twist { linear: Vec3::ZERO, angular: turning };
-            let mut row = ContactRow { unknowns: vec![(first + axis, 1.0)], ..Default::default() };
+            let mut row = ContactRow {
+                unknowns: vec![(first + axis, 1.0)],
+                by_place: -component(&by_place.push, axis),
+                contact: number,
+                ..Default::default()
+            };
             let by_line = [
                 in_section(rotation, contact.nearest.normal, contact.nearest.arm),
                 in_section(rotation, held.tangents[0], lever(contact)),
@@ -247,8 +265,10 @@ impl ContactRows {
             for (line, by) in by_line.iter().enumerate().take(contact.lines()) {
                 row.unknowns.push((line_unknown(line), -component(by, axis)));
             }
-            row.take_end(scheme, &gradient(end, station, wrench(of_end)));
-            add(&mut row.stage, &gradient(stage, station, of_stage), 1.0);
+            row.take_end(scheme, &ByShape::of_section(end, station, wrench(of_end)));
+            let turned = ByShape::of_section(stage, station, of_stage);
+            add(&mut row.stage, &turned.strains, 1.0);
+            row.bases[1] = turned.base;
             self.rows.push(row);
             self.pushes.push(Push { unknown: first + axis, axis, station });
         }
@@ -258,9 +278,13 @@ impl ContactRows {
                     .iter()
                     .fold(Twist::default(), |sum, (line, by)| sum + along_line(which, *line) * *by)
             };
-            let mut row = ContactRow::default();
-            row.take_end(scheme, &gradient(end, station, sum(1)));
-            add(&mut row.start, &gradient(start, station, sum(0)), 1.0);
+            let of_place = weights.iter().map(|(line, by)| by_place.lines[*line] * by).sum();
+            let mut row =
+                ContactRow { by_place: of_place, contact: number, ..ContactRow::default() };
+            row.take_end(scheme, &ByShape::of_section(end, station, sum(1)));
+            let at_start = ByShape::of_section(start, station, sum(0));
+            add(&mut row.start, &at_start.strains, 1.0);
+            row.bases[0] = at_start.base;
             row
         };
         let mut gap = line_row(&[(0, 1.0)]);
@@ -302,10 +326,11 @@ fn lever(contact: &Contact) -> Vec3 {
 
 impl ContactRow {
     /// Takes what it has for changes of the strains at the end of the step.
-    fn take_end(&mut self, scheme: &Scheme, end: &[Twist]) {
+    fn take_end(&mut self, scheme: &Scheme, end: &ByShape) {
         let by_stage = 1.0 / scheme.place;
-        self.stage = end.iter().map(|of| *of * by_stage).collect();
-        self.start = end.iter().map(|of| *of * (1.0 - by_stage)).collect();
+        self.stage = end.strains.iter().map(|of| *of * by_stage).collect();
+        self.start = end.strains.iter().map(|of| *of * (1.0 - by_stage)).collect();
+        self.bases[2] = end.base;
     }
 
     /// What it has for changes of the strains of the stage.

@@ -18,6 +18,8 @@ use crate::surroundings::{Hit, Near, Posed, Station, Surroundings};
 pub(crate) struct Contacts {
     pub surroundings: Option<Surroundings>,
     pub list: Vec<Contact>,
+    /// The round of a step that it is not repeated behind.
+    pub last_round: Option<usize>,
     /// Whether friction is left out: of a part of a step that has no answer with it.
     pub is_frictionless: bool,
     /// Pose of the base at the end of the step, and at its start.
@@ -74,7 +76,7 @@ impl Contacts {
         surroundings.near(&shape, within, OVERLAP * rod.length, &mut self.found);
         self.list.clear();
         for near in &self.found {
-            let contact = Contact::new(near, &surroundings.obstacles[near.obstacle], &shape);
+            let contact = Contact::new(near, &surroundings.obstacles[near.obstacle], &shape, None);
             self.list.push(contact);
         }
         let back = world.rotation.conjugate();
@@ -301,8 +303,14 @@ impl Contacts {
         surroundings.deepest(&Posed { rod, strains, poses: &self.poses })
     }
 
-    /// Adds the places that overlap at the end of the step though no contact is there; whether there are any.
-    pub fn add_overlapping(&mut self, rod: &Rod, start: &[Twist], start_base: Pose) -> bool {
+    /// Adds the places that overlap at the end of the step, behind a round of it, though no contact is there; whether there are any.
+    pub fn add_overlapping(
+        &mut self,
+        rod: &Rod,
+        start: &[Twist],
+        start_base: Pose,
+        round: usize,
+    ) -> bool {
         let Some(surroundings) = &self.surroundings else { return false };
         let overlap = OVERLAP * rod.length;
         pose::nodes(rod, start_base, start, &mut self.start_poses);
@@ -326,7 +334,7 @@ impl Contacts {
             }
             let at_start = Posed { rod, strains: start, poses: &self.start_poses };
             let obstacle = &surroundings.obstacles[near.obstacle];
-            let mut contact = Contact::new(near, obstacle, &at_start);
+            let mut contact = Contact::new(near, obstacle, &at_start, Some(round));
             if self.is_frictionless {
                 contact.leave_friction_out();
             }

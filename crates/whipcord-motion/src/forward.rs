@@ -122,7 +122,7 @@ impl Simulation {
         factors: &Factors,
     ) -> Result<(), MotionError> {
         let length = self.length_forwards(of, told, tangent, change, factors)?;
-        self.repeat(of.0, of.1)?;
+        self.places_forwards(of, length, told, tangent, change, factors)?;
         self.solved_forwards(of, length, told, tangent, change, factors)
     }
 
@@ -147,9 +147,7 @@ impl Simulation {
         }
         for i in 0..cables.len() {
             let shortening = match commands.motor_of(&self.robot, i) {
-                None => {
-                    cables[i] + commands.cables[i].course().slope_before(end) * shift.at(1.0)
-                }
+                None => cables[i] + commands.cables[i].course().slope_before(end) * shift.at(1.0),
                 // Those with inertia turn by what they are told and by the motion.
                 Some((motor, _)) if self.robot.motors()[motor].dynamics.is_some() => 0.0,
                 Some((motor, _)) => self.pull(motor, i) * change.outputs[motor],

@@ -371,9 +371,15 @@ impl Simulation {
         }
     }
 
-    /// Takes a part once more, for what its stages have found.
-    pub(crate) fn repeat(&mut self, commands: &Commands, part: &Part) -> Result<(), MotionError> {
+    /// Takes a part once more, for what its stages have found; up to a round of its contacts.
+    pub(crate) fn repeat(
+        &mut self,
+        commands: &Commands,
+        part: &Part,
+        last_round: Option<usize>,
+    ) -> Result<(), MotionError> {
         self.state.copy_from(&part.before);
+        self.solver.contacts.last_round = last_round;
         self.solver.contacts.is_frictionless = part.is_frictionless;
         let method = self.begin_part(commands, part.length);
         let (h, warm) = (part.length, part.warm);
@@ -386,6 +392,7 @@ impl Simulation {
             None => self.attempt_by(commands, method, h, warm, false),
         };
         self.solver.contacts.is_frictionless = false;
+        self.solver.contacts.last_round = None;
         outcome.map(|_| ()).map_err(|_| MotionError::NoGradient { time: part.before.time })
     }
 
@@ -467,18 +474,13 @@ impl Simulation {
         factors: &mut Factors,
         (cables, motors): (&mut [f64], &mut [f64]),
     ) -> Result<(), MotionError> {
-        self.repeat(commands, part)?;
+        self.repeat(commands, part, None)?;
+        let of = (commands, part);
         let told = (&mut *cables, &mut *motors);
-        let length =
-            self.solved_backwards((commands, part), adjoint, costate, factors, told)?;
-        self.length_backwards(
-            (commands, part),
-            length,
-            adjoint,
-            costate,
-            factors,
-            (cables, motors),
-        )
+        let mut length = self.solved_backwards(of, adjoint, costate, factors, told)?;
+        let told = (&mut *cables, &mut *motors);
+        length += self.places_backwards(of, adjoint, costate, factors, told)?;
+        self.length_backwards(of, length, adjoint, costate, factors, (cables, motors))
     }
 
     /// The part that the solver has solved; the derivative by its length.

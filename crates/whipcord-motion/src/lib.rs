@@ -9,6 +9,7 @@ mod accurate;
 mod adjoint;
 mod analysis;
 mod block;
+mod by_shape;
 mod cable_work;
 mod chords;
 mod coefficients;

@@ -3,10 +3,10 @@
 use whipcord_numerics::{Pose, Twist};
 
 use crate::adjoint::{Factors, StageAdjoint};
-use crate::block::{add, dot, sum};
+use crate::block::{add, sum};
+use crate::by_shape::ByShape;
 use crate::commands::Commands;
 use crate::contact::{Contact, in_section};
-use crate::contact_rows::gradient;
 use crate::element::POINTS;
 use crate::error::MotionError;
 use crate::gradient::{Costate, Part};
@@ -19,45 +19,119 @@ use crate::tangent::StageTangent;
 
 /// Derivatives of a number by the shape and the velocities of a state.
 struct ByState {
-    strains: Vec<Twist>,
-    /// By displacements of the base along and about its own axes.
-    base: Twist,
+    shape: ByShape,
     velocities: Vec<Twist>,
 }
 
 impl ByState {
-    /// By displacements of a section along and about the axes that the poses are given in.
-    fn of_section(simulation: &Simulation, state: &State, station: Station, by: Twist) -> Self {
-        let poses = simulation.poses_at(state);
-        let shape = Posed { rod: &simulation.rod, strains: &state.strains, poses: &poses };
-        let turn = state.base.rotation.conjugate();
-        let arm = shape.at(station).position - state.base.position;
-        let base = Twist {
-            linear: turn.rotate(by.linear),
-            angular: turn.rotate(by.angular + arm.cross(by.linear)),
-        };
-        let velocities = vec![Twist::default(); state.velocities.len()];
-        Self { strains: gradient(&shape, station, by), base, velocities }
+    fn of_shape(shape: ByShape, state: &State) -> Self {
+        Self { shape, velocities: vec![Twist::default(); state.velocities.len()] }
     }
 
     fn times(&self, change: &Costate) -> f64 {
-        sum(&self.strains, &change.strains)
-            + dot(&self.base, &change.base)
-            + sum(&self.velocities, &change.velocities)
+        self.shape.times(&change.strains, &change.base) + sum(&self.velocities, &change.velocities)
     }
 
     fn add_to(&self, costate: &mut Costate, factor: f64) {
-        add(&mut costate.strains, &self.strains, factor);
+        add(&mut costate.strains, &self.shape.strains, factor);
         add(&mut costate.velocities, &self.velocities, factor);
-        costate.base = costate.base + self.base * factor;
+        costate.base = costate.base + self.shape.base * factor;
     }
 }
 
 impl Simulation {
-    fn poses_at(&self, state: &State) -> Vec<Pose> {
+    /// What is found by the shape of a state.
+    fn by_shape<T>(&self, state: &State, find: impl FnOnce(&Posed<'_>) -> T) -> T {
         let mut poses = state.poses.clone();
         pose::nodes(&self.rod, state.base, &state.strains, &mut poses);
-        poses
+        find(&Posed { rod: &self.rod, strains: &state.strains, poses: &poses })
+    }
+
+    /// The place of a contact that was looked for, by the shape of the state in which that was done.
+    fn place_changes(&self, state: &State, contact: &Contact) -> Option<ByState> {
+        let beside = contact.search?.beside;
+        let surroundings = self.solver.contacts.surroundings.as_ref()?;
+        let place = (contact.obstacle, contact.station, beside);
+        let shape = self.by_shape(state, |shape| surroundings.place_changes(shape, place));
+        Some(ByState::of_shape(shape, state))
+    }
+
+    /// What the places of the contacts of a part change by, whose last round the solver is left in.
+    pub(crate) fn places_forwards(
+        &mut self,
+        (commands, part): (&Commands, &Part),
+        length: f64,
+        told: (&[f64], &[f64]),
+        tangent: &mut StageTangent,
+        change: &Costate,
+        factors: &Factors,
+    ) -> Result<(), MotionError> {
+        self.repeat(commands, part, None)?;
+        tangent.places.clear();
+        let contacts = self.solver.contacts.list.clone();
+        tangent.places.resize(contacts.len(), 0.0);
+        for (k, contact) in contacts.iter().enumerate() {
+            if contact.search.is_some_and(|of| of.round.is_none())
+                && let Some(of) = self.place_changes(&part.before, contact)
+            {
+                tangent.places[k] = of.times(change);
+            }
+        }
+        let Some(rounds) = rounds_before(&contacts) else { return Ok(()) };
+        for round in 0..rounds {
+            self.repeat(commands, part, Some(round))?;
+            let mut to = change.clone();
+            self.solved_forwards((commands, part), length, told, tangent, &mut to, factors)?;
+            for (k, contact) in contacts.iter().enumerate() {
+                if contact.search.is_some_and(|of| of.round == Some(round))
+                    && let Some(of) = self.place_changes(&self.next, contact)
+                {
+                    tangent.places[k] = of.times(&to);
+                }
+            }
+        }
+        self.repeat(commands, part, None)
+    }
+
+    /// Adds the derivatives by the state before a part, and by the commands, of a number with those by the places of its contacts that were found last; returns that by its length.
+    pub(crate) fn places_backwards(
+        &mut self,
+        (commands, part): (&Commands, &Part),
+        adjoint: &mut StageAdjoint,
+        costate: &mut Costate,
+        factors: &mut Factors,
+        (cables, motors): (&mut [f64], &mut [f64]),
+    ) -> Result<f64, MotionError> {
+        let contacts = self.solver.contacts.list.clone();
+        let mut places = core::mem::take(&mut adjoint.places);
+        places.resize(contacts.len(), 0.0);
+        let mut by_length = 0.0;
+        for round in (0..rounds_before(&contacts).unwrap_or_default()).rev() {
+            self.repeat(commands, part, Some(round))?;
+            let mut of_round = self.costate();
+            for (contact, by) in contacts.iter().zip(&places) {
+                if contact.search.is_some_and(|of| of.round == Some(round))
+                    && let Some(of) = self.place_changes(&self.next, contact)
+                {
+                    of.add_to(&mut of_round, *by);
+                }
+            }
+            let told = (&mut *cables, &mut *motors);
+            let of = (commands, part);
+            by_length += self.solved_backwards(of, adjoint, &mut of_round, factors, told)?;
+            costate.add(&of_round);
+            for (place, by) in places.iter_mut().zip(&adjoint.places) {
+                *place += by;
+            }
+        }
+        for (contact, by) in contacts.iter().zip(&places) {
+            if contact.search.is_some_and(|of| of.round.is_none())
+                && let Some(of) = self.place_changes(&part.before, contact)
+            {
+                of.add_to(costate, *by);
+            }
+        }
+        Ok(by_length)
     }
 
     /// What the length of a part changes by, for changes before it.
@@ -130,7 +204,7 @@ impl Simulation {
         tried: f64,
     ) -> Result<Part, MotionError> {
         let whole = Part { length: tried, impact: None, ..part.clone() };
-        self.repeat(commands, &whole)?;
+        self.repeat(commands, &whole, None)?;
         Ok(whole)
     }
 
@@ -139,37 +213,57 @@ impl Simulation {
         let grazes = MotionError::NotSmooth { time: part.before.time + part.length };
         let Some(surroundings) = &self.solver.contacts.surroundings else { return Err(grazes) };
         let states = [&part.before, &self.next];
-        let poses = states.map(|state| {
-            let poses = self.poses_at(state);
-            Posed { rod: &self.rod, strains: &state.strains, poses: &poses }.at(hit.station)
-        });
+        let poses = states.map(|state| self.by_shape(state, |shape| shape.at(hit.station)));
         let changes = surroundings.hit_changes(hit, poses, self.rod.length).ok_or(grazes)?;
-        Ok([0, 1].map(|i| ByState::of_section(self, states[i], hit.station, changes[i])))
+        Ok([0, 1].map(|i| {
+            let of = |shape: &Posed<'_>| ByShape::of_section(shape, hit.station, changes[i]);
+            ByState::of_shape(self.by_shape(states[i], of), states[i])
+        }))
     }
 
     /// The time in which a contact closes by the state before a part.
     fn closing(&self, part: &Part, contact: &Contact) -> ByState {
         let state = &part.before;
-        let at = |start: Pose| {
-            let mut contact = *contact;
-            contact.start = start;
+        let at = |station: Station, start: Pose| {
+            let mut contact = Contact { start, station, shapes: station.shapes(), ..*contact };
             if let Some(surroundings) = &self.solver.contacts.surroundings {
                 contact.look(&surroundings.obstacles[contact.obstacle], &start);
             }
             (contact.nearest.gap, -contact.start_rate(&state.velocities))
         };
-        let (gap, rate) = at(contact.start);
+        let time = |station: Station, start: Pose| {
+            let (gap, rate) = at(station, start);
+            gap / rate
+        };
+        let station = contact.station;
+        let (gap, rate) = at(station, contact.start);
         // The quotient by the pose, and by the velocities that its rate is linear in.
         let by = by_displacements(self.rod.length, |axis, by| {
-            let (gap, rate) = at(displaced(&contact.start, axis, by));
-            gap / rate
+            time(station, displaced(&contact.start, axis, by))
         });
-        let mut of = ByState::of_section(self, state, contact.station, by);
+        let shape = self.by_shape(state, |shape| ByShape::of_section(shape, station, by));
+        let mut of = ByState::of_shape(shape, state);
         let push = in_section(contact.start.rotation, contact.nearest.normal, contact.nearest.arm);
-        let nodes = &mut of.velocities[POINTS * contact.station.element..];
+        let nodes = &mut of.velocities[POINTS * station.element..];
         for (velocity, shape) in nodes.iter_mut().zip(contact.shapes) {
             *velocity = push * (shape * gap / (rate * rate));
         }
+        if let Some(place) = self.place_changes(state, contact) {
+            let h = 1e-6 * self.rod.length;
+            let by_place = self.by_shape(state, |shape| {
+                let at = |by: f64| {
+                    let station = Station::at(&self.rod, station.arc_length(&self.rod) + by);
+                    time(station, shape.at(station))
+                };
+                (at(h) - at(-h)) * (0.5 / h)
+            });
+            of.shape.add(&place.shape, by_place);
+        }
         of
     }
+}
+
+/// How many rounds of a part were repeated with places that were looked for behind them.
+fn rounds_before(contacts: &[Contact]) -> Option<usize> {
+    contacts.iter().filter_map(|contact| contact.search?.round).max().map(|last| last + 1)
 }

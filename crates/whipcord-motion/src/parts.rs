@@ -319,10 +319,12 @@ impl Simulation {
                 solver.lengths.drives.begin(&state.motors, &scheme, h);
                 let work =
                     scheme.step(Mechanics { rod, loads }, solver, state, next, h, &control)?;
-                rounds += 1;
-                if !touches || rounds > MOST_ROUNDS || !this.finds_overlap(&scheme.scheme(h)) {
+                let is_last = this.solver.contacts.last_round == Some(rounds);
+                let is_last = is_last || !touches || rounds >= MOST_ROUNDS;
+                if is_last || !this.finds_overlap(&scheme.scheme(h), rounds) {
                     break work;
                 }
+                rounds += 1;
                 this.set_tensions(commands, time);
                 this.begin_friction(commands, time, end);
             };
@@ -417,12 +419,12 @@ impl Simulation {
         solver.contacts.begin(rod, state.base, &state.strains, within, known);
     }
 
-    /// Whether the robot overlaps an obstacle behind a step where no contact was looked for; there is one then.
-    fn finds_overlap(&mut self, scheme: &Scheme) -> bool {
+    /// Whether the robot overlaps an obstacle behind a round of a step where no contact was looked for; there is one then.
+    fn finds_overlap(&mut self, scheme: &Scheme, round: usize) -> bool {
         let Self { rod, solver, state, .. } = self;
         let Solver { stage, contacts, .. } = solver;
         contacts.refresh(rod, scheme, stage);
-        contacts.add_overlapping(rod, &state.strains, state.base)
+        contacts.add_overlapping(rod, &state.strains, state.base, round)
     }
 
     /// Takes a step whole, into [`Self::whole`], and in halves, into [`Self::next`]; leaves the state in the middle.

@@ -6,6 +6,7 @@ use whipcord::shape::Part;
 use whipcord::{Case, Obstacle, Robot};
 use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3, golden_section};
 
+use crate::by_shape::ByShape;
 use crate::element::{NODES, PLACES, POINTS, pose_at, shapes};
 use crate::error::MotionError;
 use crate::rod::Rod;
@@ -36,6 +37,14 @@ impl Station {
     /// Arc length in m.
     pub fn arc_length(self, rod: &Rod) -> f64 {
         rod.nodes[POINTS * self.element].arc_length + self.fraction * rod.lengths[self.element]
+    }
+
+    /// How these weights change with the arc length, in 1/m.
+    pub fn slopes(self, rod: &Rod) -> [f64; NODES] {
+        // They are quadratic, so that a difference has no error.
+        const STEP: f64 = 0.25;
+        let [above, below] = [STEP, -STEP].map(|by| shapes(self.fraction + by));
+        core::array::from_fn(|a| (above[a] - below[a]) / (2.0 * STEP * rod.lengths[self.element]))
     }
 
     /// The velocity there is the sum of those of the three nodes of the element with these weights.
@@ -69,6 +78,8 @@ pub(crate) struct Near {
     pub nearest: Nearest,
     /// Whether it stays where it is on the rim: where that is about as near all around.
     pub keeps_place: bool,
+    /// Of a place of the backbone that was looked for: how far beside it in m the gap is as large on both sides.
+    pub beside: Option<f64>,
 }
 
 /// The obstacles, and the parts of the robot that are watched.
@@ -141,6 +152,7 @@ impl Surroundings {
                     station,
                     nearest,
                     keeps_place,
+                    beside: None,
                 };
                 match member.body.nearest(obstacle, &pose, within, &mut places) {
                     Rim::Spread(spread) if spread < ALL_AROUND => {
@@ -183,11 +195,12 @@ impl Surroundings {
             let before = if i == 0 { f64::INFINITY } else { gaps[i - 1] };
             let (here, after) = (gaps[i], gaps.get(i + 1).copied().unwrap_or(f64::INFINITY));
             if here <= within && here < before && here <= after {
-                let station = match (before.is_finite(), after.is_finite()) {
+                let (station, beside) = match (before.is_finite(), after.is_finite()) {
                     (true, true) => self.lowest(shape, k, i),
-                    _ => station,
+                    _ => (station, None),
                 };
-                found.push(self.on_backbone(shape, k, station, member));
+                let near = self.on_backbone(shape, k, station, member);
+                found.push(Near { beside, ..near });
             }
         }
         for (i, &(station, member)) in self.watched.iter().enumerate() {
@@ -205,23 +218,57 @@ impl Surroundings {
         rod.lengths[self.watched[i].0.element] / WATCHED.len() as f64
     }
 
-    /// Where the gap is least between the neighbours of a watched place.
-    fn lowest(&self, shape: &Posed<'_>, k: usize, i: usize) -> Station {
+    /// Where the gap is least between the neighbours of a watched place, and how far beside that place it is the same on both sides.
+    fn lowest(&self, shape: &Posed<'_>, k: usize, i: usize) -> (Station, Option<f64>) {
+        /// How far beside the place, as a part of the interval.
+        const BESIDE: f64 = 5e-3;
+        /// How well the search knows the place, as a part of the interval.
+        const KNOWN: f64 = 1e-3;
         let s = |i: usize| self.watched[i].1.arc_length;
         let (from, to) = (s(i - 1), s(i + 1));
         let at = |x: f64| Station::at(shape.rod, from + x * (to - from));
-        let rounding = self.watched[i].1.body.rounding;
-        let (x, _) = golden_section(SECTIONS, |x| {
-            self.obstacles[k].surface(shape.at(at(x)).position).distance - rounding
-        });
-        at(x)
+        let distance = |x: f64| self.obstacles[k].surface(shape.at(at(x)).position).distance;
+        let (x, _) = golden_section(SECTIONS, distance);
+        // To rounding, which the least gap, flat there, does not give.
+        let slope = |x: f64| distance(x - BESIDE) - distance(x + BESIDE);
+        let ends = [x - KNOWN, x + KNOWN];
+        let is_within = ends[0] > BESIDE && ends[1] < 1.0 - BESIDE;
+        if !(is_within && slope(ends[0]) > 0.0 && slope(ends[1]) < 0.0) {
+            return (at(x), None);
+        }
+        (at(false_position(slope, ends)), Some(BESIDE * (to - from)))
+    }
+
+    /// The derivative of the arc length of a place that was looked for by changes of the shape.
+    pub fn place_changes(
+        &self,
+        shape: &Posed<'_>,
+        (obstacle, station, beside): (usize, Station, f64),
+    ) -> ByShape {
+        let rod = shape.rod;
+        let s = station.arc_length(rod);
+        let surface = |s: f64| {
+            let station = Station::at(rod, s);
+            (station, self.obstacles[obstacle].surface(shape.at(station).position))
+        };
+        // Where the gap is as large on both sides.
+        let apart = |s: f64| surface(s + beside).1.distance - surface(s - beside).1.distance;
+        let h = 1e-2 * beside;
+        let slope = (apart(s + h) - apart(s - h)) * (0.5 / h);
+        let mut out = ByShape::none(rod);
+        for (side, sign) in [(beside, -1.0), (-beside, 1.0)] {
+            let (station, surface) = surface(s + side);
+            let along = Twist { linear: surface.normal, angular: Vec3::ZERO };
+            out.add(&ByShape::of_section(shape, station, along), sign / slope);
+        }
+        out
     }
 
     fn on_backbone(&self, shape: &Posed<'_>, k: usize, station: Station, of: Member) -> Near {
         let arc_length = station.arc_length(shape.rod);
         let member = Member { part: Part::Backbone, arc_length, ..of };
         let nearest = member.body.at_place(&self.obstacles[k], &shape.at(station), [0.0, 0.0]);
-        Near { obstacle: k, member, station, nearest, keeps_place: false }
+        Near { obstacle: k, member, station, nearest, keeps_place: false, beside: None }
     }
 
     /// Where the robot first overlaps an obstacle by `overlap` on its way between two shapes, if each of its cross-sections moves straight.
@@ -386,31 +433,36 @@ impl<'a> Way<'a> {
         first_below(&|part| self.gap(part), at_start, -overlap, [least, moved])
     }
 
-    /// Where it overlaps by `overlap` in an interval in which it begins to, to rounding: by the method of false position with halved values (Illinois).
-    fn at_overlap(&self, overlap: f64, [mut low, mut high]: [f64; 2]) -> f64 {
-        const MOST: usize = 80;
-        let excess = |part: f64| self.gap(part) + overlap;
-        let (mut at_low, mut at_high) = (excess(low), excess(high));
-        let mut last = 0;
-        for _ in 0..MOST {
-            if !(at_low > 0.0 && at_high < 0.0) || high - low <= f64::EPSILON {
-                break;
-            }
-            let part = high - at_high * (high - low) / (at_high - at_low);
-            let part = if part > low && part < high { part } else { 0.5 * (low + high) };
-            let here = excess(part);
-            let side = if here < 0.0 { -1 } else { 1 };
-            if side < 0 {
-                (high, at_high) = (part, here);
-                at_low *= if last == side { 0.5 } else { 1.0 };
-            } else {
-                (low, at_low) = (part, here);
-                at_high *= if last == side { 0.5 } else { 1.0 };
-            }
-            last = side;
-        }
-        if -at_high < at_low { high } else { low }
+    /// Where it overlaps by `overlap` in an interval in which it begins to, to rounding.
+    fn at_overlap(&self, overlap: f64, interval: [f64; 2]) -> f64 {
+        false_position(|part| self.gap(part) + overlap, interval)
     }
+}
+
+/// Where a function that is positive at one end of an interval and negative at the other has its zero, to rounding: by the method of false position with halved values
+/// (Illinois).
+fn false_position(f: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
+    const MOST: usize = 80;
+    let (mut at_low, mut at_high) = (f(low), f(high));
+    let mut last = 0;
+    for _ in 0..MOST {
+        if !(at_low > 0.0 && at_high < 0.0) || high - low <= f64::EPSILON {
+            break;
+        }
+        let x = high - at_high * (high - low) / (at_high - at_low);
+        let x = if x > low && x < high { x } else { 0.5 * (low + high) };
+        let here = f(x);
+        let side = if here < 0.0 { -1 } else { 1 };
+        if side < 0 {
+            (high, at_high) = (x, here);
+            at_low *= if last == side { 0.5 } else { 1.0 };
+        } else {
+            (low, at_low) = (x, here);
+            at_high *= if last == side { 0.5 } else { 1.0 };
+        }
+        last = side;
+    }
+    if -at_high < at_low { high } else { low }
 }
 
 /// Displacements of a cross-section: along and about three axes.

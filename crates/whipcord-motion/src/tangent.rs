@@ -44,6 +44,8 @@ pub(crate) struct StageTangent {
     pub time: [f64; 2],
     /// Of the length of the step.
     pub length: f64,
+    /// Of the arc length of the place of each contact.
+    pub places: Vec<f64>,
     /// What the equations of motion lack where the velocities do not change.
     right: Vec<Twist>,
     /// What the strains change by where the velocities do not.
@@ -74,6 +76,7 @@ impl StageTangent {
             base_by_velocity: None,
             time: [0.0; 2],
             length: 0.0,
+            places: Vec::new(),
             right: list(nodes),
             history: list(points),
             potential: list(points),
@@ -109,12 +112,16 @@ impl StageTangent {
                 self.add_pull(rod, stage, scheme, i, self.cables[i]);
             }
         }
+        let touching = contacts.rows(rod, scheme, stage);
+        for shift in &touching.shifts {
+            let moved = self.place(shift.contact);
+            shift.add(&mut self.right, moved);
+        }
         let start = self.start.clone();
         let (mut velocities, mut strains) = self.solve(mechanics, stage, scheme, &start)?;
         // Cables that are driven by their lengths and taut: each has a tension that keeps its length.
         let taut: Vec<usize> =
             lengths.cables.iter().copied().filter(|&i| stage.tensions[i] > 0.0).collect();
-        let touching = contacts.rows(rod, scheme, stage);
         let first_passage = taut.len() + touching.unknowns();
         let n = first_passage + holes.as_ref().map_or(0, HoleRows::count);
         let (mut responses, mut gradients) = (Vec::<Found>::new(), Vec::new());
@@ -165,8 +172,10 @@ impl StageTangent {
             matrix[i * n + i] += compliance / scheme.place;
         }
         for (row, i) in touching.rows.iter().zip(taut.len()..) {
-            changes[i] =
-                row.by_stage(&strains) + row.by_start(&start) + row.by_length * self.length;
+            changes[i] = row.by_stage(&strains)
+                + row.by_start(&start)
+                + row.by_length * self.length
+                + row.by_place * self.place(row.contact);
             for (j, by) in &row.unknowns {
                 matrix[i * n + taut.len() + j] -= by;
             }
@@ -223,6 +232,10 @@ impl StageTangent {
         }
         (self.velocities, self.strains) = (velocities, strains);
         Ok(())
+    }
+
+    fn place(&self, contact: usize) -> f64 {
+        self.places.get(contact).copied().unwrap_or_default()
     }
 
     /// What the equations lack for the changes of histories and factors, and what these do to the strains.

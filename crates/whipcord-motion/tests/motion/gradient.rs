@@ -206,7 +206,7 @@ impl Problem {
         let bound = if is_exact { 1e-12 } else { 1e-8 };
         let name = (self.options.model, self.options.method, self.options.has_free_base);
         println!("APART {apart:e}");
-        assert!(apart < 1e3*bound, "{name:?}: {apart:e}, {by_direction:?} {by_change}");
+        assert!(apart < 1e3 * bound, "{name:?}: {apart:e}, {by_direction:?} {by_change}");
     }
 }
 

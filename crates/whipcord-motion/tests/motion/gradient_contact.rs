@@ -194,7 +194,12 @@ fn gradients_in_contact_by_the_start_are_those_of_differences() {
 
 impl Problem {
     /// The gradient by each command is that of differences of this size; `at` is the problem with a command, by step and cable, changed.
-    pub(super) fn check_by_commands(&self, unit: f64, at: impl Fn((usize, usize, f64)) -> Self, name: &str) {
+    pub(super) fn check_by_commands(
+        &self,
+        unit: f64,
+        at: impl Fn((usize, usize, f64)) -> Self,
+        name: &str,
+    ) {
         let gradient = self.gradient();
         let scale = gradient.cables.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
         for k in 0..STEPS {

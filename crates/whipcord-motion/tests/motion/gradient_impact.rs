@@ -2,10 +2,15 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use whipcord::{Case, Form, Loads, ModelKind, Obstacle, Pose, UnitQuaternion, Vec3};
-use whipcord_motion::{Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions};
+use whipcord::robot::Motor;
+use whipcord::{Case, Form, Loads, ModelKind, Obstacle, Pose, Robot, Twist, UnitQuaternion, Vec3};
+use whipcord_motion::{
+    CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions, Record,
+    Seed, Simulation,
+};
 
-use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, gravity, weight};
+use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, robot, vector, weight};
+use super::robots::{rod, straight};
 
 const METHODS: [Method; 3] = [Method::Accurate, Method::Energy, Method::Robust];
 
@@ -18,7 +23,19 @@ enum Hit {
 
 /// A robot that is let go from straight and pulled against an obstacle.
 fn problem(method: Method, hit: Hit, friction: f64, command: (usize, usize, f64)) -> Problem {
-    let mut problem = by_tensions((ModelKind::Cosserat, method), 1.0, 1.0, 1.0);
+    with_factors(method, hit, friction, command, [1.0, 1.0])
+}
+
+/// The same with factors on stiffness and mass.
+fn with_factors(
+    method: Method,
+    hit: Hit,
+    friction: f64,
+    command: (usize, usize, f64),
+    [stiffness, mass]: [f64; 2],
+) -> Problem {
+    let model = (ModelKind::Cosserat, method);
+    let mut problem = by_tensions(model, 1.0, 1.0, 1.0);
     problem.options.initial = Initial::Rest;
     let commands = |(step, cable, by): (usize, usize, f64)| -> Vec<Commands> {
         let pull = |k: usize, i: usize| {
@@ -49,7 +66,15 @@ fn problem(method: Method, hit: Hit, friction: f64, command: (usize, usize, f64)
     };
     let obstacle = Obstacle { name: "it".to_owned(), form, pose, friction, movable: None };
     problem.case.obstacles = vec![obstacle];
+    let Problem { robot, options, .. } = by_tensions(model, stiffness, mass, 1.0);
+    problem.robot = robot;
+    problem.options.damping = options.damping;
     problem
+}
+
+/// Impacts of a motion: steps that are divided and end in contact, or end it.
+fn divided(record: &Record) -> usize {
+    record.states.iter().filter(|state| state.diagnostics.parts > 3).count()
 }
 
 #[test]
@@ -61,12 +86,214 @@ fn gradients_through_an_impact_are_those_of_differences() {
                 let at = |command| problem(method, hit, friction, command);
                 let base = at((STEPS, 0, 0.0));
                 let record = base.simulation().record(&base.commands, DT).unwrap();
-                let touched = record.states.iter().map(|of| of.contacts.len()).collect::<Vec<_>>();
-                let parts = record.states.iter().map(|of| of.diagnostics.parts).collect::<Vec<_>>();
-                println!("{name} {touched:?} {parts:?} {:?}", record.one_sided());
-                assert!(parts.iter().any(|parts| *parts > 3), "{name}");
+                let contacts = record.states.iter().filter(|of| !of.contacts.is_empty()).count();
+                assert!(divided(&record) > 0 && contacts > 1, "{name}");
+                assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
                 base.check_by_commands(1e-4, at, &name);
             }
+        }
+    }
+}
+
+#[test]
+fn gradients_through_an_impact_by_start_and_properties_are_those_of_differences() {
+    for method in METHODS {
+        for (hit, friction) in [(Hit::Ball, 0.4), (Hit::HalfSpace, 0.0)] {
+            let name = format!("{method:?}, {hit:?}, {friction}");
+            let none = (STEPS, 0, 0.0);
+            let base = problem(method, hit, friction, none);
+            base.check_by_start(1e-4, &name);
+            let factors = base.gradient().factors;
+            let of = |at: &dyn Fn(f64) -> [f64; 2]| {
+                let number = |by| with_factors(method, hit, friction, none, at(by)).number();
+                difference(1e-4, number)
+            };
+            let stiffness = of(&|by| [1.0 + by, 1.0]);
+            close(factors.stiffness, stiffness, 0.1, &format!("{name} stiffness"));
+            close(factors.mass, of(&|by| [1.0, 1.0 + by]), 0.1, &format!("{name} mass"));
+        }
+    }
+}
+
+/// What drives a robot against an obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Drive {
+    Tension,
+    Length,
+    Motor,
+    MotorWithInertia,
+}
+
+/// Commands and loads that change within the steps: how long a part of a step is changes them too.
+#[test]
+fn gradients_through_an_impact_by_ramps_are_those_of_differences() {
+    for drive in [Drive::Tension, Drive::Length, Drive::Motor, Drive::MotorWithInertia] {
+        for method in [Method::Accurate, Method::Robust] {
+            let at = |command: (usize, usize, f64)| {
+                let mut problem = problem(method, Hit::Ball, 0.2, (STEPS, 0, 0.0));
+                let load = |by: f64| Loads { tip_force: vector(4) * by, ..Loads::default() };
+                let factor = Course::table(vec![0.0, 1.0], vec![0.2, 3.0]).unwrap();
+                problem.options.loads = vec![LoadCourse { loads: load(0.05), factor }];
+                let cables = problem.robot.cables().to_vec();
+                let ramp = |k: usize, i: usize, [from, to]: [f64; 2]| {
+                    let by = if (k, i) == (command.0, command.1) { command.2 } else { 0.0 };
+                    // A jump at the start of each step, whose rates are unknown then.
+                    let by = by + 1e-2 * (to - from) * weight(3 * k + i);
+                    Course::table(vec![0.0, 0.06], vec![from + by, to + by]).unwrap()
+                };
+                if drive == Drive::Motor || drive == Drive::MotorWithInertia {
+                    let mut motor = Motor::spool("bend", [(0, 0.01), (1, -0.01)]);
+                    if drive == Drive::MotorWithInertia {
+                        motor.stiffness = Some(2e4);
+                        motor.dynamics = Some(whipcord::robot::MotorDynamics {
+                            damping: 1e-3,
+                            derivative: 0.02,
+                            integral: 1.0,
+                            ..whipcord::robot::MotorDynamics::new(1e-5, 3.0)
+                        });
+                    }
+                    problem.robot = robot(1.0, 1.0, cables).with_motors(vec![motor]).unwrap();
+                }
+                let told = |k: usize| match drive {
+                    Drive::Tension => {
+                        let course = |i, ends| CableDrive::Tension(ramp(k, i, ends));
+                        Commands::new(vec![course(0, [3.0, 5.0]), course(1, [0.8, 0.2])])
+                    }
+                    Drive::Length => {
+                        let course = |i, ends| CableDrive::Shortening(ramp(k, i, ends));
+                        Commands::new(vec![course(0, [0.0, 0.02]), course(1, [0.0, -0.02])])
+                    }
+                    Drive::Motor | Drive::MotorWithInertia => {
+                        let mut commands = Commands::tensions(&[0.0, 0.0]);
+                        commands.motors = vec![Some(ramp(k, 0, [0.0, 2.0]))];
+                        commands
+                    }
+                };
+                problem.commands = (0..STEPS).map(told).collect();
+                problem
+            };
+            let name = format!("{drive:?}, {method:?}");
+            let base = at((STEPS, 0, 0.0));
+            let record = base.simulation().record(&base.commands, DT).unwrap();
+            let contacts: Vec<usize> = record.states.iter().map(|of| of.contacts.len()).collect();
+            let parts: Vec<usize> = record.states.iter().map(|of| of.diagnostics.parts).collect();
+            println!("{name} {contacts:?} {parts:?}");
+            assert!(divided(&record) > 0, "{name}");
+            let gradient = base.gradient();
+            let (found, unit) = match drive {
+                Drive::Tension => (&gradient.cables, 1e-4),
+                Drive::Length => (&gradient.cables, 1e-8),
+                _ => (&gradient.motors, 1e-6),
+            };
+            let scale = found.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
+            for (k, row) in found.iter().enumerate() {
+                for (i, value) in row.iter().enumerate() {
+                    let expected = difference(unit, |by| at((k, i, by)).number());
+                    close(*value, expected, scale, &format!("{name}: {k} {i}"));
+                }
+            }
+        }
+    }
+}
+
+/// A soft rod without disks.
+fn falling() -> Robot {
+    rod(0.5, 4e-3, 2e9, 0.25, 4000.0, vec![straight("a", 0.0, 0.01)])
+}
+
+/// The derivatives of where the tip is at the end of a motion that starts straight, by the velocities and strains at the start.
+fn check_falling(case: &Case, options: &MotionOptions, steps: usize, dt: f64, name: &str) {
+    let robot = falling();
+    let rest = MotionOptions { initial: Initial::Rest, ..options.clone() };
+    let start = Simulation::new(&robot, case, rest).unwrap().state().start();
+    let commands = vec![Commands::tensions(&[0.5]); steps];
+    let at = |change: &dyn Fn(&mut whipcord_motion::Start)| {
+        let mut start = start.clone();
+        change(&mut start);
+        let initial = Initial::State(Box::new(start));
+        let mut simulation =
+            Simulation::new(&robot, case, MotionOptions { initial, ..options.clone() }).unwrap();
+        let record = simulation.record(&commands, dt).unwrap();
+        (record.states.last().unwrap().tip().position.dot(vector(1)), record, simulation)
+    };
+    let (_, record, mut simulation) = at(&|_| ());
+    let nodes = start.velocities.len();
+    let mut seeds = vec![Seed::default(); record.states.len()];
+    let mut positions = vec![Vec3::ZERO; nodes];
+    positions[nodes - 1] = vector(1);
+    seeds.last_mut().unwrap().positions = positions;
+    let gradient = simulation.gradient(&record, &seeds).unwrap();
+    let touched = record.states.iter().filter(|of| !of.contacts.is_empty()).count();
+    let divided = divided(&record);
+    for state in &record.states {
+        let at: Vec<_> = state.contacts.iter().map(|of| (of.arc_length, of.sticks)).collect();
+        println!("{name}: {} {at:?} {:?}", state.time, state.diagnostics);
+    }
+    assert!(divided > 0, "{name}");
+    let axis = |axis: usize, by: f64| {
+        let mut out = Vec3::ZERO;
+        out[axis] = by;
+        out
+    };
+    let of = |twists: &[Twist]| twists.iter().fold(0.0_f64, |max, of| max.max(of.linear.max_abs()));
+    let scale = of(&gradient.velocities);
+    for i in 0..3 {
+        for node in [3, nodes - 1] {
+            let expected =
+                difference(1e-4, |by| at(&|start| start.velocities[node].linear += axis(i, by)).0);
+            let found = gradient.velocities[node].linear[i];
+            close(found, expected, scale, &format!("{name}: velocity {node} {i}"));
+        }
+        let expected =
+            difference(1e-4, |by| at(&|start| start.strains[3].angular += axis(i, by)).0);
+        let found = gradient.strains[3].angular[i];
+        let scale = gradient.strains[3].angular.max_abs();
+        close(found, expected, scale, &format!("{name}: strain {i}"));
+    }
+}
+
+fn heavy(obstacle: Obstacle) -> Case {
+    let loads = Loads { gravity: Some(Vec3::new(-9.81, 0.3, 0.0)), ..Loads::default() };
+    Case { obstacles: vec![obstacle], loads, ..Case::with_tensions(&[0.5]) }
+}
+
+/// A rod that falls on a floor and bounces.
+#[test]
+fn gradients_through_several_impacts_are_those_of_differences() {
+    for method in METHODS {
+        for friction in [0.0, 0.3] {
+            let rotation = UnitQuaternion::exp(Vec3::Y * FRAC_PI_2);
+            let pose = Pose { position: Vec3::X * -0.01, rotation };
+            let form = Form::HalfSpace;
+            let floor = Obstacle { name: "floor".to_owned(), form, pose, friction, movable: None };
+            let options = MotionOptions {
+                damping: Damping::Time(2e-3),
+                method,
+                elements: 4,
+                iteration_tolerance: 1e-13,
+                ..MotionOptions::default()
+            };
+            check_falling(&heavy(floor), &options, 14, 0.01, &format!("{method:?} {friction}"));
+        }
+    }
+}
+
+/// A rod that falls on a ball, between its ends.
+#[test]
+fn gradients_through_an_impact_of_the_backbone_are_those_of_differences() {
+    for method in [Method::Accurate, Method::Robust] {
+        for friction in [0.0, 0.3] {
+            let pose = Pose { position: Vec3::new(-0.055, 0.0, 0.31), ..Pose::IDENTITY };
+            let form = Form::Sphere { radius: 0.04 };
+            let ball = Obstacle { name: "ball".to_owned(), form, pose, friction, movable: None };
+            let options = MotionOptions {
+                damping: Damping::Time(2e-3),
+                method,
+                elements: 4,
+                iteration_tolerance: 1e-13,
+                ..MotionOptions::default()
+            };
+            check_falling(&heavy(ball), &options, 10, 0.01, &format!("{method:?} {friction}"));
         }
     }
 }
