@@ -1,12 +1,14 @@
 //! Parts of a step among obstacles: free where nothing is hit, in short parts behind an impact.
 
+use whipcord_numerics::{Pose, golden_section};
+
 use crate::commands::Commands;
 use crate::contact::Contact;
 use crate::iteration::Stalled;
 use crate::options::Method;
 use crate::simulation::Simulation;
 use crate::state::State;
-use crate::surroundings::Hit;
+use crate::surroundings::{Hit, Station};
 
 /// Lengths of the parts without rates behind an impact, as parts of the step: the first ends the motion into the obstacle, the second its rates; the
 /// others grow, since rates in a short part are those of waves that a longer one cannot follow.
@@ -31,7 +33,7 @@ pub(crate) enum ImpactEnd {
     Fraction(f64),
     /// It is the part of what was tried in which the robot gets to the obstacle.
     Hit(Hit),
-    /// A contact, as it is at the start, closes by then if its gap goes on to close as fast as there.
+    /// A contact closes by then if its gap goes on to close as fast as at the start.
     Closing(Box<Contact>),
 }
 
@@ -109,20 +111,72 @@ impl Simulation {
         if state.impact_parts > 0 {
             return None;
         }
-        let surroundings = solver.contacts.surroundings.as_ref()?;
         let new = solver
             .contacts
             .list
             .iter()
             .filter(|contact| contact.force > 0.0 && contact.start_gap > GRAZING * rod.length);
         let closing = new.filter_map(|contact| {
-            let mut contact = *contact;
-            contact.look(&surroundings.obstacles[contact.obstacle], &contact.start.clone());
-            let closing = -contact.start_rate(&state.velocities);
-            let gap = contact.nearest.gap;
-            (closing * h > gap)
-                .then(|| (gap / (closing * h), ImpactEnd::Closing(Box::new(contact))))
+            let time = self.closes_in(state, contact, contact.station, contact.start)?;
+            (time < h).then_some((time, contact))
         });
-        closing.min_by(|a, b| a.0.total_cmp(&b.0))
+        let (time, contact) = closing.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (time, contact) = self.soonest_to_close(state, contact, time);
+        Some((time / h, ImpactEnd::Closing(Box::new(contact))))
+    }
+
+    /// The time in which a contact closes if its gap goes on to close as fast as it does in a state; `None` where it does not close.
+    pub(crate) fn closes_in(
+        &self,
+        state: &State,
+        contact: &Contact,
+        station: Station,
+        start: Pose,
+    ) -> Option<f64> {
+        let surroundings = self.solver.contacts.surroundings.as_ref()?;
+        let mut contact = Contact { start, station, shapes: station.shapes(), ..*contact };
+        contact.look(&surroundings.obstacles[contact.obstacle], &start);
+        let rate = -contact.start_rate(&state.velocities);
+        (rate > 0.0).then(|| contact.nearest.gap / rate)
+    }
+
+    /// The same contact at the place of the backbone that gets there first, so that no other way of looking for the place counts.
+    fn soonest_to_close(&self, state: &State, contact: &Contact, time: f64) -> (f64, Contact) {
+        /// The time is least there, so that the place need not be known as well as the time.
+        const SECTIONS: usize = 26;
+        /// Intervals along the rod in which the place is looked for.
+        const INTERVALS: usize = 12;
+        let fixed = Contact { search: None, ..*contact };
+        if contact.search.is_none() {
+            return (time, fixed);
+        }
+        let rod = &self.rod;
+        let soonest = self.by_shape(state, |shape| {
+            let mut middle = contact.station.arc_length(rod);
+            let half = 0.25 * rod.lengths[contact.station.element];
+            let place = |x: f64, middle: f64| {
+                let s = (middle + (2.0 * x - 1.0) * half).clamp(0.0, rod.length);
+                let station = Station::at(rod, s);
+                (s, station, shape.at(station))
+            };
+            for _ in 0..INTERVALS {
+                let time = |x: f64| {
+                    let (_, station, start) = place(x, middle);
+                    self.closes_in(state, contact, station, start).unwrap_or(f64::INFINITY)
+                };
+                let (x, time) = golden_section(SECTIONS, time);
+                let (s, station, start) = place(x, middle);
+                let is_end = s <= 1e-6 * rod.length || s >= (1.0 - 1e-6) * rod.length;
+                if is_end || (0.05..0.95).contains(&x) {
+                    return Some((time, station, start));
+                }
+                middle = s;
+            }
+            None
+        });
+        let Some((sooner, station, start)) = soonest.filter(|(sooner, ..)| *sooner < time) else {
+            return (time, fixed);
+        };
+        (sooner, Contact { station, start, shapes: station.shapes(), ..fixed })
     }
 }

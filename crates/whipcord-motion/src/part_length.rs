@@ -14,7 +14,7 @@ use crate::impact::{Impact, ImpactEnd};
 use crate::pose;
 use crate::simulation::Simulation;
 use crate::state::State;
-use crate::surroundings::{Hit, Posed, Station, by_displacements, displaced};
+use crate::surroundings::{Hit, Posed, by_displacements, displaced};
 use crate::tangent::StageTangent;
 
 /// Derivatives of a number by the shape and the velocities of a state.
@@ -41,7 +41,7 @@ impl ByState {
 
 impl Simulation {
     /// What is found by the shape of a state.
-    fn by_shape<T>(&self, state: &State, find: impl FnOnce(&Posed<'_>) -> T) -> T {
+    pub(crate) fn by_shape<T>(&self, state: &State, find: impl FnOnce(&Posed<'_>) -> T) -> T {
         let mut poses = state.poses.clone();
         pose::nodes(&self.rod, state.base, &state.strains, &mut poses);
         find(&Posed { rod: &self.rod, strains: &state.strains, poses: &poses })
@@ -148,7 +148,7 @@ impl Simulation {
         let Some(Impact { tried: length, end }) = &part.impact else { return Ok(tried) };
         match end {
             ImpactEnd::Fraction(fraction) => Ok(fraction * tried),
-            ImpactEnd::Closing(contact) => Ok(self.closing(part, contact).times(change)),
+            ImpactEnd::Closing(contact) => Ok(self.closing(part, contact)?.times(change)),
             ImpactEnd::Hit(hit) => {
                 let whole = self.try_whole(commands, part, *length)?;
                 let [start, end] = self.hit_changes(part, hit)?;
@@ -174,7 +174,7 @@ impl Simulation {
             match end {
                 ImpactEnd::Fraction(fraction) => by_tried *= fraction,
                 ImpactEnd::Closing(contact) => {
-                    self.closing(part, contact).add_to(costate, by_length);
+                    self.closing(part, contact)?.add_to(costate, by_length);
                     by_tried = 0.0;
                 }
                 ImpactEnd::Hit(hit) => {
@@ -222,44 +222,34 @@ impl Simulation {
     }
 
     /// The time in which a contact closes by the state before a part.
-    fn closing(&self, part: &Part, contact: &Contact) -> ByState {
-        let state = &part.before;
-        let at = |station: Station, start: Pose| {
-            let mut contact = Contact { start, station, shapes: station.shapes(), ..*contact };
-            if let Some(surroundings) = &self.solver.contacts.surroundings {
-                contact.look(&surroundings.obstacles[contact.obstacle], &start);
-            }
-            (contact.nearest.gap, -contact.start_rate(&state.velocities))
-        };
-        let time = |station: Station, start: Pose| {
-            let (gap, rate) = at(station, start);
-            gap / rate
-        };
-        let station = contact.station;
-        let (gap, rate) = at(station, contact.start);
-        // The quotient by the pose, and by the velocities that its rate is linear in.
+    fn closing(&self, part: &Part, contact: &Contact) -> Result<ByState, MotionError> {
+        let (state, station) = (&part.before, contact.station);
+        let grazes = MotionError::NotSmooth { time: state.time + part.length };
+        let time = |start: Pose| self.closes_in(state, contact, station, start);
+        if time(contact.start).is_none() {
+            return Err(grazes);
+        }
         let by = by_displacements(self.rod.length, |axis, by| {
-            time(station, displaced(&contact.start, axis, by))
+            time(displaced(&contact.start, axis, by)).unwrap_or(f64::NAN)
         });
+        if !(by.linear.max_abs() + by.angular.max_abs()).is_finite() {
+            return Err(grazes);
+        }
         let shape = self.by_shape(state, |shape| ByShape::of_section(shape, station, by));
         let mut of = ByState::of_shape(shape, state);
-        let push = in_section(contact.start.rotation, contact.nearest.normal, contact.nearest.arm);
+        // The gap through its rate, which is linear in the velocities.
+        let mut at_start = *contact;
+        if let Some(surroundings) = &self.solver.contacts.surroundings {
+            at_start.look(&surroundings.obstacles[contact.obstacle], &contact.start);
+        }
+        let nearest = at_start.nearest;
+        let rate = -at_start.start_rate(&state.velocities);
+        let push = in_section(contact.start.rotation, nearest.normal, nearest.arm);
         let nodes = &mut of.velocities[POINTS * station.element..];
         for (velocity, shape) in nodes.iter_mut().zip(contact.shapes) {
-            *velocity = push * (shape * gap / (rate * rate));
+            *velocity = push * (shape * nearest.gap / (rate * rate));
         }
-        if let Some(place) = self.place_changes(state, contact) {
-            let h = 1e-6 * self.rod.length;
-            let by_place = self.by_shape(state, |shape| {
-                let at = |by: f64| {
-                    let station = Station::at(&self.rod, station.arc_length(&self.rod) + by);
-                    time(station, shape.at(station))
-                };
-                (at(h) - at(-h)) * (0.5 / h)
-            });
-            of.shape.add(&place.shape, by_place);
-        }
-        of
+        Ok(of)
     }
 }
 

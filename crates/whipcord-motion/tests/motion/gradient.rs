@@ -203,7 +203,10 @@ impl Problem {
         // The second derivatives of straight cables and of the discrete gradient are differences.
         let is_exact =
             self.options.model == ModelKind::Cosserat && self.options.method != Method::Energy;
-        let bound = if is_exact { 1e-12 } else { 1e-8 };
+        // Short parts behind an impact round more.
+        let most =
+            if record.states.iter().any(|of| of.diagnostics.parts > 3) { 4e-12 } else { 1e-12 };
+        let bound = if is_exact { most } else { 1e-8 };
         let name = (self.options.model, self.options.method, self.options.has_free_base);
         println!("APART {apart:e}");
         assert!(apart < 1e3 * bound, "{name:?}: {apart:e}, {by_direction:?} {by_change}");

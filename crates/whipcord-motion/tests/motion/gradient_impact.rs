@@ -175,9 +175,6 @@ fn gradients_through_an_impact_by_ramps_are_those_of_differences() {
             let name = format!("{drive:?}, {method:?}");
             let base = at((STEPS, 0, 0.0));
             let record = base.simulation().record(&base.commands, DT).unwrap();
-            let contacts: Vec<usize> = record.states.iter().map(|of| of.contacts.len()).collect();
-            let parts: Vec<usize> = record.states.iter().map(|of| of.diagnostics.parts).collect();
-            println!("{name} {contacts:?} {parts:?}");
             assert!(divided(&record) > 0, "{name}");
             let gradient = base.gradient();
             let (found, unit) = match drive {
@@ -202,7 +199,12 @@ fn falling() -> Robot {
 }
 
 /// The derivatives of where the tip is at the end of a motion that starts straight, by the velocities and strains at the start.
-fn check_falling(case: &Case, options: &MotionOptions, steps: usize, dt: f64, name: &str) {
+fn check_falling(
+    case: &Case,
+    options: &MotionOptions,
+    (steps, impacts): (usize, usize),
+    name: &str,
+) {
     let robot = falling();
     let rest = MotionOptions { initial: Initial::Rest, ..options.clone() };
     let start = Simulation::new(&robot, case, rest).unwrap().state().start();
@@ -213,7 +215,7 @@ fn check_falling(case: &Case, options: &MotionOptions, steps: usize, dt: f64, na
         let initial = Initial::State(Box::new(start));
         let mut simulation =
             Simulation::new(&robot, case, MotionOptions { initial, ..options.clone() }).unwrap();
-        let record = simulation.record(&commands, dt).unwrap();
+        let record = simulation.record(&commands, 0.01).unwrap();
         (record.states.last().unwrap().tip().position.dot(vector(1)), record, simulation)
     };
     let (_, record, mut simulation) = at(&|_| ());
@@ -225,11 +227,7 @@ fn check_falling(case: &Case, options: &MotionOptions, steps: usize, dt: f64, na
     let gradient = simulation.gradient(&record, &seeds).unwrap();
     let touched = record.states.iter().filter(|of| !of.contacts.is_empty()).count();
     let divided = divided(&record);
-    for state in &record.states {
-        let at: Vec<_> = state.contacts.iter().map(|of| (of.arc_length, of.sticks)).collect();
-        println!("{name}: {} {at:?} {:?}", state.time, state.diagnostics);
-    }
-    assert!(divided > 0, "{name}");
+    assert!(divided >= impacts && touched > impacts, "{name}: {divided} {touched}");
     let axis = |axis: usize, by: f64| {
         let mut out = Vec3::ZERO;
         out[axis] = by;
@@ -240,12 +238,12 @@ fn check_falling(case: &Case, options: &MotionOptions, steps: usize, dt: f64, na
     for i in 0..3 {
         for node in [3, nodes - 1] {
             let expected =
-                difference(1e-4, |by| at(&|start| start.velocities[node].linear += axis(i, by)).0);
+                difference(5e-5, |by| at(&|start| start.velocities[node].linear += axis(i, by)).0);
             let found = gradient.velocities[node].linear[i];
             close(found, expected, scale, &format!("{name}: velocity {node} {i}"));
         }
         let expected =
-            difference(1e-4, |by| at(&|start| start.strains[3].angular += axis(i, by)).0);
+            difference(5e-5, |by| at(&|start| start.strains[3].angular += axis(i, by)).0);
         let found = gradient.strains[3].angular[i];
         let scale = gradient.strains[3].angular.max_abs();
         close(found, expected, scale, &format!("{name}: strain {i}"));
@@ -273,7 +271,7 @@ fn gradients_through_several_impacts_are_those_of_differences() {
                 iteration_tolerance: 1e-13,
                 ..MotionOptions::default()
             };
-            check_falling(&heavy(floor), &options, 14, 0.01, &format!("{method:?} {friction}"));
+            check_falling(&heavy(floor), &options, (14, 3), &format!("{method:?} {friction}"));
         }
     }
 }
@@ -293,7 +291,45 @@ fn gradients_through_an_impact_of_the_backbone_are_those_of_differences() {
                 iteration_tolerance: 1e-13,
                 ..MotionOptions::default()
             };
-            check_falling(&heavy(ball), &options, 10, 0.01, &format!("{method:?} {friction}"));
+            check_falling(&heavy(ball), &options, (10, 1), &format!("{method:?} {friction}"));
         }
     }
+}
+
+/// Gradient descent by the tensions of a motion that bounces off a ball brings the tip where it shall be at the end.
+#[test]
+fn a_controller_is_trained_through_an_impact() {
+    let mut problem = problem(Method::Accurate, Hit::Ball, 0.2, (STEPS, 0, 0.0));
+    let goal = problem.simulation().record(&problem.commands, DT).unwrap();
+    let goal = goal.states[STEPS].tip().position + Vec3::new(0.004, 0.006, 0.0);
+    let evaluate = |problem: &Problem| {
+        let mut simulation = problem.simulation();
+        let record = simulation.record(&problem.commands, DT).unwrap();
+        let apart = record.states[STEPS].tip().position - goal;
+        let mut seeds = vec![Seed::default(); STEPS + 1];
+        let mut positions = vec![Vec3::ZERO; record.states[0].poses.len()];
+        *positions.last_mut().unwrap() = apart * 2.0;
+        seeds[STEPS].positions = positions;
+        let gradient = simulation.gradient(&record, &seeds).unwrap();
+        (apart.norm_squared(), gradient.cables, divided(&record))
+    };
+    let (first, _, impacts) = evaluate(&problem);
+    assert!(impacts > 0);
+    let mut cost = first;
+    for _ in 0..40 {
+        let (now, gradient, impacts) = evaluate(&problem);
+        assert!(impacts > 0);
+        cost = now;
+        // As far as the cost would be zero if it were linear, and no farther than 0.3 N.
+        let size = gradient.iter().flatten().map(|of| of * of).sum::<f64>();
+        let longest = gradient.iter().flatten().fold(0.0_f64, |max, of| max.max(of.abs()));
+        let factor = (0.5 * now / size).min(0.3 / longest);
+        for (commands, row) in problem.commands.iter_mut().zip(&gradient) {
+            for (i, by) in row.iter().enumerate() {
+                let tension = commands.cables[i].course().before(0.0) - factor * by;
+                commands.set_tension(i, tension.max(0.05));
+            }
+        }
+    }
+    assert!(cost < 0.01 * first, "{first:e} {cost:e}");
 }
