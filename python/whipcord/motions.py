@@ -109,8 +109,8 @@ class Motions:
     """How a robot moves as a function of its commands, which are constant in each step: many motions at once, on all cores, and their gradients.
 
     Gradients are those of the computed motion, by the transposed equations of its steps, not by differences (:doc:`/theory/motion`):
-    :meth:`pull_back` for one number and all commands, :meth:`push_forward` for one direction and all that moves. They hold with friction of cables and while the robot
-    touches obstacles; a motion in which it hits one has none, since the time of the impact divides the steps.
+    :meth:`pull_back` for one number and all commands, :meth:`push_forward` for one direction and all that moves. They hold with friction of cables, while the robot
+    touches obstacles and through impacts; only what grazes an obstacle has none.
     :class:`whipcord.jax.Motions` and ``whipcord.torch.Motions`` are the same as differentiable functions.
 
     Parameters

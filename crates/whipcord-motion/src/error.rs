@@ -139,12 +139,12 @@ pub enum MotionError {
         time: f64,
     },
 
-    /// A motion that hits an obstacle, which is not smooth there.
+    /// A motion that grazes an obstacle: how soon it hits has no derivative.
     #[error(
-        "no gradient: the robot hits an obstacle in the step that ends at {time:.6} s, where the time of the impact divides the step; take gradients of the steps before or of those behind, or move the obstacle"
+        "no gradient: the robot grazes an obstacle at {time:.6} s, so that it may as well miss it, and when it hits has no derivative; move the obstacle, or change the commands or the length of the steps a little"
     )]
     NotSmooth {
-        /// Time at the end of the step in s.
+        /// Time in s at which it touches.
         time: f64,
     },
 

@@ -238,14 +238,14 @@ fn check_falling(
     for i in 0..3 {
         for node in [3, nodes - 1] {
             let expected =
-                difference(5e-5, |by| at(&|start| start.velocities[node].linear += axis(i, by)).0);
+                difference(1e-5, |by| at(&|start| start.velocities[node].linear += axis(i, by)).0);
             let found = gradient.velocities[node].linear[i];
             close(found, expected, scale, &format!("{name}: velocity {node} {i}"));
         }
         let expected =
-            difference(5e-5, |by| at(&|start| start.strains[3].angular += axis(i, by)).0);
+            difference(2e-5, |by| at(&|start| start.strains[3].angular += axis(i, by)).0);
         let found = gradient.strains[3].angular[i];
-        let scale = gradient.strains[3].angular.max_abs();
+        let scale = gradient.strains.iter().fold(0.0_f64, |max, of| max.max(of.angular.max_abs()));
         close(found, expected, scale, &format!("{name}: strain {i}"));
     }
 }
@@ -261,7 +261,7 @@ fn gradients_through_several_impacts_are_those_of_differences() {
     for method in METHODS {
         for friction in [0.0, 0.3] {
             let rotation = UnitQuaternion::exp(Vec3::Y * FRAC_PI_2);
-            let pose = Pose { position: Vec3::X * -0.01, rotation };
+            let pose = Pose { position: Vec3::X * -0.013, rotation };
             let form = Form::HalfSpace;
             let floor = Obstacle { name: "floor".to_owned(), form, pose, friction, movable: None };
             let options = MotionOptions {
@@ -271,7 +271,7 @@ fn gradients_through_several_impacts_are_those_of_differences() {
                 iteration_tolerance: 1e-13,
                 ..MotionOptions::default()
             };
-            check_falling(&heavy(floor), &options, (14, 3), &format!("{method:?} {friction}"));
+            check_falling(&heavy(floor), &options, (10, 2), &format!("{method:?} {friction}"));
         }
     }
 }
@@ -300,8 +300,13 @@ fn gradients_through_an_impact_of_the_backbone_are_those_of_differences() {
 #[test]
 fn a_controller_is_trained_through_an_impact() {
     let mut problem = problem(Method::Accurate, Hit::Ball, 0.2, (STEPS, 0, 0.0));
-    let goal = problem.simulation().record(&problem.commands, DT).unwrap();
-    let goal = goal.states[STEPS].tip().position + Vec3::new(0.004, 0.006, 0.0);
+    // Where other tensions would bring it.
+    let mut other = problem.commands.clone();
+    for (k, commands) in other.iter_mut().enumerate() {
+        commands.set_tension(0, 4.5 - 0.2 * k as f64);
+        commands.set_tension(1, 1.0);
+    }
+    let goal = problem.simulation().record(&other, DT).unwrap().states[STEPS].tip().position;
     let evaluate = |problem: &Problem| {
         let mut simulation = problem.simulation();
         let record = simulation.record(&problem.commands, DT).unwrap();
