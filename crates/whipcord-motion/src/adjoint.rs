@@ -7,7 +7,7 @@ use whipcord_numerics::{DenseLu, Twist, Vec3};
 use crate::block::{Block, add, dot, sum, transposed_bracket};
 use crate::cable_work::CableWork;
 use crate::conserving::{Conserving, along};
-use crate::element::{POINTS, add_to_nodes};
+use crate::element::{NODES, POINTS, add_to_nodes};
 use crate::hole_rows::HoleRows;
 use crate::iteration::{Mechanics, Solver};
 use crate::pose;
@@ -55,6 +55,12 @@ pub(crate) struct StageAdjoint {
     pub base: Twist,
     /// How the pose of a free base changes with its velocity.
     pub base_by_velocity: Option<Block>,
+    /// How the pose of a free base at the end changes with its velocity at the stage.
+    pub end_by_velocity: Option<Block>,
+    /// After [`Self::pull_back`]: by displacements of the base at the start of the step, and at its end but for that by the velocity at the end, of the equations of contacts.
+    pub base_ends: [Twist; 2],
+    /// After [`Self::pull_back`]: by the velocity at the stage of a base that is led.
+    pub led: Twist,
     /// After [`Self::pull_back`]: what the equations of contacts depend on the length of the step by themselves.
     pub by_length: f64,
     /// After [`Self::pull_back`]: by the arc length of the place of each contact.
@@ -115,6 +121,9 @@ impl StageAdjoint {
             stage_tensions: vec![0.0; rod.cables.len()],
             base: Twist::default(),
             base_by_velocity: None,
+            end_by_velocity: None,
+            base_ends: [Twist::default(); 2],
+            led: Twist::default(),
             by_length: 0.0,
             places: Vec::new(),
             multipliers: list(nodes),
@@ -145,6 +154,8 @@ impl StageAdjoint {
         let touching = contacts.rows(rod, scheme, stage);
         self.start.fill(Twist::default());
         self.by_length = 0.0;
+        self.base_ends = [Twist::default(); 2];
+        self.led = self.velocities[0];
         self.places.clear();
         self.places.resize(contacts.list.len(), 0.0);
         let mut tensions = Vec::new();
@@ -193,7 +204,11 @@ impl StageAdjoint {
             }
             for (row, (of_row, gradient)) in touching.rows.iter().zip(of_touching) {
                 gradient.clone_from(&row.stage);
-                find(self, of_row, &none, gradient, Twist::default())?;
+                let mut by_velocity = none.clone();
+                if let Some(of) = &self.end_by_velocity {
+                    by_velocity[0] = of.apply_transposed(&row.bases[2]);
+                }
+                find(self, of_row, &by_velocity, gradient, row.bases[1])?;
             }
             for (r, (of_row, gradient)) in of_holes.iter_mut().enumerate() {
                 let Some(rows) = &holes else { break };
@@ -267,6 +282,10 @@ impl StageAdjoint {
                         add(&mut self.start, &row.start, -force);
                         self.by_length -= force * row.by_length;
                         self.places[row.contact] -= force * row.by_place;
+                        let [start, stage, end] = row.bases;
+                        self.base = self.base - stage * *force;
+                        self.base_ends[0] = self.base_ends[0] - start * *force;
+                        self.base_ends[1] = self.base_ends[1] - end * *force;
                     }
                     // Where the stage is not at the end, the end lies beyond it, away from the start.
                     None => add(&mut self.start, gradient, -force * (scheme.place - 1.0)),
@@ -450,7 +469,13 @@ impl StageAdjoint {
                 let of_wrench = slope + strain.bracket(value);
                 let (along, across) = tangent.transposed_wrench_change(&slope, &value);
                 let rest = strains[q] - (along + across) * point.weight - self.by_poses[q];
-                let (transported, _) = tangent.transposed_strain_change(&rest);
+                let (transported, across) = tangent.transposed_strain_change(&rest);
+                if e == 0 {
+                    let mut of_element = [Twist::default(); NODES];
+                    let length = rod.lengths[0];
+                    add_to_nodes(&mut of_element, &transported, &across, 1.0, k, length);
+                    self.led = self.led + of_element[0];
+                }
                 let damped = point.damping.apply(&of_wrench) * (point.weight * scheme.damping);
                 strains[q] = transported * (1.0 / scheme.g) + damped;
                 let elastic = point.stiffness.apply(&(strain - point.rest));

@@ -68,6 +68,13 @@ impl Block {
         self.d = self.d - product.d;
     }
 
+    /// `f` times the matrix.
+    pub fn scaled(&self, f: f64) -> Self {
+        let mut out = Self::default();
+        out.add_scaled(f, self);
+        out
+    }
+
     /// `self += f m`.
     #[inline]
     pub fn add_scaled(&mut self, f: f64, m: &Self) {

@@ -64,6 +64,12 @@ impl OneStage {
         from + self.place * h
     }
 
+    /// The weight of the velocity at the end in the motion of a free base: half of it, by the trapezoidal rule, but as much as that of rates at the end where the robot may touch something, since a
+    /// base that is stopped at once would go on to swing otherwise.
+    pub fn base_weight(&self, touches: bool) -> f64 {
+        if touches { self.gamma } else { 0.5 }
+    }
+
     /// How the state behind a step of length `h` and its rates depend on the stage and on those before.
     pub fn backwards(&self, scheme: &Scheme, h: f64) -> Backwards {
         // Rates at the end are those of the stage where they are not carried on.

@@ -35,6 +35,8 @@ pub(crate) struct Contact {
     pub slip: Vec3,
     /// Derivative of the normal by the place, in 1/m.
     pub bend: Mat3,
+    /// Centre of the cross-section at the end of the step.
+    pub centre: Vec3,
     /// Rotation of the cross-section at the end of the step, and at the stage.
     pub at_end: UnitQuaternion,
     pub at_stage: UnitQuaternion,
@@ -92,6 +94,7 @@ impl Contact {
             nearest: near.nearest,
             slip: Vec3::ZERO,
             bend: Mat3::ZERO,
+            centre: start.position,
             at_end: start.rotation,
             at_stage: start.rotation,
             force: 0.0,

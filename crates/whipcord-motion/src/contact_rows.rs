@@ -333,6 +333,11 @@ impl ContactRow {
         self.bases[2] = end.base;
     }
 
+    /// What it has for displacements of the base.
+    pub fn by_bases(&self, bases: &[Twist; 3]) -> f64 {
+        sum(&self.bases, bases)
+    }
+
     /// What it has for changes of the strains of the stage.
     pub fn by_stage(&self, strains: &[Twist]) -> f64 {
         sum(&self.stage, strains)

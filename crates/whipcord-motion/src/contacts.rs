@@ -6,6 +6,7 @@ use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 use crate::block::{Block, dot};
 use crate::contact::{Contact, Line, bend, in_section};
 use crate::element::POINTS;
+use crate::free_base::FreeBase;
 use crate::loads::NodeLoad;
 use crate::pose;
 use crate::rod::Rod;
@@ -18,6 +19,11 @@ use crate::surroundings::{Hit, Near, Posed, Station, Surroundings};
 pub(crate) struct Contacts {
     pub surroundings: Option<Surroundings>,
     pub list: Vec<Contact>,
+    /// Whether the part of a step that is taken may touch something.
+    pub touches: bool,
+    pub has_free_base: bool,
+    /// How the pose of a free base at the end of the step follows from its velocity there, and its velocity at the start.
+    pub end_base: Option<(FreeBase, Twist)>,
     /// The round of a step that it is not repeated behind.
     pub last_round: Option<usize>,
     /// Whether friction is left out: of a part of a step that has no answer with it.
@@ -122,6 +128,7 @@ impl Contacts {
     /// Forgets all contacts.
     pub fn clear(&mut self) {
         self.list.clear();
+        self.touches = false;
     }
 
     /// What overlaps at the start of a step of length `h` need not be out at its end.
@@ -134,6 +141,9 @@ impl Contacts {
     /// Looks at all contacts at the end of the step as the stage has it now.
     pub fn refresh(&mut self, rod: &Rod, scheme: &Scheme, stage: &Stage) {
         let Some(surroundings) = &self.surroundings else { return };
+        if let Some((free, from)) = &self.end_base {
+            self.base = free.pose(scheme.end(*from, stage.velocities[0]));
+        }
         for (end, (start, strain)) in
             self.strains.iter_mut().zip(stage.start.iter().zip(&stage.strains))
         {
@@ -149,6 +159,7 @@ impl Contacts {
             contact.slip =
                 contact.nearest.slip(&contact.start, &pose, contact.member.body.rounding);
             contact.at_end = pose.rotation;
+            contact.centre = pose.position;
             contact.at_stage = at_stage.at(contact.station).rotation;
             contact.bend = bend(obstacle, pose.position + contact.nearest.arm, rod.length);
         }
@@ -263,8 +274,17 @@ impl Contacts {
         let force = in_section(contact.at_stage, direction, lever);
         let motion = in_section(contact.at_end, direction, lever) * (scheme.g / scheme.place);
         let mut shift = Vec3::ZERO;
+        if let Some((free, _)) = &self.end_base {
+            // A free base moves by a rule of its own, and all sections with it.
+            let arm = contact.centre + lever - self.base.position;
+            let moved = in_section(self.base.rotation, direction, arm);
+            row[0] = moved * ((free.g - scheme.g) / scheme.place);
+        }
         for (a, f) in contact.shapes.into_iter().enumerate() {
             column[2 * e + a] = force * -f;
+            if self.has_free_base && 2 * e + a == 0 {
+                row[0] = row[0] + motion * f;
+            }
             if 2 * e + a > 0 {
                 row[2 * e + a] = motion * f;
                 shift += self.shifts[2 * e + a] * f;

@@ -173,6 +173,11 @@ impl Simulation {
             }
         }
         change.time = shift.at(1.0);
+        if let Some([velocity, rate]) = self.loads.led_base(end) {
+            // Where it is follows from the time alone.
+            change.base = velocity * change.time;
+            change.velocities[0] = rate * change.time;
+        }
         Ok(())
     }
 
@@ -223,6 +228,9 @@ impl Simulation {
                 of.pose_by_start.apply(&change.base) + of.pose_by_history().apply(&exponent)
             });
             tangent.base = known;
+            tangent.end_by_velocity = None;
+            tangent.base_ends = [Twist::default(); 2];
+            self.lead(tangent);
             let Self { rod, loads, solver, .. } = self;
             tangent.push_forward(Mechanics { rod, loads }, solver, &scheme, factors)?;
             if let Some(of) = &free {
@@ -285,6 +293,17 @@ impl Simulation {
             of.pose_by_start.apply(&change.base) + of.pose_by_history().apply(&history)
         };
         tangent.base = bases.as_ref().map_or(Twist::default(), |[_, of]| known(of));
+        tangent.end_by_velocity =
+            bases.as_ref().map(|[(of, _), _]| of.pose_by_velocity().scaled(1.0 / method.place));
+        let carried = 1.0 - 1.0 / method.place;
+        let end = bases.as_ref().map_or(Twist::default(), |[of, _]| {
+            known(of) + of.0.pose_by_velocity().apply(&(start_velocity * carried))
+        });
+        tangent.base_ends = [change.base, end];
+        self.lead(tangent);
+        if let Some([velocity, _]) = self.loads.led_base(part.before.time + h) {
+            tangent.base_ends[1] = velocity * shift.at(1.0);
+        }
         let Self { rod, loads, solver, .. } = self;
         // Where the motors come to if the tensions stay, then what these make of it.
         let tensions = solver.stage.tensions.clone();
@@ -319,6 +338,15 @@ impl Simulation {
         Ok(())
     }
 
+    /// What a base that is led changes by at a stage that is later.
+    fn lead(&self, tangent: &mut StageTangent) {
+        let [time, later] = tangent.time;
+        tangent.led = Twist::default();
+        if let Some([velocity, rate]) = self.loads.led_base(time) {
+            (tangent.base, tangent.led) = (velocity * later, rate * later);
+        }
+    }
+
     /// Adds what the histories of a stage in the solver change by with the length of its part: both go from the start to the stage by sums of rates that the length multiplies.
     fn add_to_histories(
         &self,
@@ -348,6 +376,7 @@ impl Simulation {
     ) -> Result<(), MotionError> {
         self.put_equilibrium(start);
         (tangent.time, tangent.length) = ([0.0; 2], 0.0);
+        (tangent.base_ends, tangent.led) = ([Twist::default(); 2], Twist::default());
         let Self { rod, loads, solver, .. } = self;
         solver.holds_passages = true;
         let found =

@@ -16,10 +16,10 @@ pub(crate) struct FreeBase {
 }
 
 impl FreeBase {
-    /// By the trapezoidal rule from a state, `h` further.
-    pub fn trapezoidal(from: &State, h: f64) -> Self {
-        let g = 0.5 * h;
-        Self { start: from.base, history: from.velocities[0] * g, g }
+    /// From a state, `h` further, by the velocity at the end with this weight and that at the start with the rest.
+    pub fn weighted(from: &State, h: f64, weight: f64) -> Self {
+        let g = weight * h;
+        Self { start: from.base, history: from.velocities[0] * (h - g), g }
     }
 
     /// `θ`.

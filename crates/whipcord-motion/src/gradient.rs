@@ -459,8 +459,10 @@ impl Simulation {
             return Ok(None);
         }
         let of = |place: f64, velocity: Twist| {
-            let free = FreeBase::trapezoidal(&part.before, place * part.length);
-            BaseTangent::new(&free, velocity).map(|of| (of, free.g)).ok_or(NotSolved)
+            let h = place * part.length;
+            let weight = method.base_weight(self.solver.contacts.touches);
+            let free = FreeBase::weighted(&part.before, h, weight);
+            BaseTangent::new(&free, velocity).map(|of| (of, h - free.g)).ok_or(NotSolved)
         };
         let end = of(1.0, self.next.velocities[0])?;
         Ok(Some([end, of(method.place, self.solver.stage.velocities[0])?]))
@@ -496,6 +498,12 @@ impl Simulation {
         let end = part.before.time + part.length;
         let mut shift = Shift { start: 0.0, length: 0.0 };
         shift.add(1.0, core::mem::take(&mut costate.time));
+        if let Some([velocity, rate]) = self.loads.led_base(end) {
+            // Where it is follows from the time alone.
+            let by_base = core::mem::take(&mut costate.base);
+            let by_velocity = core::mem::take(&mut costate.velocities[0]);
+            shift.add(1.0, dot(&by_base, &velocity) + dot(&by_velocity, &rate));
+        }
         // A cable that is driven by its tension ends the step with its command.
         let mut by_cable = vec![0.0; cables.len()];
         for i in 0..cables.len() {
@@ -579,6 +587,7 @@ impl Simulation {
             let Self { rod, loads, solver, .. } = &mut *self;
             adjoint.base = core::mem::take(&mut base);
             adjoint.base_by_velocity = free.as_ref().map(BaseTangent::pose_by_velocity);
+            adjoint.end_by_velocity = None;
             if let Some(of) = &free {
                 let rate = base_rates[i] * inverse;
                 velocities[0] = velocities[0] + of.exponent_by_velocity.apply_transposed(&rate);
@@ -597,7 +606,8 @@ impl Simulation {
             let slopes = adjoint.cables.iter().enumerate();
             let by_tensions: f64 =
                 slopes.map(|(j, by)| by * tension_slope(commands, j, time)).sum();
-            shift.add(accurate::C[i], by_loads + by_tensions);
+            let by_base = self.led_by_time(adjoint, time);
+            shift.add(accurate::C[i], by_loads + by_tensions + by_base);
             add(&mut start_velocities, &adjoint.velocities, 1.0);
             add(&mut start_strains, &adjoint.strains, 1.0);
             for j in 0..i {
@@ -671,6 +681,8 @@ impl Simulation {
         }
         adjoint.base = Twist::default();
         adjoint.base_by_velocity = bases.as_ref().map(|[_, (of, _)]| of.pose_by_velocity());
+        adjoint.end_by_velocity =
+            bases.as_ref().map(|[(of, _), _]| of.pose_by_velocity().scaled(1.0 / method.place));
         adjoint.stage_tensions.fill(0.0);
         let (drives, tensions) = (&solver.lengths.drives, solver.stage.tensions.clone());
         let by_stage = &mut adjoint.stage_tensions;
@@ -690,6 +702,15 @@ impl Simulation {
             shift.length += length;
         };
         drives.pull_back(method, h, &tensions, by_lengths, &mut costate.motors, found);
+        if let Some([(of_end, g_end), _]) = &bases {
+            let [start, end] = &adjoint.base_ends;
+            base = base + *start + of_end.pose_by_start.apply_transposed(end);
+            let by_history = of_end.pose_by_history().apply_transposed(end);
+            shift.length += dot(&by_history, &of_end.exponent) / h;
+            let carried = 1.0 - 1.0 / method.place;
+            let by_velocity = of_end.pose_by_velocity().apply_transposed(end);
+            base_velocity = base_velocity + by_history * *g_end + by_velocity * carried;
+        }
         if let Some([_, (of_stage, g)]) = &bases {
             let of = &adjoint.base;
             base = base + of_stage.pose_by_start.apply_transposed(of);
@@ -701,6 +722,14 @@ impl Simulation {
         let of = Mechanics { rod, loads };
         shift.add(method.place, adjoint.load_rate(of, solver, &scheme, time));
         shift.length += adjoint.by_length;
+        if bases.is_none() {
+            let [start, end] = &adjoint.base_ends;
+            for (place, by) in [(0.0, start), (1.0, end)] {
+                if let Some([velocity, _]) = loads.led_base(part.before.time + place * h) {
+                    shift.add(place, dot(by, &velocity));
+                }
+            }
+        }
         let mut histories = [adjoint.velocities.clone(), adjoint.strains.clone()];
         add(&mut histories[0], &costate.velocity_rates, -back.stage_by_rate);
         add(&mut histories[1], &costate.strain_rates, -back.stage_by_rate);
@@ -718,12 +747,20 @@ impl Simulation {
         }
         let [of_velocities, of_strains] = &histories;
         shift.length += self.history_by_length(part, of_velocities, of_strains);
+        shift.add(method.place, self.led_by_time(adjoint, time));
         velocities[0] = velocities[0] + base_velocity;
         (costate.velocities, costate.strains) = (velocities, strains);
         (costate.velocity_rates, costate.strain_rates) = (velocity_rates, strain_rates);
         costate.tensions.clone_from(&adjoint.tensions);
         costate.base = base;
         Ok(())
+    }
+
+    /// The derivative by the time of a stage, which was pulled back last, of what the base is there where it is led.
+    fn led_by_time(&self, adjoint: &StageAdjoint, time: f64) -> f64 {
+        self.loads.led_base(time).map_or(0.0, |[velocity, rate]| {
+            dot(&adjoint.base, &velocity) + dot(&adjoint.led, &rate)
+        })
     }
 
     /// The derivative by the length of a part of what a stage in the solver has from derivatives by its histories: both go from the start to the stage by sums of rates that the length multiplies.
@@ -749,6 +786,7 @@ impl Simulation {
         self.put_equilibrium(start);
         let Self { rod, loads, solver, .. } = self;
         (adjoint.base, adjoint.base_by_velocity) = (Twist::default(), None);
+        adjoint.end_by_velocity = None;
         adjoint.stage_tensions.fill(0.0);
         let drives = &solver.lengths.drives;
         drives.add_by_tensions_at_rest(&costate.motors, &mut adjoint.stage_tensions);

@@ -75,6 +75,7 @@ impl Held {
         let Self { contacts, pushes, motions, .. } = self;
         let scheme = Scheme::STATICS;
         contacts.base = stage.base;
+        contacts.end_base = None;
         contacts.refresh(rod, &scheme, stage);
         pushes.clear();
         motions.clear();

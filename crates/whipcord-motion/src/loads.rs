@@ -131,6 +131,17 @@ impl NodeLoads {
         Twist { linear: at(&base.velocity), angular: at(&base.angular_velocity) }
     }
 
+    /// Velocity of a base that is led, and its rate, in its frame at a time, before any jump; `None` where it is not led.
+    pub fn led_base(&self, time: f64) -> Option<[Twist; 2]> {
+        let base = self.base.as_ref()?;
+        let slope = |courses: &[Course; 3]| {
+            let [x, y, z] = courses;
+            Vec3::new(x.slope_before(time), y.slope_before(time), z.slope_before(time))
+        };
+        let rate = Twist { linear: slope(&base.velocity), angular: slope(&base.angular_velocity) };
+        Some([self.base_velocity(time), rate])
+    }
+
     /// Pose of the base at a time `h` behind another one, at which it has the pose `from`: by the Magnus series of order 6.
     pub fn base_pose(&self, from: Pose, time: f64, h: f64) -> Pose {
         if self.base.is_none() {

@@ -37,10 +37,12 @@ impl OneStage {
         along(&mut stage.strain_history, &from.strains, &from.strain_rates, carried);
         along(&mut stage.velocities, &from.velocities, &from.velocity_rates, ahead);
         along(&mut stage.strains, &from.strains, &from.strain_rates, ahead);
-        // The pose of a free base goes by the trapezoidal rule.
-        let half = |part: f64| FreeBase::trapezoidal(from, part * h);
+        let weight = self.base_weight(solver.contacts.touches);
+        let base_at = |part: f64| FreeBase::weighted(from, part * h, weight);
+        solver.contacts.end_base = None;
         if loads.has_free_base {
-            stage.free_base = Some(half(self.place));
+            stage.free_base = Some(base_at(self.place));
+            solver.contacts.end_base = Some((base_at(1.0), from.velocities[0]));
         } else {
             stage.move_base(loads, from.base, from.time, self.place * h);
         }
@@ -83,7 +85,7 @@ impl OneStage {
             &stage.strain_history,
         );
         if loads.has_free_base {
-            to.base = half(1.0).pose(to.velocities[0]);
+            to.base = base_at(1.0).pose(to.velocities[0]);
         }
         Ok(work)
     }

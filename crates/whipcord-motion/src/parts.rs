@@ -1,5 +1,7 @@
 //! The parts of a step: each is solved by a method, and divided where it must be.
 
+use whipcord_numerics::Pose;
+
 use crate::coefficients::OneStage;
 use crate::commands::{CableDrive, Commands};
 use crate::drives::MotorWork;
@@ -308,6 +310,7 @@ impl Simulation {
             let time = scheme.time(this.state.time, h);
             this.set_tensions(commands, time);
             this.begin_friction(commands, time, end);
+            this.solver.contacts.touches = touches;
             if touches {
                 this.look_for_contacts(h);
             }
@@ -414,7 +417,10 @@ impl Simulation {
         let fastest = self.state.velocities.iter().map(|v| v.linear.norm()).fold(0.0_f64, f64::max);
         let within = 2.0 * h * fastest + MARGIN[0] * h * h + MARGIN[1] * self.rod.length;
         let Self { rod, loads, solver, state, base, .. } = self;
-        solver.contacts.base = loads.base_pose(state.base, state.time, h);
+        solver.contacts.base = match loads.has_free_base {
+            true => state.base * Pose::exp(state.velocities[0] * h),
+            false => loads.base_pose(state.base, state.time, h),
+        };
         let known = (state.contacts.as_slice(), *base);
         solver.contacts.begin(rod, state.base, &state.strains, within, known);
     }

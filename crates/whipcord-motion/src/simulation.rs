@@ -104,14 +104,7 @@ impl Simulation {
         let rod = Rod::new(robot, &all, &options)?;
         let loads = NodeLoads::new(&rod, case, &options);
         let drag = Vec3::new(options.drag.across, options.drag.across, options.drag.along);
-        let surroundings = Surroundings::new(robot, &rod, case)?;
-        if options.has_free_base && surroundings.is_some() {
-            return Err(MotionError::Unsupported {
-                path: "motion.base.free".to_owned(),
-                what: "a free base among obstacles",
-                advice: "remove the obstacles, or hold the base",
-            });
-        }
+        let surroundings = Surroundings::new(robot, &rod, case, options.has_free_base)?;
         let friction = Friction::new(robot, &rod);
         let holes = friction.as_ref().map(|friction| friction.holes.memory()).unwrap_or_default();
         let mut first_passages = Vec::new();
@@ -122,6 +115,7 @@ impl Simulation {
         let solver = Solver::new(&rod, Drives::new(robot), drag, surroundings, friction);
         let mut solver = solver;
         solver.stage.matrix.hold_base(!options.has_free_base);
+        solver.contacts.has_free_base = options.has_free_base;
         let state = State {
             velocities: vec![Twist::default(); rod.nodes.len()],
             strains: rod.points.iter().map(|point| point.rest).collect(),

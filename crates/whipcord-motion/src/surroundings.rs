@@ -107,7 +107,12 @@ const LOOKS: f64 = 64.0;
 
 impl Surroundings {
     /// Of a case; `None` without obstacles.
-    pub fn new(robot: &Robot, rod: &Rod, case: &Case) -> Result<Option<Self>, MotionError> {
+    pub fn new(
+        robot: &Robot,
+        rod: &Rod,
+        case: &Case,
+        has_free_base: bool,
+    ) -> Result<Option<Self>, MotionError> {
         if let Some(k) = case.obstacles.iter().position(|obstacle| obstacle.movable.is_some()) {
             return Err(MotionError::Unsupported {
                 path: format!("obstacles[{k}].mass"),
@@ -121,9 +126,15 @@ impl Surroundings {
         let to_base = case.base.inverse();
         let seen =
             |obstacle: &Obstacle| Obstacle { pose: to_base * obstacle.pose, ..obstacle.clone() };
-        let disk =
-            |member: Member| (Station::of_node(rod.node_at(member.arc_length).max(1)), member);
-        let mut watched = Vec::with_capacity(WATCHED.len() * rod.elements());
+        let base = Station { element: 0, fraction: 0.0 };
+        let disk = |member: Member| match rod.node_at(member.arc_length) {
+            0 if has_free_base => (base, member),
+            node => (Station::of_node(node.max(1)), member),
+        };
+        let mut watched = Vec::with_capacity(WATCHED.len() * rod.elements() + 1);
+        if has_free_base {
+            watched.push((base, Member::backbone(robot, 0.0)));
+        }
         for (element, &h) in rod.lengths.iter().enumerate() {
             let start = rod.nodes[POINTS * element].arc_length;
             for fraction in WATCHED {

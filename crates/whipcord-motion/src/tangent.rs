@@ -7,9 +7,10 @@ use crate::adjoint::{
     Factors, MOST_CORRECTIONS, NotSolved, add_forces, dead_load, inertia_and_weight, is_settled,
     linearise, load_rates,
 };
-use crate::block::{Block, add, sum, transposed_bracket};
+use crate::block::{Block, add, dot, sum, transposed_bracket};
 use crate::cable_work::CableWork;
 use crate::conserving::Conserving;
+use crate::contact_rows::ContactRow;
 use crate::element::{POINTS, add_to_nodes};
 use crate::hole_rows::HoleRows;
 use crate::iteration::{Mechanics, Solver};
@@ -40,6 +41,12 @@ pub(crate) struct StageTangent {
     pub base: Twist,
     /// How the pose of a free base changes with its velocity.
     pub base_by_velocity: Option<Block>,
+    /// Displacements of the base at the start of the step, and at its end but for that by the velocity at the end.
+    pub base_ends: [Twist; 2],
+    /// How the pose of a free base at the end changes with its velocity at the stage.
+    pub end_by_velocity: Option<Block>,
+    /// Of the velocity at the stage of a base that is led.
+    pub led: Twist,
     /// Time in s at which loads act on the stage, and how much later that is.
     pub time: [f64; 2],
     /// Of the length of the step.
@@ -74,6 +81,9 @@ impl StageTangent {
             stage_tensions: vec![0.0; cables],
             base: Twist::default(),
             base_by_velocity: None,
+            base_ends: [Twist::default(); 2],
+            end_by_velocity: None,
+            led: Twist::default(),
             time: [0.0; 2],
             length: 0.0,
             places: Vec::new(),
@@ -118,6 +128,7 @@ impl StageTangent {
             shift.add(&mut self.right, moved);
         }
         let start = self.start.clone();
+        let bases = [self.base_ends[0], self.base, self.base_ends[1]];
         let (mut velocities, mut strains) = self.solve(mechanics, stage, scheme, &start)?;
         // Cables that are driven by their lengths and taut: each has a tension that keeps its length.
         let taut: Vec<usize> =
@@ -175,12 +186,15 @@ impl StageTangent {
             changes[i] = row.by_stage(&strains)
                 + row.by_start(&start)
                 + row.by_length * self.length
-                + row.by_place * self.place(row.contact);
+                + row.by_place * self.place(row.contact)
+                + row.by_bases(&bases)
+                + self.by_base_velocity(row, &velocities);
             for (j, by) in &row.unknowns {
                 matrix[i * n + taut.len() + j] -= by;
             }
-            for (j, (_, response)) in unknowns.iter().zip(&responses) {
-                matrix[i * n + j] -= row.by_stage(response);
+            for (j, response) in unknowns.iter().zip(&responses) {
+                matrix[i * n + j] -= row.by_stage(&response.1);
+                matrix[i * n + j] -= self.by_base_velocity(row, &response.0);
             }
         }
         let ends = |start: &[Twist], strains: &[Twist]| -> Vec<Twist> {
@@ -234,6 +248,15 @@ impl StageTangent {
         Ok(())
     }
 
+    /// What an equation of contacts has for the velocity of a free base, which moves its pose at the stage and at the end.
+    fn by_base_velocity(&self, row: &ContactRow, velocities: &[Twist]) -> f64 {
+        let [_, stage, end] = &row.bases;
+        let of = |by: &Option<Block>, on: &Twist| {
+            by.as_ref().map_or(0.0, |by| dot(on, &by.apply(&velocities[0])))
+        };
+        of(&self.base_by_velocity, stage) + of(&self.end_by_velocity, end)
+    }
+
     fn place(&self, contact: usize) -> f64 {
         self.places.get(contact).copied().unwrap_or_default()
     }
@@ -247,6 +270,7 @@ impl StageTangent {
         factors: &Factors,
     ) {
         let Mechanics { rod, loads } = mechanics;
+        let led = [self.led, Twist::default(), Twist::default()];
         let Self { right, history, .. } = self;
         right.fill(Twist::default());
         for q in 0..rod.points.len() {
@@ -254,6 +278,10 @@ impl StageTangent {
             let (point, tangent) = (&rod.points[q], &stage.tangents[q]);
             let strain = stage.strains[q];
             history[q] = tangent.transport(&self.strains[q]) * (1.0 / scheme.g);
+            if e == 0 && self.led != Twist::default() {
+                let (value, slope) = Stage::at_point(&led, 0, k, rod.lengths[0]);
+                history[q] = history[q] + tangent.strain_change(slope, value);
+            }
             let elastic = point.stiffness.apply(&(strain - point.rest));
             let damping = |of: Twist| point.damping.apply(&of) * scheme.damping;
             let wrench = elastic * factors.stiffness

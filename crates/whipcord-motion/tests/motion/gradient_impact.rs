@@ -5,8 +5,8 @@ use core::f64::consts::FRAC_PI_2;
 use whipcord::robot::Motor;
 use whipcord::{Case, Form, Loads, ModelKind, Obstacle, Pose, Robot, Twist, UnitQuaternion, Vec3};
 use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions, Record,
-    Seed, Simulation,
+    BaseMotion, CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions,
+    Record, Seed, Simulation,
 };
 
 use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, robot, vector, weight};
@@ -292,6 +292,79 @@ fn gradients_through_an_impact_of_the_backbone_are_those_of_differences() {
                 ..MotionOptions::default()
             };
             check_falling(&heavy(ball), &options, (10, 1), &format!("{method:?} {friction}"));
+        }
+    }
+}
+
+/// A robot that flies against an obstacle, and one whose base is led against it.
+#[test]
+fn gradients_through_an_impact_with_a_base_that_moves_are_those_of_differences() {
+    for method in [Method::Accurate, Method::Robust] {
+        for (is_free, friction) in [(true, 0.0), (true, 0.3), (false, 0.0), (false, 0.3)] {
+            let name = format!("{method:?}, {is_free}, {friction}");
+            let at = |(step, cable, by): (usize, usize, f64)| {
+                let mut problem = problem(method, Hit::Ball, friction, (STEPS, 0, 0.0));
+                problem.options.has_free_base = is_free;
+                if is_free {
+                    // It bends less than it falls.
+                    for commands in &mut problem.commands {
+                        for i in 0..2 {
+                            let tension = commands.cables[i].course().before(0.0);
+                            commands.set_tension(i, 0.05 * tension);
+                        }
+                    }
+                }
+                if !is_free {
+                    let mut base = BaseMotion::default();
+                    let course = |ends: [f64; 2]| Course::table(vec![0.0, 0.05], ends.to_vec());
+                    base.velocity[0] = course([0.0, 0.1]).unwrap();
+                    base.velocity[1] = course([0.0, -0.2]).unwrap();
+                    base.angular_velocity[0] = course([0.0, 0.5]).unwrap();
+                    base.angular_velocity[2] = course([0.0, 1.0]).unwrap();
+                    problem.options.base = Some(base);
+                }
+                let without = Problem {
+                    case: Case { obstacles: Vec::new(), ..problem.case.clone() },
+                    robot: problem.robot.clone(),
+                    options: problem.options.clone(),
+                    commands: problem.commands.clone(),
+                };
+                let states = without.simulation().record(&without.commands, DT).unwrap().states;
+                let obstacle = &mut problem.case.obstacles[0];
+                if is_free {
+                    // It falls on a surface.
+                    let gravity = problem.case.loads.gravity.unwrap();
+                    let down = gravity * (1.0 / gravity.norm());
+                    let deepest = |k: usize| {
+                        let depths = states[k].poses.iter().map(|of| of.position.dot(down));
+                        depths.fold(f64::NEG_INFINITY, f64::max)
+                    };
+                    let rotation = {
+                        let axis = Vec3::Z.cross(down * -1.0);
+                        let angle = axis.norm().atan2(-down.z);
+                        UnitQuaternion::exp(axis * (angle / axis.norm()))
+                    };
+                    let position = down * (deepest(0).max(deepest(3)) + 0.0105);
+                    (obstacle.form, obstacle.pose) = (Form::HalfSpace, Pose { position, rotation });
+                } else {
+                    // A ball in the way.
+                    let way = states[3].tip().position - states[0].tip().position;
+                    let way = Vec3::new(way.x, way.y, 0.0) * (1.0 / way.x.hypot(way.y));
+                    let position = states[3].tip().position + way * 0.0195;
+                    obstacle.form = Form::Sphere { radius: 0.01 };
+                    obstacle.pose = Pose { position, ..Pose::IDENTITY };
+                }
+                if step < STEPS {
+                    let tension = problem.commands[step].cables[cable].course().before(0.0);
+                    problem.commands[step].set_tension(cable, tension + by);
+                }
+                problem
+            };
+            let base = at((STEPS, 0, 0.0));
+            let record = base.simulation().record(&base.commands, DT).unwrap();
+            let parts: Vec<_> = record.states.iter().map(|of| of.diagnostics.parts).collect();
+            assert!(parts[2..].iter().any(|parts| *parts > 3), "{name}: {parts:?}");
+            base.check_by_commands(1e-4, at, &name);
         }
     }
 }

@@ -13,6 +13,7 @@ mod contact;
 mod drives;
 mod energy;
 mod free;
+mod free_contact;
 mod friction;
 mod friction_contact;
 mod friction_drives;
