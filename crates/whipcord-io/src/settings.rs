@@ -8,6 +8,9 @@ use crate::schema::{Kind, ROOT, Table};
 use crate::source::{SETTING, Sources, Span, quoted};
 use crate::units::listed;
 
+/// The table whose entries are driven in one way over time, which is not changed in passing.
+const MOTION_COMMANDS: &str = "[[motion.commands]]";
+
 /// A part of a path, and where it stands.
 #[derive(Clone, Debug)]
 struct Part {
@@ -147,6 +150,15 @@ fn set_key(
     }
     // What is set replaces what says the same in another way: a tip that is given by its diameter, say.
     for rival in declared.into_iter().flat_map(|table| table.rivals(&part.name)) {
+        let is_command = declared.is_some_and(|table| table.title == MOTION_COMMANDS);
+        if is_command && entries.get(rival).is_some() {
+            let message = format!(
+                "`{}` is set beside the `{rival}` that the file gives this command over time",
+                quoted(&part.name)
+            );
+            let help = format!("set its `{rival}`, or change the command in the file");
+            return Err((part.span, message, help));
+        }
         entries.remove(rival);
     }
     let mut node = Node { span: part.span, value: Value::Table(Entries::new()) };

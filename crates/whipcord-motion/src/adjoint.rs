@@ -505,10 +505,13 @@ pub(crate) fn inertia_and_weight(
     let Twist { linear: nu, angular: omega } = stage.velocities[a];
     let weight = match scheme.conserves {
         true => Vec3::ZERO,
-        false => stage.poses[a].rotation.conjugate().rotate(loads.gravity),
+        false => {
+            let weight = loads.gravity * node.mass + stage.loads[a].weight;
+            stage.poses[a].rotation.conjugate().rotate(weight)
+        }
     };
     Twist {
-        linear: (change.linear + omega.cross(nu) * moving - weight) * node.mass,
+        linear: (change.linear + omega.cross(nu) * moving) * node.mass - weight,
         angular: node.inertia.scale(change.angular)
             + omega.cross(node.inertia.scale(omega)) * moving,
     }

@@ -177,7 +177,7 @@ impl Simulation {
             &state.strains,
             &tensions,
         );
-        let weight = loads.gravity * rod.nodes[0].mass;
+        let weight = loads.gravity_at(state.time) * rod.nodes[0].mass;
         let turned = base.rotation * state.base.rotation;
         Wrench {
             force: turned.rotate(wrench.linear) - base.rotation.rotate(weight),

@@ -144,8 +144,13 @@ impl Conserving {
         gravity: Vec3,
         cable: Option<usize>,
     ) -> Vec<Twist> {
-        let none = vec![NodeLoad::default(); rod.nodes.len()];
-        potential_of(rod, stage, scheme, (gravity, cable, none))
+        // The weight of gravity over time is among the loads.
+        let weight = |load: &NodeLoad| {
+            let force = if cable.is_none() { load.weight } else { Vec3::ZERO };
+            NodeLoad { force, ..NodeLoad::default() }
+        };
+        let weights = stage.loads.iter().map(weight).collect();
+        potential_of(rod, stage, scheme, (gravity, cable, weights))
     }
 
     /// The potential of these dead forces alone.

@@ -11,8 +11,10 @@ use crate::rod::Rod;
 /// What acts on a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct NodeLoad {
-    /// Dead force in N, in the frame of the base; gravity is not counted.
+    /// Dead force in N, in the frame of the base; constant gravity is not counted.
     pub force: Vec3,
+    /// What of that force is weight, of gravity over time.
+    pub weight: Vec3,
     /// Dead moment in N·m, in the frame of the base.
     pub moment: Vec3,
     /// Force in N that turns with the section, in its frame.
@@ -24,6 +26,7 @@ pub(crate) struct NodeLoad {
 impl NodeLoad {
     fn add(&mut self, f: f64, other: &Self) {
         self.force += other.force * f;
+        self.weight += other.weight * f;
         self.moment += other.moment * f;
         self.follower_force += other.follower_force * f;
         self.follower_moment += other.follower_moment * f;
@@ -36,6 +39,8 @@ pub(crate) struct NodeLoads {
     /// Acceleration of gravity in m/s², in the frame of the base.
     pub gravity: Vec3,
     constant: Vec<NodeLoad>,
+    /// Gravity over time.
+    varying_gravity: Vec<(Vec3, Course)>,
     /// Loads over time.
     varying: Vec<(Vec<NodeLoad>, Course)>,
     base: Option<BaseMotion>,
@@ -53,12 +58,20 @@ impl NodeLoads {
         };
         let gravity = turn(&case.loads).rotate(case.loads.gravity.unwrap_or_default());
         let is_free = options.has_free_base;
-        let constant = gather(rod, &case.loads, turn(&case.loads), is_free);
+        let constant = gather(rod, &case.loads, turn(&case.loads), [is_free, false]);
         let varying: Vec<_> = options
             .loads
             .iter()
-            .map(|of| (gather(rod, &of.loads, turn(&of.loads), is_free), of.factor.clone()))
+            .map(|of| {
+                let loads = gather(rod, &of.loads, turn(&of.loads), [is_free, true]);
+                (loads, of.factor.clone())
+            })
             .collect();
+        let varying_gravity = options.loads.iter().filter_map(|of| {
+            let gravity = turn(&of.loads).rotate(of.loads.gravity?);
+            Some((gravity, of.factor.clone()))
+        });
+        let varying_gravity = varying_gravity.collect();
         let is_dead = |loads: &[NodeLoad]| {
             loads.iter().any(|load| load.force != Vec3::ZERO || load.moment != Vec3::ZERO)
         };
@@ -66,15 +79,21 @@ impl NodeLoads {
             || is_dead(&constant)
             || varying.iter().any(|(loads, _)| is_dead(loads));
         let base = options.base.clone();
-        Self { gravity, constant, varying, base, has_free_base: is_free, any_dead }
+        Self { gravity, varying_gravity, constant, varying, base, has_free_base: is_free, any_dead }
     }
 
     /// Has other loads act in place of those of the case; gravity stays.
     pub fn set_constant(&mut self, rod: &Rod, loads: &Loads, base: UnitQuaternion) {
         let turn = base.conjugate() * loads.to_world(base);
-        self.constant = gather(rod, loads, turn, self.has_free_base);
+        self.constant = gather(rod, loads, turn, [self.has_free_base, false]);
         self.any_dead |=
             self.constant.iter().any(|of| of.force != Vec3::ZERO || of.moment != Vec3::ZERO);
+    }
+
+    /// All gravity in m/s² at a time, before any jump at that time, in the frame of the base.
+    pub fn gravity_at(&self, time: f64) -> Vec3 {
+        let varying = self.varying_gravity.iter();
+        varying.fold(self.gravity, |sum, (gravity, course)| sum + *gravity * course.before(time))
     }
 
     /// The loads at a time, before any jump at that time.
@@ -168,8 +187,13 @@ impl NodeLoads {
     }
 }
 
-/// Shares loads out to the nodes: point loads to the nearest, distributed ones by the rule of the masses.
-fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion, has_free_base: bool) -> Vec<NodeLoad> {
+/// Shares loads out to the nodes: point loads to the nearest, distributed ones by the rule of the masses. Gravity is among those that are `varying` alone.
+fn gather(
+    rod: &Rod,
+    loads: &Loads,
+    turn: UnitQuaternion,
+    [has_free_base, is_varying]: [bool; 2],
+) -> Vec<NodeLoad> {
     let mut nodes = vec![NodeLoad::default(); rod.nodes.len()];
     let mut apply = |node: usize, force: Vec3, moment: Vec3, follower: bool| {
         let load = &mut nodes[node];
@@ -182,6 +206,7 @@ fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion, has_free_base: bool) -
         }
     };
     apply(rod.nodes.len() - 1, loads.tip_force, loads.tip_moment, loads.tip_follower);
+    let gravity = loads.gravity.filter(|_| is_varying).map_or(Vec3::ZERO, |of| turn.rotate(of));
     for point in &loads.points {
         apply(rod.node_at(point.at), point.force, point.moment, point.follower);
     }
@@ -202,6 +227,10 @@ fn gather(rod: &Rod, loads: &Loads, turn: UnitQuaternion, has_free_base: bool) -
                 }
             }
         }
+    }
+    for (load, node) in nodes.iter_mut().zip(&rod.nodes) {
+        load.weight = gravity * node.mass;
+        load.force += load.weight;
     }
     // What acts on a base that is held moves nothing.
     if !has_free_base {

@@ -118,7 +118,7 @@ pub enum Initial {
 /// Loads whose size changes over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadCourse {
-    /// The loads; they have neither gravity nor masses.
+    /// The loads; they have no masses. Gravity over time acts beside that of the case, and its work is that of loads.
     pub loads: Loads,
     /// What all of them are multiplied by.
     pub factor: Course,
@@ -142,6 +142,9 @@ impl LoadCourse {
         }
         if factor == 0.0 {
             return Ok(());
+        }
+        if let Some(gravity) = of.gravity {
+            loads.gravity = Some(loads.gravity.unwrap_or_default() + gravity * factor);
         }
         loads.points.push(PointLoad {
             at: length,
@@ -333,11 +336,11 @@ impl MotionOptions {
             });
         }
         for of in &self.loads {
-            if of.loads.gravity.is_some() || !of.loads.masses.is_empty() {
+            if !of.loads.masses.is_empty() {
                 return Err(MotionError::Unsupported {
                     path: "motion.loads".to_owned(),
-                    what: "gravity or a mass over time",
-                    advice: "give gravity and masses in the loads of the case",
+                    what: "a mass that changes over time: what comes and goes takes momentum along, which only its own motion tells",
+                    advice: "give masses in the loads of the case, or a force in place of the weight",
                 });
             }
         }

@@ -69,6 +69,17 @@ pub fn run(args: &ModesArgs, style: Style) -> Result<String, Failure> {
     args.model.choose(&mut file);
     let warnings = file.warnings_in_motion();
     args.warnings.tell(&file, &warnings)?;
+    if let (Some(time), Some(duration)) = (args.time, file.motion.duration)
+        && !(0.0..=duration).contains(&time)
+    {
+        return Err(Failure::Input(format!(
+            "error: {}: --time is {} s, but the motion takes {} s\nhelp: give a time from 0 s to {} s, or a longer `duration` in [motion]",
+            file.path.display(),
+            number(time, 4),
+            number(duration, 4),
+            number(duration, 4)
+        )));
+    }
     let (case, commands, options) = file.motion.held_at(&file.robot, &file.case, args.time);
     let found = Simulation::with_commands(&file.robot, &case, &commands, options).and_then(
         |mut simulation| {

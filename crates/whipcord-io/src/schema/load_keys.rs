@@ -6,6 +6,10 @@ use super::keys::{ANGLE, DISTANCE, key, ratio};
 use super::{Kind, Rule, Table};
 use crate::units::Dimension;
 
+/// An acceleration of gravity.
+pub(super) const GRAVITY: Kind =
+    Kind::Vector(&Kind::Quantity(&[Dimension::Acceleration], limits::ACCELERATION), 3);
+
 pub(super) const FORCE_VECTOR: Kind =
     Kind::Vector(&Kind::Quantity(&[Dimension::Force], limits::FORCE), 3);
 pub(super) const MOMENT_VECTOR: Kind =
@@ -31,7 +35,7 @@ pub(super) static LOADS: Table = Table {
         ),
         key(
             "gravity",
-            Kind::Vector(&Kind::Quantity(&[Dimension::Acceleration], limits::ACCELERATION), 3),
+            GRAVITY,
             r#"["0", "0", "-9.81 m/s^2"]"#,
             "Acceleration of gravity as a vector; z points from base to tip of the straight robot. It acts on backbone, disks and masses.",
         ),

@@ -6,7 +6,7 @@ use whipcord_motion::{Method, MotionOptions};
 
 use super::backbone_keys::SYMMETRIC_MATRIX;
 use super::keys::{DURATION, LENGTH, force, key};
-use super::load_keys::{DISTRIBUTED, FORCE_VECTOR, MOMENT_VECTOR, POINT_LOAD};
+use super::load_keys::{DISTRIBUTED, FORCE_VECTOR, GRAVITY, MOMENT_VECTOR, POINT_LOAD};
 use super::{Kind, Rule, Table};
 use crate::units::Dimension;
 
@@ -308,6 +308,12 @@ static MOTION_LOADS: Table = Table {
             r#"[["0 s", 1], ["0 s", 0]]"#,
             "What all loads of this table are multiplied by, as rows of time and factor: linear between them, constant before the first and beyond the last; a time given twice is a jump.",
         ),
+        key(
+            "gravity",
+            GRAVITY,
+            r#"["0", "0", "-9.81 m/s^2"]"#,
+            "Acceleration of gravity as a vector, beside that of [loads]: of a base that is shaken, or in a parabolic flight.",
+        ),
         key("tip_force", FORCE_VECTOR, r#"["0.05 N", "0 N", "0 N"]"#, "Force at the tip."),
         key("tip_moment", MOMENT_VECTOR, r#"["0", "0", "1 mN*m"]"#, "Moment at the tip."),
         key(
@@ -326,7 +332,7 @@ static MOTION_LOADS: Table = Table {
     ],
     rules: &[
         Rule::Required("factor"),
-        Rule::AtLeastOne(&["tip_force", "tip_moment", "point", "distributed"]),
+        Rule::AtLeastOne(&["gravity", "tip_force", "tip_moment", "point", "distributed"]),
     ],
 };
 

@@ -21,6 +21,7 @@ mod gradient;
 mod gradient_contact;
 mod gradient_friction;
 mod gradient_impact;
+mod gravity_over_time;
 mod invariance;
 mod lengths;
 mod order;

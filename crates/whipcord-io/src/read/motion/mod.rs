@@ -111,7 +111,10 @@ impl Motion {
         time: Option<f64>,
     ) -> (Case, Commands, MotionOptions) {
         let held = |of: &LoadCourse, time: f64| LoadCourse {
-            loads: of.loads.clone(),
+            loads: Loads {
+                gravity: of.loads.gravity.filter(|_| !self.has_free_base),
+                ..of.loads.clone()
+            },
             factor: Course::constant(of.factor.after(time)),
         };
         let loads =
