@@ -1,6 +1,7 @@
 //! Quantities over time.
 
 use crate::chart::{AxisSpec, Chart, Layer, Series};
+use crate::colour::CABLES;
 use crate::error::{PlotError, finite, not_empty};
 use crate::unit;
 
@@ -13,6 +14,8 @@ pub enum OverTime {
     Tension,
     /// Energies in J.
     Energy,
+    /// Forces of contacts in N.
+    ContactForce,
 }
 
 /// One line of a chart over time.
@@ -50,7 +53,7 @@ pub fn time_chart(title: &str, what: OverTime, series: &[TimeSeries]) -> Result<
     }
     let (name, factor) = match what {
         OverTime::Position => unit::length(largest),
-        OverTime::Tension => ("N", 1.0),
+        OverTime::Tension | OverTime::ContactForce => ("N", 1.0),
         OverTime::Energy if largest < 0.1 => ("mJ", 1e3),
         OverTime::Energy => ("J", 1.0),
     };
@@ -59,10 +62,13 @@ pub fn time_chart(title: &str, what: OverTime, series: &[TimeSeries]) -> Result<
         OverTime::Position => "position of the tip",
         OverTime::Tension => "tension",
         OverTime::Energy => "energy",
+        OverTime::ContactForce => "contact force",
     };
     let series = series.iter().enumerate().map(|(i, one)| {
         let rows = one.rows.iter().map(|[time, value]| [shown * time, factor * value]).collect();
-        Series::new(one.label.clone(), i, vec![Layer::Line(rows)])
+        // Colours begin anew behind the last one.
+        let line = if i < CABLES.len() { Layer::Line(rows) } else { Layer::Dashed(rows) };
+        Series::new(one.label.clone(), i, vec![line])
     });
     Chart {
         title: title.to_owned(),
@@ -89,6 +95,22 @@ mod tests {
         assert!(drawn(OverTime::Energy, 2.0, 3.0).contains("energy (J)"));
         assert!(drawn(OverTime::Tension, 0.5, 3.0).contains("time (ms)"));
         assert!(drawn(OverTime::Tension, 2.0, 3.0).contains("time (s)"));
+    }
+
+    /// Of two lines of one colour the second is dashed.
+    #[test]
+    fn no_two_lines_look_the_same() {
+        let one = |k: usize| TimeSeries {
+            label: format!("{k}"),
+            rows: vec![[0.0, 0.0], [1.0, 1.0 + k as f64]],
+        };
+        let drawn = |count: usize| {
+            let series: Vec<TimeSeries> = (0..count).map(one).collect();
+            time_chart("", OverTime::ContactForce, &series).unwrap()
+        };
+        assert!(drawn(1).contains("contact force (N)"));
+        assert!(!drawn(CABLES.len()).contains("dashed"));
+        assert!(drawn(CABLES.len() + 1).contains("dashed"));
     }
 
     #[test]

@@ -57,10 +57,22 @@ pub fn charts(
     if file.motion.base.is_some() {
         energies.push(line("from the base", &|state| state.energy.base));
     }
+    let touched = file.case.obstacles.iter().enumerate().filter(|(k, _)| {
+        trajectory.states.iter().any(|state| state.contacts.iter().any(|of| of.obstacle == *k))
+    });
+    let forces: Vec<TimeSeries> = touched
+        .map(|(k, obstacle)| {
+            line(&obstacle.name, &|state| {
+                let of_obstacle = state.contacts.iter().filter(|of| of.obstacle == k);
+                of_obstacle.filter_map(|of| of.force).sum()
+            })
+        })
+        .collect();
     let charts = [
         ("tip", OverTime::Position, &tip[..]),
         ("tensions", OverTime::Tension, &tensions[..]),
         ("energy", OverTime::Energy, &energies[..]),
+        ("contacts", OverTime::ContactForce, &forces[..]),
     ];
     let drawn = charts.into_iter().filter(|(_, _, series)| !series.is_empty());
     let failed =

@@ -153,5 +153,7 @@ fn what_has_no_vibrations_is_refused() {
     let massless = fail(2, &["modes", "examples/three-cable-segment.toml"]);
     assert!(massless.contains("density"), "{massless}");
     assert!(fail(2, &["modes", ARM, "--time", "now"]).contains("0.5 s"));
+    let late = fail(2, &["modes", ARM, "--time", "9 s"]);
+    assert!(late.contains("--time is 9 s, but the motion takes 2 s"), "{late}");
     fail(2, &["modes", ARM, "--count", "0"]);
 }

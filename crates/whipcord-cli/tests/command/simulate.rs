@@ -362,3 +362,19 @@ fn a_cable_with_friction_loses_tension_on_its_way() {
         assert!(number(&last["energy"]["dissipated"]) > 0.0);
     }
 }
+
+/// A command over time has one drive: another one that is set beside it is refused, with both.
+#[test]
+fn a_second_drive_of_a_command_is_refused() {
+    let second = "motion.commands[0].shortening=\"1 mm\"";
+    let told = fail(2, &["simulate", ARM, "--set", second]);
+    assert!(told.contains("`shortening`") && told.contains("`tension`"), "{told}");
+    succeed(&[
+        "simulate",
+        ARM,
+        "--set",
+        "motion.commands[0].tension=\"1 N\"",
+        "--set",
+        "motion.duration=\"20 ms\"",
+    ]);
+}

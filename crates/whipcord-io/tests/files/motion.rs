@@ -88,7 +88,7 @@ fn what_is_written_is_read_as_the_same() {
         "",
         "[motion]\nduration = 2\nstep = 0.005\nmethod = \"energy\"\ninitial = \"rest\"\ntolerance = 1e-4\noutput = { every = 0.1 }\n",
         "[motion]\nduration = 2\n[[motion.commands]]\ncable = \"left\"\ntension = 2\n[[motion.commands]]\ncable = \"right\"\nshortening = [[0, \"1 %\"], [1, \"-3 %\"]]\n",
-        "[motion]\nduration = 2\n[[motion.commands]]\ncable = \"left\"\nshortening = [[0, 0], [1, \"3 mm\"]]\n[[motion.commands]]\nmotor = \"bend\"\nangle = [[0, 0], [1, 2]]\n[[motion.loads]]\nfactor = [[0, 1], [0, 0]]\nfollower = true\ntip_moment = [0, 0, 1e-3]\n[[motion.loads.point]]\nat = 0.09\nforce = [0, 0.1, 0]\n",
+        "[motion]\nduration = 2\n[[motion.commands]]\ncable = \"left\"\nshortening = [[0, 0], [1, \"3 mm\"]]\n[[motion.commands]]\nmotor = \"bend\"\nangle = [[0, 0], [1, 2]]\n[[motion.loads]]\nfactor = [[0, 1], [0, 0]]\nfollower = true\ngravity = [0, 0, -9.81]\ntip_moment = [0, 0, 1e-3]\n[[motion.loads.point]]\nat = 0.09\nforce = [0, 0.1, 0]\n",
         "[motion]\nduration = 2\nelements = 12\ndrag = { across = \"500 mN*s/m^2\" }\n[motion.base]\nvelocity = [0, \"1 cm/s\", [[0, 0], [\"0.5 s\", \"20 mm/s\"]]]\nangular_velocity = [0, \"90 deg/s\", 0]\n",
         "[motion]\nduration = 2\nmodel = \"cosserat-disks\"\n[motion.base]\nfree = true\n",
         "[motion]\nduration = 2\n[motion.initial]\nstrains = [[0, 0, 1, 0, 0.5, 0]]\nvelocities = [[0, 0, 0, 0, 0, 0], [0, 0.25, 0, 0, 0, 0]]\ntensions = [1, 2]\nmotor_outputs = [0.1]\n",
