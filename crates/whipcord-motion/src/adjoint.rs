@@ -411,7 +411,7 @@ impl StageAdjoint {
                     Default::default()
                 } else {
                     // Where the scheme conserves, forces act by the gradient of their heights.
-                    dead_moment(mechanics, stage, a, &multipliers[a], !scheme.conserves)
+                    dead_moment(mechanics, stage, a, &multipliers[a], !stage.by_heights(scheme))
                 };
                 Wrench { force: Default::default(), moment: stage.poses[a].rotation.rotate(moment) }
             };
@@ -503,7 +503,7 @@ pub(crate) fn inertia_and_weight(
     let moving = if scheme.inertia == 0.0 { 0.0 } else { 1.0 };
     let change = (stage.velocities[a] - stage.velocity_history[a]) * scheme.inertia;
     let Twist { linear: nu, angular: omega } = stage.velocities[a];
-    let weight = match scheme.conserves {
+    let weight = match stage.by_heights(scheme) {
         true => Vec3::ZERO,
         false => {
             let weight = loads.gravity * node.mass + stage.loads[a].weight;
@@ -527,14 +527,14 @@ pub(crate) fn load_rates(
     let Mechanics { rod, loads } = mechanics;
     let rates = loads.rates_at(time)?;
     let mut out = vec![Twist::default(); rod.nodes.len()];
-    if scheme.conserves {
+    if stage.by_heights(scheme) {
         // Forces act by the gradient of their heights.
         let forces = Conserving::of_forces(rod, stage, scheme, &rates);
         add_forces(rod, stage, &forces, 1.0, &mut out);
     }
     for a in loads.first_free()..rod.nodes.len() {
         let (rate, turn) = (&rates[a], stage.poses[a].rotation.conjugate());
-        let force = if scheme.conserves { Vec3::ZERO } else { turn.rotate(rate.force) };
+        let force = if stage.by_heights(scheme) { Vec3::ZERO } else { turn.rotate(rate.force) };
         out[a].linear -= force + rate.follower_force;
         out[a].angular -= turn.rotate(rate.moment) + rate.follower_moment;
     }

@@ -189,7 +189,10 @@ fn forces<'a>(
     gravity: Vec3,
 ) -> (impl Fn(usize) -> Vec3 + 'a, impl Fn(usize) -> f64 + 'a) {
     (
-        move |a: usize| stage.loads[a].force + gravity * rod.nodes[a].mass,
+        move |a: usize| match stage.moves_base {
+            true => Vec3::ZERO,
+            false => stage.loads[a].force + gravity * rod.nodes[a].mass,
+        },
         move |k: usize| stage.tensions[rod.chords[k].cable],
     )
 }

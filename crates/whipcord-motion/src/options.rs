@@ -258,9 +258,9 @@ pub struct MotionOptions {
     pub drag: Drag,
     /// Loads over time, beside those of the case.
     pub loads: Vec<LoadCourse>,
-    /// Motion of the base; `None` is a base at rest. [`Method::Energy`] takes none.
+    /// Motion of the base; `None` is a base at rest.
     pub base: Option<BaseMotion>,
-    /// Whether the base is free: nothing holds it from the start on. Drives of cables ride on it. [`Method::Energy`] takes no free base.
+    /// Whether the base is free: nothing holds it from the start on. Drives of cables ride on it.
     pub has_free_base: bool,
     /// Change of the strains (times the length of the backbone where it is one of curvature) at which the iteration of a step of
     /// 10 ms or more ends; less in shorter steps. [`Method::Energy`] iterates down to rounding instead.
@@ -326,13 +326,6 @@ impl MotionOptions {
                 path: "motion.base".to_owned(),
                 what: "a base that is free and led as well",
                 advice: "leave out the motion of the base, or hold it",
-            });
-        }
-        if (self.base.is_some() || self.has_free_base) && self.method == Method::Energy {
-            return Err(MotionError::Unsupported {
-                path: "motion.base".to_owned(),
-                what: "a base that moves, with the method `energy`",
-                advice: "use the method `accurate` or `robust`",
             });
         }
         for of in &self.loads {

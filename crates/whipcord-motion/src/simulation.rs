@@ -116,6 +116,7 @@ impl Simulation {
         let mut solver = solver;
         solver.stage.matrix.hold_base(!options.has_free_base);
         solver.contacts.has_free_base = options.has_free_base;
+        solver.stage.moves_base = options.has_free_base || options.base.is_some();
         let state = State {
             velocities: vec![Twist::default(); rod.nodes.len()],
             strains: rod.points.iter().map(|point| point.rest).collect(),

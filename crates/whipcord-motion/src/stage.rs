@@ -46,6 +46,8 @@ pub(crate) struct Stage {
     pub base: Pose,
     /// How that pose follows from the velocity where the base is free.
     pub free_base: Option<FreeBase>,
+    /// Whether the base moves, led or free. Dead forces act on the nodes then, not by the gradient of their heights, which depend on more than the strains.
+    pub moves_base: bool,
     /// Force and moment of the base on the node there, as the equations were evaluated last.
     pub base_force: Twist,
     /// Pose of each node, in the frame of the base at the start of the motion.
@@ -150,6 +152,7 @@ impl Stage {
             shifts: twists(nodes),
             base: Pose::IDENTITY,
             free_base: None,
+            moves_base: false,
             base_force: Twist::default(),
             poses: vec![Pose::IDENTITY; nodes],
             other_poses: vec![Pose::IDENTITY; nodes],
@@ -169,6 +172,11 @@ impl Stage {
         self.base = loads.base_pose(from, time, h);
         self.velocities[0] = loads.base_velocity(time + h);
         self.velocity_history[0] = self.velocities[0];
+    }
+
+    /// Whether dead forces act by the gradient of their heights.
+    pub fn by_heights(&self, scheme: &Scheme) -> bool {
+        scheme.conserves && !self.moves_base
     }
 
     /// Tension in N of a chord, by its number.
@@ -256,9 +264,13 @@ impl Stage {
             start,
             strains,
             tensions,
+            moves_base,
             ..
         } = self;
-        let force = |a: usize| loads[a].force + gravity * rod.nodes[a].mass;
+        let force = |a: usize| match *moves_base {
+            true => Vec3::ZERO,
+            false => loads[a].force + gravity * rod.nodes[a].mass,
+        };
         let tension = |k: usize| tensions[rod.chords[k].cable];
         chords::level_gradient(rod, strains, poses, tension, force, pulls, potential);
         let level = |poses: &[Pose]| chords::work(rod, poses, tension) - pose::work(poses, force);
@@ -409,7 +421,7 @@ impl Stage {
         let moving = if scheme.inertia == 0.0 { 0.0 } else { 1.0 };
         let change = (self.velocities[a] - self.velocity_history[a]) * scheme.inertia;
         let mut dead = load.force + gravity * node.mass;
-        if scheme.conserves {
+        if self.by_heights(scheme) {
             dead = Vec3::ZERO;
         }
         let turn = self.poses[a].rotation.conjugate();

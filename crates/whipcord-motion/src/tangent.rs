@@ -411,7 +411,7 @@ impl StageTangent {
                 if a >= loads.first_free() {
                     let back = stage.poses[a].rotation.conjugate();
                     // Where the scheme conserves, forces act by the gradient of their heights.
-                    let load = dead_load(mechanics, stage, a, !scheme.conserves);
+                    let load = dead_load(mechanics, stage, a, !stage.by_heights(scheme));
                     out[a] = out[a] - turned(&load, back.rotate(turn));
                 }
             });

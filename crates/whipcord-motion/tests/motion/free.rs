@@ -3,11 +3,12 @@
 use core::f64::consts::FRAC_PI_2;
 
 use whipcord::{
-    Backbone, Case, Disks, LoadFrame, Loads, PointLoad, Pose, Robot, Section, Stiffness,
-    UnitQuaternion, Vec3,
+    Backbone, Case, Disks, LoadFrame, Loads, ModelKind, PointLoad, Pose, Robot, Section, Stiffness,
+    Twist, UnitQuaternion, Vec3,
 };
 use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions, Simulation,
+    BaseMotion, CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions,
+    Simulation,
 };
 
 use super::robots::{helix, paper};
@@ -259,17 +260,101 @@ fn what_a_free_base_cannot_take_is_refused() {
     let options = MotionOptions { has_free_base: true, ..MotionOptions::default() };
     let mut simulation = Simulation::new(&robot, &case, options.clone()).unwrap();
     let commands = Commands::tensions(&[1.0]);
-    for other in [
-        MotionOptions { method: Method::Energy, ..options.clone() },
-        MotionOptions { base: Some(Default::default()), ..options },
-    ] {
-        let error = Simulation::new(&robot, &case, other).unwrap_err();
-        assert!(error.to_string().contains("motion.base"), "{error}");
-    }
+    let other = MotionOptions { base: Some(Default::default()), ..options };
+    let error = Simulation::new(&robot, &case, other).unwrap_err();
+    assert!(error.to_string().contains("motion.base"), "{error}");
     // Let go from an equilibrium without loads it stays.
     let tip = simulation.state().tip().position;
     for _ in 0..10 {
         simulation.step(&commands, 0.01).unwrap();
     }
     assert!((simulation.state().tip().position - tip).norm() < 1e-9);
+}
+
+/// A robot that nothing holds and nothing damps turns and vibrates by `energy` without gain or loss, cables included, at every step; its momentum stays with the square of the step.
+#[test]
+fn a_free_robot_keeps_its_energy() {
+    for (model, tension) in
+        [(ModelKind::Cosserat, 2.0), (ModelKind::CosseratDisks, 2.0), (ModelKind::Cosserat, 0.0)]
+    {
+        let robot = paper(vec![helix()]);
+        let case = Case::with_tensions(&[tension]);
+        let rest = MotionOptions {
+            model,
+            method: Method::Energy,
+            has_free_base: true,
+            initial: Initial::Rest,
+            ..MotionOptions::default()
+        };
+        let mut start = Simulation::new(&robot, &case, rest.clone()).unwrap().state().start();
+        for velocity in &mut start.velocities {
+            *velocity =
+                Twist { linear: Vec3::new(0.3, -0.2, 0.1), angular: Vec3::new(2.0, 1.0, 3.0) };
+        }
+        for dt in [1e-3, 5e-3, 1e-2, 2e-2_f64] {
+            let initial = Initial::State(Box::new(start.clone()));
+            let options = MotionOptions { initial, ..rest.clone() };
+            let mut simulation = Simulation::new(&robot, &case, options).unwrap();
+            let momentum = |simulation: &Simulation| {
+                let nodes = simulation.masses().zip(&simulation.state().velocities);
+                let nodes = nodes.zip(&simulation.state().poses);
+                nodes.fold(Vec3::ZERO, |sum, ((mass, velocity), pose)| {
+                    sum + pose.rotation.rotate(velocity.linear) * mass
+                })
+            };
+            let before = momentum(&simulation);
+            let (mut worst, mut moved) = (0.0_f64, 0.0_f64);
+            let mut scale = simulation.state().energy.total();
+            for _ in 0..(1.0 / dt).round() as usize {
+                let energy = simulation.step(&Commands::tensions(&[tension]), dt).unwrap().energy;
+                scale = scale.max(energy.cables.abs());
+                worst = worst.max(energy.defect().abs());
+                moved = moved.max((momentum(&simulation) - before).norm() / before.norm());
+            }
+            // Vibrations that the steps do not follow turn the sections by other angles than their velocities say.
+            assert!(tension > 0.0 || moved < 2e3 * dt * dt, "{model:?} {dt}: {moved:e}");
+            let bound = if model == ModelKind::Cosserat { 1e-12 } else { 3e-12 };
+            assert!(worst < bound * scale, "{model:?} {dt}: {:e}", worst / scale);
+            assert!(simulation.state().energy.elastic > 1e-6 * scale);
+        }
+    }
+}
+
+/// A base that is led gives what the robot gains, up to the error of the elements; the motion is that of fine steps with the square of the step.
+#[test]
+fn energy_balances_with_the_work_of_a_base_that_is_led() {
+    let robot = paper(vec![helix()]);
+    let gravity = Loads { gravity: Some(Vec3::new(0.0, -9.81, 0.0)), ..Loads::default() };
+    for is_free in [false, true] {
+        let case = Case { loads: gravity.clone(), ..Case::with_tensions(&[1.0]) };
+        let run = |method: Method, dt: f64| {
+            let course = |a: f64, b: f64| Course::table(vec![0.0, 0.4], vec![a, b]).unwrap();
+            let mut base = BaseMotion::default();
+            base.velocity[0] = course(0.0, 0.5);
+            base.angular_velocity[1] = course(0.0, -3.0);
+            let options = MotionOptions {
+                method,
+                has_free_base: is_free,
+                damping: Damping::Time(5e-3),
+                base: (!is_free).then_some(base),
+                ..MotionOptions::default()
+            };
+            let mut simulation = Simulation::new(&robot, &case, options).unwrap();
+            let mut worst = 0.0_f64;
+            for _ in 0..(0.4 / dt).round() as usize {
+                let state = simulation.step(&Commands::tensions(&[1.0]), dt).unwrap();
+                worst = worst.max(state.energy.defect().abs());
+            }
+            (simulation.state().tip().position, worst, simulation.state().energy)
+        };
+        let (fine, ..) = run(Method::Accurate, 5e-4);
+        let runs = [4e-3, 2e-3, 1e-3].map(|dt| run(Method::Energy, dt));
+        let apart = runs.map(|(tip, ..)| (tip - fine).norm());
+        let defects = runs.map(|(_, worst, _)| worst);
+        assert!(apart[1] < 0.4 * apart[0] && apart[2] < 0.4 * apart[1], "{apart:?}");
+        // What is left is that of the elements.
+        let energy = runs[2].2;
+        let given = energy.base.abs().max(energy.gravity.abs());
+        assert!(defects.iter().all(|defect| *defect < 1e-4 * given), "{defects:?} {given}");
+    }
 }
