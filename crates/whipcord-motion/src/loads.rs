@@ -111,7 +111,7 @@ impl NodeLoads {
     pub fn sums(&self, loads: &[NodeLoad]) -> [f64; 15] {
         let mut sum = NodeLoad::default();
         loads.iter().for_each(|load| sum.add(1.0, load));
-        let NodeLoad { force, moment, follower_force, follower_moment } = sum;
+        let NodeLoad { force, moment, follower_force, follower_moment, weight: _ } = sum;
         let mut out = [0.0; 15];
         let all = [force, moment, follower_force, follower_moment, self.gravity];
         for (out, of) in out.chunks_exact_mut(3).zip(all) {

@@ -1,10 +1,12 @@
 //! What has no dynamics here is refused by name, and a step that fails changes nothing.
 
 use whipcord::obstacle::{Form, MovableBody, Obstacle};
-use whipcord::{Backbone, Cable, Case, Disks, Loads, Pose, Robot, Section, Stiffness, Vec3};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Loads, PointMass, Pose, Robot, Section, Stiffness, Vec3,
+};
 use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, Initial, Method, MotionError, MotionOptions, Simulation,
-    Start,
+    CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionError, MotionOptions,
+    Simulation, Start,
 };
 
 use super::robots::{paper, straight};
@@ -56,10 +58,10 @@ fn what_is_missing_or_has_no_dynamics_is_named() {
 
     let error = refusal(&robot, &case, MotionOptions { damping: Damping::Time(-1.0), ..options() });
     assert!(matches!(error, MotionError::Option { .. }), "{error}");
-    let moving =
-        MotionOptions { method: Method::Energy, base: Some(Default::default()), ..options() };
-    let error = refusal(&robot, &case, moving);
-    assert!(error.to_string().contains("motion.base"), "{error}");
+    let heavier = Loads { masses: vec![PointMass { at: 0.1, mass: 0.01 }], ..Loads::default() };
+    let over_time = LoadCourse { loads: heavier, factor: Course::constant(1.0) };
+    let error = refusal(&robot, &case, MotionOptions { loads: vec![over_time], ..options() });
+    assert!(error.to_string().contains("motion.loads"), "{error}");
     let error = refusal(&robot, &Case::with_tensions(&[1.0, 2.0]), options());
     assert!(matches!(error, MotionError::Invalid(_)), "{error}");
 }
