@@ -28,7 +28,8 @@ impl Simulation {
     /// the simulation stays what it is.
     ///
     /// # Errors
-    /// [`MotionError::Count`] where the direction does not fit the record, [`MotionError::NoGradient`] where the linearisation of a step is singular.
+    /// [`MotionError::Count`] where the direction does not fit the record, [`MotionError::NoGradient`] where the linearisation of a step is singular,
+    /// [`MotionError::NotSmooth`] where the robot grazes an obstacle.
     pub fn tangent(
         &mut self,
         record: &Record,

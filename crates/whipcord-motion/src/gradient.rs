@@ -38,7 +38,7 @@ pub struct Record {
 
 impl Record {
     /// The steps, from zero on, whose derivatives are those of one side: a hole of a cable with friction is between sticking and sliding there, or a contact between open and closed or
-    /// between sticking and sliding.
+    /// between sticking and sliding, or two parts of the robot hit an obstacle at once.
     #[must_use]
     pub fn one_sided(&self) -> &[usize] {
         &self.one_sided
@@ -261,7 +261,8 @@ impl Simulation {
     /// The state of the simulation stays what it is.
     ///
     /// # Errors
-    /// [`MotionError::Count`] where seeds do not fit the record, [`MotionError::NoGradient`] where the linearisation of a step is singular.
+    /// [`MotionError::Count`] where seeds do not fit the record, [`MotionError::NoGradient`] where the linearisation of a step is singular,
+    /// [`MotionError::NotSmooth`] where the robot grazes an obstacle.
     pub fn gradient(&mut self, record: &Record, seeds: &[Seed]) -> Result<Gradient, MotionError> {
         count("seeds of states", seeds.len(), record.states.len())?;
         for seed in seeds {

@@ -5,15 +5,16 @@ use whipcord_motion::{Commands, Damping, Initial, Method, MotionOptions, Simulat
 
 use super::robots::{paper, rod, straight};
 
-/// A half-space whose surface goes through a point.
-fn half_space(position: Vec3, normal: Vec3, friction: f64) -> Obstacle {
+/// A rotation that turns the axis z, the normal of a half-space, to this direction.
+pub(super) fn facing(normal: Vec3) -> UnitQuaternion {
     let axis = Vec3::Z.cross(normal);
     let angle = axis.norm().atan2(normal.z);
-    let rotation = match axis.norm() {
-        0.0 => UnitQuaternion::IDENTITY,
-        size => UnitQuaternion::exp(axis * (angle / size)),
-    };
-    let pose = Pose { position, rotation };
+    UnitQuaternion::exp(axis * (angle / axis.norm()))
+}
+
+/// A half-space whose surface goes through a point.
+fn half_space(position: Vec3, normal: Vec3, friction: f64) -> Obstacle {
+    let pose = Pose { position, rotation: facing(normal) };
     Obstacle { name: "surface".to_owned(), form: Form::HalfSpace, pose, friction, movable: None }
 }
 

@@ -1,14 +1,13 @@
 //! Gradients over motions in which the robot hits an obstacle, against central differences of the same steps.
 
-use core::f64::consts::FRAC_PI_2;
-
 use whipcord::robot::Motor;
-use whipcord::{Case, Form, Loads, ModelKind, Obstacle, Pose, Robot, Twist, UnitQuaternion, Vec3};
+use whipcord::{Case, Form, Loads, ModelKind, Obstacle, Pose, Robot, Twist, Vec3};
 use whipcord_motion::{
     BaseMotion, CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions,
     Record, Seed, Simulation,
 };
 
+use super::free_contact::facing;
 use super::gradient::{DT, Problem, STEPS, by_tensions, close, difference, robot, vector, weight};
 use super::robots::{rod, straight};
 
@@ -57,15 +56,11 @@ fn with_factors(
             (Form::Sphere { radius: 0.05 }, Pose { position, ..Pose::IDENTITY })
         }
         Hit::HalfSpace => {
-            // Its normal is the axis z of its pose.
-            let axis = Vec3::Z.cross(way * -1.0);
-            let angle = axis.norm().atan2(-way.z);
-            let rotation = UnitQuaternion::exp(axis * (angle / axis.norm()));
+            let rotation = facing(way * -1.0);
             (Form::HalfSpace, Pose { position: tip(3) + way * 0.01, rotation })
         }
     };
-    let obstacle = Obstacle { name: "it".to_owned(), form, pose, friction, movable: None };
-    problem.case.obstacles = vec![obstacle];
+    problem.case.obstacles = vec![obstacle(form, pose, friction)];
     let Problem { robot, options, .. } = by_tensions(model, stiffness, mass, 1.0);
     problem.robot = robot;
     problem.options.damping = options.damping;
@@ -250,6 +245,20 @@ fn check_falling(
     }
 }
 
+fn soft(method: Method) -> MotionOptions {
+    MotionOptions {
+        damping: Damping::Time(2e-3),
+        method,
+        elements: 4,
+        iteration_tolerance: 1e-13,
+        ..MotionOptions::default()
+    }
+}
+
+fn obstacle(form: Form, pose: Pose, friction: f64) -> Obstacle {
+    Obstacle { name: "it".to_owned(), form, pose, friction, movable: None }
+}
+
 fn heavy(obstacle: Obstacle) -> Case {
     let loads = Loads { gravity: Some(Vec3::new(-9.81, 0.3, 0.0)), ..Loads::default() };
     Case { obstacles: vec![obstacle], loads, ..Case::with_tensions(&[0.5]) }
@@ -260,17 +269,9 @@ fn heavy(obstacle: Obstacle) -> Case {
 fn gradients_through_several_impacts_are_those_of_differences() {
     for method in METHODS {
         for friction in [0.0, 0.3] {
-            let rotation = UnitQuaternion::exp(Vec3::Y * FRAC_PI_2);
-            let pose = Pose { position: Vec3::X * -0.013, rotation };
-            let form = Form::HalfSpace;
-            let floor = Obstacle { name: "floor".to_owned(), form, pose, friction, movable: None };
-            let options = MotionOptions {
-                damping: Damping::Time(2e-3),
-                method,
-                elements: 4,
-                iteration_tolerance: 1e-13,
-                ..MotionOptions::default()
-            };
+            let pose = Pose { position: Vec3::X * -0.013, rotation: facing(Vec3::X) };
+            let floor = obstacle(Form::HalfSpace, pose, friction);
+            let options = soft(method);
             check_falling(&heavy(floor), &options, (10, 2), &format!("{method:?} {friction}"));
         }
     }
@@ -282,15 +283,8 @@ fn gradients_through_an_impact_of_the_backbone_are_those_of_differences() {
     for method in [Method::Accurate, Method::Robust] {
         for friction in [0.0, 0.3] {
             let pose = Pose { position: Vec3::new(-0.055, 0.0, 0.31), ..Pose::IDENTITY };
-            let form = Form::Sphere { radius: 0.04 };
-            let ball = Obstacle { name: "ball".to_owned(), form, pose, friction, movable: None };
-            let options = MotionOptions {
-                damping: Damping::Time(2e-3),
-                method,
-                elements: 4,
-                iteration_tolerance: 1e-13,
-                ..MotionOptions::default()
-            };
+            let ball = obstacle(Form::Sphere { radius: 0.04 }, pose, friction);
+            let options = soft(method);
             check_falling(&heavy(ball), &options, (10, 1), &format!("{method:?} {friction}"));
         }
     }
@@ -339,11 +333,7 @@ fn gradients_through_an_impact_with_a_base_that_moves_are_those_of_differences()
                         let depths = states[k].poses.iter().map(|of| of.position.dot(down));
                         depths.fold(f64::NEG_INFINITY, f64::max)
                     };
-                    let rotation = {
-                        let axis = Vec3::Z.cross(down * -1.0);
-                        let angle = axis.norm().atan2(-down.z);
-                        UnitQuaternion::exp(axis * (angle / axis.norm()))
-                    };
+                    let rotation = facing(down * -1.0);
                     let position = down * (deepest(0).max(deepest(3)) + 0.0105);
                     (obstacle.form, obstacle.pose) = (Form::HalfSpace, Pose { position, rotation });
                 } else {
