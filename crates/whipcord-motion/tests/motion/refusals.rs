@@ -5,7 +5,7 @@ use whipcord::{
     Backbone, Cable, Case, Disks, Loads, PointMass, Pose, Robot, Section, Stiffness, Vec3,
 };
 use whipcord_motion::{
-    CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionError, MotionOptions,
+    CableDrive, Commands, Course, Damping, Initial, LoadCourse, MotionError, MotionOptions,
     Simulation, Start,
 };
 
