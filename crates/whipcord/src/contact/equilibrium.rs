@@ -14,7 +14,8 @@ use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::shape::{Part, Wrench};
 
-/// On the way to the answer, where disks without friction are all that touches: nothing remembers such a place.
+/// On the way to the answer, where disks without friction are all that touches, of a robot whose cables do not rub: nothing remembers such a
+/// place.
 const MET_ON_WAY: f64 = 1e-5;
 /// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
 const NEARLY_MET: f64 = 1e-7;
@@ -71,7 +72,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             looked = false;
             // A known answer that is met at once still has to be judged.
-            let met = if self.is_on_way && self.are_only_disks() { MET_ON_WAY } else { MET };
+            let met =
+                if self.is_on_way && !self.rubs && self.are_only_disks() { MET_ON_WAY } else { MET };
             if self.residual <= met && (self.odd.is_some() || !self.is_touching()) {
                 return self.arrived();
             }

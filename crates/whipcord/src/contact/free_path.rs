@@ -131,16 +131,17 @@ pub(crate) fn or_none_alone(
 
 /// The answers to the first steps of a case of a robot whose cables rub in their holes, from those among obstacles and whether anything had touched on the way to
 /// each: where nothing had, that without obstacles, whose substeps are as fine as they need be.
-pub(crate) fn rubbing_or_free(
+pub(crate) fn rubbing_or_free<T>(
     case: &Case,
-    found: Vec<(Solution, bool)>,
-    mut solve_free: impl FnMut(&Case) -> Result<Solution, SolveError>,
-) -> impl Iterator<Item = Result<Solution, (usize, SolveError)>> {
+    found: Vec<(T, bool)>,
+    solution_of: impl Fn(&T) -> &Solution,
+    mut solve_free: impl FnMut(&Case) -> Result<T, SolveError>,
+) -> impl Iterator<Item = Result<T, (usize, SolveError)>> {
     found.into_iter().enumerate().map(move |(n, (solution, has_touched))| {
         let step = if case.independent { case.step(case.before.len()) } else { case.step(n) };
         let Some(step) = step.filter(|_| !has_touched) else { return Ok(solution) };
         match solve_free(&Case { obstacles: Vec::new(), ..step }) {
-            Ok(free) if is_near(&free, &solution) => Ok(free),
+            Ok(free) if is_near(solution_of(&free), solution_of(&solution)) => Ok(free),
             Err(error @ SolveError::Cancelled { .. }) => Err((n, error)),
             _ => Ok(solution),
         }

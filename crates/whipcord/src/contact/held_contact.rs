@@ -16,6 +16,17 @@ pub(super) struct Unknown {
     pub rate: [f64; 6],
     /// How that changes with the unknown itself.
     pub own: f64,
+    /// How that changes with another unknown, by its number.
+    pub by_other: Option<(usize, f64)>,
+    /// How what it keeps at zero changes with the motion of the cross-section at the last equilibrium.
+    pub rate_before: [f64; 6],
+}
+
+impl Unknown {
+    /// One of which nothing else is known.
+    pub const fn new(contact: usize, push: [f64; 6], rate: [f64; 6]) -> Self {
+        Self { contact, push, rate, own: 0.0, by_other: None, rate_before: [0.0; 6] }
+    }
 }
 
 /// Whether a contact with this gap, force and grip is about to touch or to open, to stick or to slide.

@@ -11,6 +11,13 @@
 //! where the rows of `R` say how the gaps, and the slips of those that stick, change. A contact that slides keeps its force on
 //! Coulomb's cone and its way along the obstacle. One of the backbone moves along it to where the gap is least, an unknown more
 //! with the condition that the tangent stays along the obstacle.
+//!
+//! Where the whole way to the answer is differentiated, slips count from where the cross-sections were at the equilibrium before, which
+//! move by `X₋`: what sticks follows them, and what slides turns its traction with its slip,
+//!
+//! ```text
+//! (I − CG) X − CB δf = X₀ + C G₋ X₋,   R X = −R₋ X₋,   δW = G X + B δf + G₋ X₋                (19)
+//! ```
 
 use whipcord_numerics::{DenseLu, Pose, Vec3};
 
@@ -25,6 +32,8 @@ use super::pair::Pair;
 use super::pairs::Pairs;
 use super::scene::Scene;
 use super::two_bodies::dot;
+use crate::derivatives::ContactGain;
+use crate::obstacle::Obstacle;
 use crate::shape::Part;
 use crate::statics::hold::Critical;
 
@@ -44,16 +53,18 @@ pub(crate) struct Holding {
     geometric: Vec<[[f64; 6]; 6]>,
     unknowns: Vec<Unknown>,
     carried: Carried,
+    /// Where it counts slips from the equilibrium before: the contacts that rub, and `G₋` of each.
+    before: Vec<(usize, [[f64; 6]; 6])>,
 }
 
 impl Holding {
-    /// Of the pairs that touch.
+    /// Of the pairs that touch; slips count from the answer on, or where it `remembers` from the equilibrium before.
     pub(super) fn new(
         pairs: &Pairs,
         objects: &Objects,
-        model: &impl Compliant,
-        scene: &Scene,
+        (model, scene): (&impl Compliant, &Scene),
         length: f64,
+        remembers: bool,
     ) -> Self {
         let mut holding = Self::default();
         let scale = model.force_scale();
@@ -62,7 +73,14 @@ impl Holding {
         }
         let touching = merged(pairs, length);
         for pair in &touching {
+            let numbers = (holding.places.len(), holding.unknowns.len());
             holding.add(pair, model, scene, length);
+            // Where a movable object was before is not known.
+            if let Some(grip) = pair.grip.filter(|_| remembers && objects.count() == 0) {
+                let from = |s: f64| scene.carried(model.pose_before(s));
+                let along = Along { pair, grip, obstacle: scene.get(pair.obstacle), from: &from };
+                holding.remember(numbers, &along, model, length);
+            }
         }
         let Self { geometric, unknowns, .. } = &holding;
         holding.carried =
@@ -106,7 +124,7 @@ impl Holding {
             along_normal.iter_mut().zip(by_force).for_each(|(sum, by)| *sum += by);
         }
         let unit = nearest.push();
-        self.unknowns.push(Unknown { contact, push: along_normal, rate: unit, own: 0.0 });
+        self.unknowns.push(Unknown::new(contact, along_normal, unit));
         if let Some(grip) = pair.grip.filter(|grip| grip.sticks) {
             // From the answer on.
             let from = Grip { from: pose, ..grip };
@@ -115,7 +133,7 @@ impl Holding {
             for axis in tangents(nearest.normal) {
                 let rate = rates.map(|[rate]| rate.dot(axis));
                 let push = wrench_of(axis, lever);
-                self.unknowns.push(Unknown { contact, push, rate, own: 0.0 });
+                self.unknowns.push(Unknown::new(contact, push, rate));
             }
         }
         if pair.member.part == Part::Backbone
@@ -129,12 +147,72 @@ impl Holding {
         self.places.push(s);
     }
 
-    /// How the pushes change with the motions that something else would cause without the contacts, by rows: of the compliance
-    /// of the places under pushes, by rows too, all with a force and a moment to a place.
-    pub fn gain(&self, compliance: &[f64]) -> Result<Vec<f64>, Critical> {
+    /// Adds what the slip of a contact, whose first unknown has this number, remembers.
+    fn remember(
+        &mut self,
+        (contact, first): (usize, usize),
+        along: &Along<'_>,
+        model: &impl Compliant,
+        length: f64,
+    ) {
+        let Along { pair, grip, .. } = along;
+        let (s, body) = (pair.member.arc_length, &pair.member.body);
+        let (pose, from) = (model.pose(s), (along.from)(s));
+        let nearest = pair.look(along.obstacle, &pose);
+        let rates = differences(6, &pose, body.reach(), |pose| [along.slip(pose, &from)]);
+        let by_before = differences(6, &from, body.reach(), |from| [along.slip(&pose, from)]);
+        // As the contact moves along the backbone, it is another material point that has slid.
+        let h = 1e-5 * length;
+        let ahead = |h: f64| along.slip(&model.pose(s + h), &(along.from)(s + h));
+        let way = (first..self.unknowns.len()).find(|&k| self.unknowns[k].own != 0.0);
+        let by_way = way.map(|number| (number, (ahead(h) - ahead(-h)) / (2.0 * h)));
+        let mut before = [[0.0; 6]; 6];
+        if grip.sticks {
+            let tangents = tangents(nearest.normal);
+            for (unknown, axis) in self.unknowns[first + 1..].iter_mut().zip(tangents) {
+                unknown.rate = rates.map(|[rate]| rate.dot(axis));
+                unknown.rate_before = by_before.map(|[rate]| rate.dot(axis));
+                unknown.by_other = by_way.map(|(number, by)| (number, by.dot(axis)));
+            }
+        } else if grip.slip.norm() > 0.0 {
+            let direction = grip.slip / grip.slip.norm();
+            let lever = nearest.lever(body.rounding);
+            let size = grip.traction.norm() / grip.slip.norm();
+            // The direction of the traction turns with that of the slip; with the normal it turns already.
+            let turned = |slip: Vec3| {
+                let across = slip
+                    - direction * direction.dot(slip)
+                    - nearest.normal * nearest.normal.dot(slip);
+                wrench_of(across * -size, lever)
+            };
+            for (b, ([rate], [by])) in rates.into_iter().zip(by_before).enumerate() {
+                let (own, of_before) = (turned(rate), turned(by));
+                for a in 0..6 {
+                    self.geometric[contact][a][b] += own[a];
+                    before[a][b] = of_before[a];
+                }
+            }
+            if let Some((number, by)) = by_way {
+                let more = turned(by);
+                self.unknowns[number].push.iter_mut().zip(more).for_each(|(sum, by)| *sum += by);
+            }
+        }
+        self.before.push((contact, before));
+    }
+
+    /// The arc lengths in m of the contacts whose slips count from the equilibrium before.
+    pub fn remembered(&self) -> impl Iterator<Item = f64> {
+        self.before.iter().map(|&(contact, _)| self.places[contact])
+    }
+
+    /// How the pushes change with the motions that something else would cause without the contacts, and with those at the equilibrium
+    /// before: of the compliance of the places under pushes, by rows, all with a force and a moment to a place.
+    pub fn gain(&self, compliance: &[f64]) -> Result<ContactGain, Critical> {
         let n = 6 * self.places.len();
         if !self.carried.is_empty() {
-            return self.carried.gain(n, (&self.geometric, &self.unknowns), compliance);
+            let by_motion =
+                self.carried.gain(n, (&self.geometric, &self.unknowns), compliance)?;
+            return Ok(ContactGain { by_motion, by_before: Vec::new() });
         }
         let size = n + self.unknowns.len();
         let mut matrix = vec![0.0; size * size];
@@ -156,23 +234,69 @@ impl Holding {
             let row = &mut matrix[(n + j) * size..(n + j + 1) * size];
             row[6 * unknown.contact..6 * unknown.contact + 6].copy_from_slice(&unknown.rate);
             row[n + j] = unknown.own;
+            if let Some((other, by)) = unknown.by_other {
+                row[n + other] += by;
+            }
         }
         let mut lu = DenseLu::default();
         lu.factor(size, &matrix).map_err(|_| Critical)?;
-        let mut gain = vec![0.0; n * n];
-        for (c, column) in lu.inverse_columns(n).iter().enumerate() {
+        let pushes = |column: &[f64]| {
+            let mut pushes = vec![0.0; n];
             for (k, block) in self.geometric.iter().enumerate() {
                 for a in 0..6 {
-                    gain[(6 * k + a) * n + c] = dot(&block[a], &column[6 * k..6 * k + 6]);
+                    pushes[6 * k + a] = dot(&block[a], &column[6 * k..6 * k + 6]);
                 }
             }
             for (unknown, &change) in self.unknowns.iter().zip(&column[n..]) {
                 for a in 0..6 {
-                    gain[(6 * unknown.contact + a) * n + c] += unknown.push[a] * change;
+                    pushes[6 * unknown.contact + a] += unknown.push[a] * change;
                 }
             }
+            pushes
+        };
+        let by_motion: Vec<Vec<f64>> =
+            lu.inverse_columns(n).iter().map(|column| pushes(column)).collect();
+        let mut by_before = Vec::with_capacity(6 * self.before.len());
+        for (contact, block) in &self.before {
+            for b in 0..6 {
+                let mut column = vec![0.0; size];
+                for (i, value) in column[..n].iter_mut().enumerate() {
+                    let row = &compliance[i * n + 6 * contact..][..6];
+                    *value = (0..6).map(|a| row[a] * block[a][b]).sum();
+                }
+                for (value, unknown) in column[n..].iter_mut().zip(&self.unknowns) {
+                    if unknown.contact == *contact {
+                        *value = -unknown.rate_before[b];
+                    }
+                }
+                lu.solve(&mut column);
+                let mut pushes = pushes(&column);
+                (0..6).for_each(|a| pushes[6 * contact + a] += block[a][b]);
+                by_before.push(pushes);
+            }
         }
-        if gain.iter().all(|x| x.is_finite()) { Ok(gain) } else { Err(Critical) }
+        let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
+            (0..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+        };
+        let gain = ContactGain { by_motion: by_rows(&by_motion), by_before: by_rows(&by_before) };
+        let finite = gain.by_motion.iter().chain(&gain.by_before).all(|x| x.is_finite());
+        if finite { Ok(gain) } else { Err(Critical) }
+    }
+}
+
+/// A contact that rubs, as its slip is counted.
+struct Along<'a> {
+    pair: &'a Pair,
+    grip: Grip,
+    obstacle: &'a Obstacle,
+    /// Where the cross-section at an arc length was at the last equilibrium, as the obstacle has carried it along.
+    from: &'a dyn Fn(f64) -> Pose,
+}
+
+impl Along<'_> {
+    fn slip(&self, pose: &Pose, from: &Pose) -> Vec3 {
+        let nearest = self.pair.look(self.obstacle, pose);
+        nearest.slip(from, pose, self.pair.member.body.rounding)
     }
 }
 
@@ -213,6 +337,8 @@ fn along_backbone(
         push: [force.x, force.y, force.z, moment.x, moment.y, moment.z],
         rate: rates.map(|[rate]| rate.z),
         own: bend,
+        by_other: None,
+        rate_before: [0.0; 6],
     })
 }
 
@@ -259,12 +385,13 @@ mod tests {
             places: vec![0.1],
             is_about_to_change: false,
             geometric: vec![[[0.0; 6]; 6]],
-            unknowns: vec![Unknown { contact: 0, push: unit, rate: unit, own: 0.0 }],
+            unknowns: vec![Unknown::new(0, unit, unit)],
             carried: Carried::default(),
+            before: Vec::new(),
         };
         let compliance: Vec<f64> = (0..36).map(|i| if i % 7 == 0 { 2.0 } else { 0.0 }).collect();
         let gain = holding.gain(&compliance).unwrap();
-        for (i, value) in gain.iter().enumerate() {
+        for (i, value) in gain.by_motion.iter().enumerate() {
             assert_eq!(*value, if i == 2 * 6 + 2 { -0.5 } else { 0.0 });
         }
         // A place that nothing moves has no force that keeps it.

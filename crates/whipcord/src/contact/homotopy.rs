@@ -58,11 +58,16 @@ impl<'a> Homotopy<'a> {
         if way >= self.loaded_at { 1.0 } else { way / self.loaded_at }
     }
 
+    /// How far the commands went from those before to those of the case.
+    pub fn command_factor(&self, way: f64) -> f64 {
+        ((way - self.actuated_from) / (1.0 - self.actuated_from)).max(0.0)
+    }
+
     /// The case so far on the way, from 0 to 1, without obstacles; `initial` are the initial lengths of the
     /// cables in m.
     pub fn at(&self, way: f64, initial: &[f64]) -> Case {
         let load = self.load_factor(way);
-        let way = ((way - self.actuated_from) / (1.0 - self.actuated_from)).max(0.0);
+        let way = self.command_factor(way);
         let between = |(k, (from, to)): (usize, (&CableCommand, &CableCommand))| CableCommand {
             tension: to.tension.map(|to| mix(from.tension.unwrap_or(0.0), to, way)),
             shortening: to.shortening.map(|to| {

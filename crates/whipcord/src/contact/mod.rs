@@ -19,6 +19,7 @@
 //! | `free_path` | robots that keep clear of all obstacles |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
 //! | `approach`, `drawn_out` | where it may come to if it finds no rest |
+//! | `noted` | the equilibria on the way, for derivatives |
 //! | `step_length` | how far the robot may move in one step on the way |
 //! | `equilibrium` | the equilibrium at one place of the way, in which contacts come and go |
 //! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
@@ -42,6 +43,7 @@ mod homotopy;
 mod loaded_places;
 pub mod member;
 pub(crate) mod model;
+mod noted;
 mod object;
 mod object_pair;
 mod object_pairs;
@@ -64,8 +66,9 @@ pub(crate) use dense_output::DenseOutput;
 pub(crate) use free_path::{Unobstructed, last_of, or_none_alone, rubbing_or_free, solve_free};
 pub(crate) use holding::Holding;
 pub(crate) use loaded_places::LoadedPlaces;
-pub(crate) use model::{is_same_shape, with_pushes};
-pub(crate) use path::{solve, solve_holding, solve_rubbing};
+pub(crate) use model::{OnWay, is_same_shape, with_pushes};
+pub(crate) use noted::{Noted, NotedWay};
+pub(crate) use path::{solve, solve_holding, solve_noted, solve_rubbing};
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{ContactRod, RodAdapter, on_few_steps_or_more, watched};
 pub(crate) use rod_response::{RodHoles, RodResponse};

@@ -6,7 +6,7 @@ use super::dampers::Dampers;
 use super::drawn_out::DrawnOut;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
-use super::model::{Compliant, Push};
+use super::model::{Compliant, OnWay, Push};
 use super::object::Objects;
 use super::pair::OVERLAP;
 use super::pairs::Pairs;
@@ -65,10 +65,13 @@ pub(super) struct Acting {
     pub loads: f64,
     /// The part that is left of what held the objects.
     pub held: f64,
+    /// How far the commands went to those of the step, and the part of the loads of the robot.
+    pub of_case: [f64; 2],
 }
 
 impl Acting {
-    pub const ALL: Self = Self { drawn_back: 0.0, left: 0.0, loads: 1.0, held: 0.0 };
+    pub const ALL: Self =
+        Self { drawn_back: 0.0, left: 0.0, loads: 1.0, held: 0.0, of_case: [1.0; 2] };
 }
 
 pub(super) struct PathTracker<'a, M> {
@@ -101,8 +104,10 @@ pub(super) struct PathTracker<'a, M> {
     /// Whether the way begins at a known answer that the model, under other loads, does not quite stand at: what its contacts
     /// have slid counts from there.
     pub(super) is_off_answer: bool,
-    /// On the way.
-    longest_step: f64,
+    /// Whether its cables rub in their holes, which remember every place of the way.
+    pub(super) rubs: bool,
+    /// Where it is on the way, for what the model notes.
+    on_way: OnWay,
 }
 
 /// What is known of the contacts, besides where the model is kept.
@@ -151,11 +156,14 @@ pub(crate) fn solve_holding(
 ) -> Result<(Solution, Holding), SolveError> {
     let remembers = has_friction(robot) || case.obstacles.iter().any(Obstacle::has_history);
     if warm_start.is_some() || case.before.is_empty() || case.independent || !remembers {
-        return solve_step(model, robot, case, (warm_start, None));
+        return solve_step(model, robot, (0, case), (warm_start, None));
     }
     // Friction remembers the steps before the last.
     let mut last = Err(SolveError::NoDerivatives);
-    let followed = follow_steps(model, robot, case, |_, answer| last = Ok(answer));
+    let followed = follow_steps(model, robot, case, |_, answer| {
+        last = Ok(answer);
+        Ok(())
+    });
     followed.map_err(|(_, error)| error)?;
     last
 }
@@ -171,7 +179,23 @@ pub(crate) fn solve_rubbing<M: Compliant>(
     case: &Case,
     mut each: impl FnMut((Solution, bool)),
 ) -> Result<(), (usize, SolveError)> {
-    follow_steps(model, robot, case, |model, (solution, _)| each((solution, model.has_touched())))
+    solve_noted(model, robot, case, |_, answer| {
+        each(answer);
+        Ok(())
+    })
+}
+
+/// The same; `each` gets the model too, at the equilibrium of a step.
+pub(crate) fn solve_noted<M: Compliant>(
+    model: &mut M,
+    robot: &Robot,
+    case: &Case,
+    mut each: impl FnMut(&mut M, (Solution, bool)) -> Result<(), SolveError>,
+) -> Result<(), (usize, SolveError)> {
+    follow_steps(model, robot, case, |model, (solution, _)| {
+        let has_touched = model.has_touched();
+        each(model, (solution, has_touched))
+    })
 }
 
 fn has_friction(robot: &Robot) -> bool {
@@ -183,7 +207,7 @@ fn follow_steps<M: Compliant>(
     model: &mut M,
     robot: &Robot,
     case: &Case,
-    mut each: impl FnMut(&M, (Solution, Holding)),
+    mut each: impl FnMut(&mut M, (Solution, Holding)) -> Result<(), SolveError>,
 ) -> Result<(), (usize, SolveError)> {
     let mut last: Option<(Solution, Vec<CableCommand>)> = None;
     for (n, step) in case.leading_steps().enumerate() {
@@ -192,9 +216,9 @@ fn follow_steps<M: Compliant>(
             None => (None, None),
         };
         let (solution, holding) =
-            solve_step(model, robot, &step, from).map_err(|error| (n, error))?;
+            solve_step(model, robot, (n, &step), from).map_err(|error| (n, error))?;
         last = Some((solution.clone(), step.commands));
-        each(model, (solution, holding));
+        each(model, (solution, holding)).map_err(|error| (n, error))?;
     }
     Ok(())
 }
@@ -203,7 +227,7 @@ fn follow_steps<M: Compliant>(
 fn solve_step(
     model: &mut impl Compliant,
     robot: &Robot,
-    case: &Case,
+    (step, case): (usize, &Case),
     (warm_start, commands): (Option<&Solution>, Option<&[CableCommand]>),
 ) -> Result<(Solution, Holding), SolveError> {
     let rubs = has_friction(robot);
@@ -239,12 +263,17 @@ fn solve_step(
         reached: 0.0,
         slipped_at: None,
         is_off_answer: false,
-        longest_step: if rubs { RUBBING_STEP } else { 1.0 },
+        rubs,
+        on_way: OnWay { step, ..OnWay::default() },
     };
     let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
     let at = |way: f64| homotopy.at(way, &initial);
-    let grow = |way: f64| Acting { loads: homotopy.load_factor(way), ..Acting::ALL };
-    tracker.start(&at(0.0), warm_start, &to_base)?;
+    let of_case = |way: f64| [homotopy.command_factor(way), homotopy.load_factor(way)];
+    let grow = |way: f64| {
+        let loads = homotopy.load_factor(way);
+        Acting { loads, of_case: of_case(way), ..Acting::ALL }
+    };
+    tracker.start((&at(0.0), of_case(0.0)), warm_start, &to_base)?;
     let mut gone = tracker.go(case, at, grow);
     if let Err(error) = &gone
         && warm_start.is_none()
@@ -252,9 +281,11 @@ fn solve_step(
         && error.is_obstruction()
     {
         gone = tracker.hold_and_release(case, &at, &to_base);
+        tracker.lose_notes();
     }
     if let Err(error) = gone {
         tracker.approach(case, &at, error)?;
+        tracker.lose_notes();
     }
     while tracker.model.refine()? {
         let here: Vec<Vec3> =
@@ -262,6 +293,7 @@ fn solve_step(
         if let Err(stop) = tracker.touch(&at(1.0), &here) {
             return Err(tracker.obstructed(1.0, Some(stop)));
         }
+        tracker.note();
     }
     // Whatever led here: where anything that is watched overlaps, this is no answer.
     if let Some((.., depth)) = tracker.pairs.deepest(tracker.model, &tracker.scene) {
@@ -270,9 +302,7 @@ fn solve_step(
     if let Some((.., depth)) = tracker.objects.deepest(&tracker.scene, tracker.length) {
         return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
     }
-    let length = tracker.length;
-    let holding =
-        Holding::new(&tracker.pairs, &tracker.objects, tracker.model, &tracker.scene, length);
+    let holding = tracker.holding(false);
     let mut solution = tracker.model.solution(&at(1.0), &tracker.pushes)?;
     let forces = tracker.model.knows_forces();
     solution.contacts = tracker.pairs.contacts(tracker.model, &case.base, forces);
@@ -292,7 +322,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// Where the way begins: at a known answer with its contacts, or at rest, where nothing may overlap.
     fn start(
         &mut self,
-        case: &Case,
+        (case, of_case): (&Case, [f64; 2]),
         answer: Option<&Solution>,
         to_base: &Pose,
     ) -> Result<(), SolveError> {
@@ -300,10 +330,12 @@ impl<M: Compliant> PathTracker<'_, M> {
         self.scene.begin_step();
         let Some(answer) = answer else {
             self.rest(case)?;
+            [self.on_way.commands, self.on_way.loads] = of_case;
+            self.note();
             self.scene.keep(Present::Pipes);
             if self.pairs.deepest(self.model, &self.scene).is_some() {
                 let are_held = core::mem::replace(&mut self.objects.are_held, true);
-                self.insert(case)?;
+                self.insert((case, of_case))?;
                 self.objects.are_held = are_held;
             }
             self.scene.keep(Present::All);
@@ -331,7 +363,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     }
 
     /// Inserts the robot at rest into the pipes: from where its base is drawn back by its length, forward.
-    fn insert(&mut self, case: &Case) -> Result<(), SolveError> {
+    fn insert(&mut self, (case, of_case): (&Case, [f64; 2])) -> Result<(), SolveError> {
         // The base touches nothing, but where it is the robot has to come out of the bore.
         let walled = self.scene.iter().find_map(|(_, pipe)| {
             let depth = -pipe.surface(Vec3::ZERO).distance;
@@ -349,7 +381,8 @@ impl<M: Compliant> PathTracker<'_, M> {
         let start = INSERTED * self.length;
         self.scene.draw_back(start);
         self.refuse_overlap()?;
-        let back = |way: f64| Acting { drawn_back: start * (1.0 - way), ..Acting::ALL };
+        let back =
+            |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
         self.go(case, |_| case.clone(), back)
     }
 
@@ -366,7 +399,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         self.model.reset();
         self.objects = Objects::new(case, None, self.model.force_scale(), self.length);
         self.objects.are_held = true;
-        self.start(&at(0.0), None, to_base)?;
+        self.start((&at(0.0), [0.0; 2]), None, to_base)?;
         self.go(case, at, |_| Acting::ALL)?;
         self.objects.load(case, case, 1.0, 0.0);
         self.objects.balance(&self.pairs, self.model);
@@ -408,7 +441,8 @@ impl<M: Compliant> PathTracker<'_, M> {
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
-        let (mut way, mut step) = (0.0, self.longest_step);
+        let longest_step = if self.rubs { RUBBING_STEP } else { 1.0 };
+        let (mut way, mut step) = (0.0, longest_step);
         self.reached = 0.0;
         let mut jumps = Jumps::default();
         let watched = self.model.watched().len();
@@ -435,10 +469,14 @@ impl<M: Compliant> PathTracker<'_, M> {
                 Ok(None) => {
                     way = next;
                     self.reached = way;
+                    let [commands, loads] = acts.of_case;
+                    let passed = [acts.drawn_back, way];
+                    self.on_way = OnWay { commands, loads, way: passed, ..self.on_way };
+                    self.note();
                     if way == 1.0 {
                         return Ok(());
                     }
-                    step = (2.0 * step).min(self.longest_step);
+                    step = (2.0 * step).min(longest_step);
                     if self.is_touching() {
                         step = step.min(LONGEST_STEP);
                     }
@@ -475,6 +513,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.arrange(acting(next));
             match self.relax(&at(next)) {
                 Ok(moved) => {
+                    self.lose_notes();
                     if moved > JUMP * self.length {
                         self.slipped_at.get_or_insert(way);
                     }
@@ -489,6 +528,26 @@ impl<M: Compliant> PathTracker<'_, M> {
                 }
                 Err(_) => return Err(self.obstructed(way, stop)),
             }
+        }
+    }
+
+    /// The contacts where it is, linearised.
+    fn holding(&self, remembers: bool) -> Holding {
+        let at = (&*self.model, &self.scene);
+        Holding::new(&self.pairs, &self.objects, at, self.length, remembers)
+    }
+
+    /// It is where the way that was noted does not lead to.
+    fn lose_notes(&mut self) {
+        self.model.lose_notes();
+        self.note();
+    }
+
+    /// Has the model take note of where it is.
+    fn note(&mut self) {
+        if self.model.takes_notes() {
+            let holding = self.holding(true);
+            self.model.note(holding, self.on_way);
         }
     }
 

@@ -50,7 +50,7 @@ impl Cosserat {
         let each_found = |of_step| found.push(of_step);
         let followed =
             contact::solve_rubbing(&mut self.adapter(steps), &self.robot, case, each_found);
-        contact::rubbing_or_free(case, found, |alone| self.solve(alone, None, workspace))
+        contact::rubbing_or_free(case, found, |of| of, |alone| self.solve(alone, None, workspace))
             .try_for_each(|solution| solution.map(&mut each))?;
         followed
     }

@@ -175,6 +175,8 @@ impl Cosserat {
                 carried,
                 strands: &strands,
                 varying: Some(varying),
+                commanded: [1.0; 2],
+                contacts: None,
             }),
         };
         match Derivatives::of(&solved, parameters) {

@@ -55,7 +55,7 @@ impl CosseratDisks {
                 error
             })
         });
-        contact::rubbing_or_free(case, found, |alone| self.solve(alone, None, workspace))
+        contact::rubbing_or_free(case, found, |of| of, |alone| self.solve(alone, None, workspace))
             .try_for_each(|solution| solution.map(&mut each))?;
         followed.map_err(|error| (number, error))
     }

@@ -178,6 +178,8 @@ impl CosseratDisks {
                 carried,
                 strands: &strands,
                 varying: None,
+                commanded: [1.0; 2],
+                contacts: None,
             }),
         };
         match Derivatives::of(&solved, parameters) {

@@ -19,6 +19,9 @@ impl Derivatives {
     /// When there is no such station or disk.
     #[must_use]
     pub fn actuation_jacobian(&self, at: Place) -> Vec<Twist> {
+        if !self.touching.remembered.is_empty() {
+            return self.commands().iter().map(|change| change.twist(at)).collect();
+        }
         let node = self.places.number(at);
         self.jacobian(|place| self.twist_of(node, &self.pulled(place, Hold::Commands)[0]))
     }
@@ -33,7 +36,10 @@ impl Derivatives {
     /// How the length of each cable changes with the command of each, or with the tension.
     fn lengths_by(&self, hold: Hold) -> Vec<Vec<f64>> {
         let by = |&place: &usize| {
-            let mut outputs = vec![0.0; self.strands.outputs()];
+            let mut outputs = match hold {
+                Hold::Commands => self.remembered(Cause::Command(place)).lengths,
+                Hold::Tensions | Hold::Lengths => vec![0.0; self.strands.outputs()],
+            };
             for (column, &tension) in self.by_tension.iter().zip(&self.pulled(place, hold)[0]) {
                 outputs.iter_mut().zip(&column.lengths).for_each(|(out, by)| *out += tension * by);
             }

@@ -7,6 +7,7 @@ use super::column::unit_wrench;
 use super::effect::Effect;
 use super::elimination::StepPull;
 use super::node_change::NodeChange;
+use super::sliding_holes::Cause;
 use super::rod::Derivatives;
 use super::spans::Spans;
 use crate::shape::Wrench;
@@ -93,9 +94,21 @@ impl Derivatives {
                 ((0..cables).map(command).collect(), by_length, more)
             }
         };
-        let commands = self.place_of.iter().map(|&place| by_place[place]).collect();
         let lengths: Vec<f64> = lengths.iter().zip(&more).map(|(a, b)| a + b).collect();
-        self.touching.pull_back(&mut nodes, &lengths, at_base);
+        let pushes = self.touching.pull_back(&mut nodes, &lengths, at_base);
+        let remembered = &self.touching.remembered;
+        let commands = match hold {
+            // By commands nothing else is held.
+            Hold::Tensions | Hold::Lengths if !remembered.is_empty() => {
+                self.pull_back(cotangent, Hold::Commands).commands
+            }
+            _ => {
+                let worth = |&place: &usize| {
+                    by_place[place] + remembered.worth(Cause::Command(place), &pushes)
+                };
+                self.place_of.iter().map(worth).collect()
+            }
+        };
         let extra = |k: usize| {
             let mut sum = [Vec3::ZERO; 3];
             for row in 0..self.maps.rows {
@@ -157,7 +170,8 @@ impl Derivatives {
                 };
                 let added = partial.added.map_or(0.0, |(node, wrench)| wrenches[node].dot(&wrench));
                 let at_base = at_base.force.dot(partial.at_node(0).force);
-                within + acting + longer + asked + added + at_base
+                let before = remembered.worth(Cause::Parameter(p), &pushes);
+                within + acting + longer + asked + added + at_base + before
             })
             .collect();
         Gradient { commands, parameters, wrenches, places: self.places.clone() }

@@ -170,7 +170,7 @@ impl Derivatives {
         let is_of_tension = hold == Hold::Tensions;
         if let Some(sliding) = &self.sliding {
             let cause = if is_of_tension { Cause::Tension(place) } else { Cause::Command(place) };
-            return sliding.tensions(hold, &[], cause);
+            return sliding.tensions(hold, &self.remembered(cause).lengths, cause);
         }
         let is_tension = is_of_tension || matches!(self.commands[place], Command::Tension(_));
         let lengths = &self.by_tension[place].lengths;
@@ -204,6 +204,7 @@ impl Derivatives {
         cause: Cause,
     ) -> (Raw, [Vec<f64>; 2]) {
         let mut changed = self.raw(source);
+        self.touching.remember(&mut changed, cause);
         let tensions = self.tensions(hold, &changed.lengths, cause);
         for (column, &tension) in self.by_tension.iter().zip(&tensions[0]) {
             changed.add(tension, column);
@@ -276,7 +277,8 @@ impl Derivatives {
     /// When the robot has no cable of this number.
     #[must_use]
     pub fn command(&self, cable: usize) -> Change {
-        self.with_tensions(self.pulled(self.place_of[cable], Hold::Commands))
+        let place = self.place_of[cable];
+        self.with_tensions(self.pulled(place, Hold::Commands), Cause::Command(place))
     }
 
     /// [`Self::command`] of every cable.
@@ -295,7 +297,8 @@ impl Derivatives {
         match &self.sliding {
             Some(sliding) => {
                 let cause = Cause::Offset(self.place_of[cable]);
-                self.with_tensions(sliding.tensions(Hold::Commands, &[], cause))
+                let outputs = self.remembered(cause).lengths;
+                self.with_tensions(sliding.tensions(Hold::Commands, &outputs, cause), cause)
             }
             None => self.command(cable),
         }
@@ -307,17 +310,25 @@ impl Derivatives {
     /// When the robot has no cable of this number.
     #[must_use]
     pub fn tension(&self, cable: usize) -> Change {
-        self.with_tensions(self.pulled(self.place_of[cable], Hold::Tensions))
+        let place = self.place_of[cable];
+        self.with_tensions(self.pulled(place, Hold::Tensions), Cause::Tension(place))
     }
 
-    /// The change that goes with changes of the tensions of all strands, and with nothing else; and with the tensions below the base, where
-    /// these are others.
-    fn with_tensions(&self, tensions: [Vec<f64>; 2]) -> Change {
+    /// What contacts remember of a cause changes at constant tensions.
+    pub(super) fn remembered(&self, cause: Cause) -> Raw {
         let mut changed = Raw {
             nodes: vec![NodeChange::default(); self.steps.len() + 1],
             lengths: vec![0.0; self.strands.outputs()],
             ..Raw::default()
         };
+        self.touching.remember(&mut changed, cause);
+        changed
+    }
+
+    /// The change that goes with changes of the tensions of all strands, and with nothing else but what contacts remember of a cause; and with
+    /// the tensions below the base, where these are others.
+    fn with_tensions(&self, tensions: [Vec<f64>; 2], cause: Cause) -> Change {
+        let mut changed = self.remembered(cause);
         for (column, &tension) in self.by_tension.iter().zip(&tensions[0]) {
             changed.add(tension, column);
         }

@@ -25,6 +25,7 @@ use super::change::{Change, Place, Places};
 use super::linear_system::{KnownPlaces, LinearSystem, ParameterChange, add, dot};
 use super::local::local;
 use super::sliding_holes::{AnswerHoles, Cause, SlidingHoles};
+use super::touching::{ContactGain, Remembered, components};
 use crate::error::SolveError;
 use crate::kinematics::{Local, Matrix6};
 use crate::shape::Wrench;
@@ -59,6 +60,7 @@ struct Contacts {
     places: Vec<usize>,
     /// `K` by rows.
     gain: Vec<f64>,
+    remembered: Remembered,
     are_about_to_change: bool,
 }
 
@@ -96,35 +98,62 @@ impl CoordinateDerivatives {
     pub(crate) fn of(
         solved: SolvedCoordinates,
         are_about_to_change: bool,
-        gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
+        gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
     ) -> Result<Self, SolveError> {
         Self::linear(solved, None, are_about_to_change, gain)
             .map_err(|Critical| SolveError::NoDerivatives)
     }
 
     /// Of an answer whose cables rub in these holes, and how the state that the holes remember changes, as
-    /// [`AnswerHoles::carried`] has it.
+    /// [`AnswerHoles::carried`] has it, with the motions of the stations as what touches next. `gain` is as in [`Self::of`].
     ///
     /// # Errors
     /// As [`Self::of`].
     pub(crate) fn of_sliding(
         solved: SolvedCoordinates,
         holes: &AnswerHoles<'_>,
+        are_about_to_change: bool,
+        gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
     ) -> Result<(Self, Vec<Carried>), SolveError> {
-        let no_contacts = |_: &[f64]| Ok(Vec::new());
-        let derivatives = Self::linear(solved, Some(holes), false, no_contacts)
+        let derivatives = Self::linear(solved, Some(holes), are_about_to_change, gain)
             .map_err(|Critical| SolveError::NoDerivatives)?;
         let Some(sliding) = &derivatives.sliding else { return Ok((derivatives, Vec::new())) };
-        let by_parameter = |p: usize| derivatives.by_parameter(&derivatives.parameters[p]).lengths;
-        let carried = sliding.carried(by_parameter);
+        let mut carried = sliding.carried(|cause| derivatives.caused(cause).lengths);
+        if !holes.is_last && !derivatives.places.stations.is_empty() {
+            for (cause, carried) in sliding.causes().zip(&mut carried) {
+                let response = derivatives.caused(cause);
+                let change = derivatives.completed(response, Hold::Commands, cause);
+                let stations = 0..derivatives.places.stations.len();
+                carried.places = stations
+                    .flat_map(|k| components(change.twist(Place::Station(k))))
+                    .collect();
+            }
+        }
         Ok((derivatives, carried))
+    }
+
+    /// What a cause changes at constant tensions.
+    fn caused(&self, cause: Cause) -> Response {
+        let remembered = self.contacts.remembered.of(cause).unwrap_or(&[]);
+        match cause {
+            Cause::Parameter(p) => {
+                let parameter = &self.parameters[p];
+                let own = (&parameter.lengths[..], parameter.base);
+                self.respond_to(&parameter.force, own, remembered)
+            }
+            _ if remembered.is_empty() => self.still(),
+            _ => {
+                let nothing = vec![0.0; self.system.coordinates];
+                self.respond_to(&nothing, (&[], Wrench::default()), remembered)
+            }
+        }
     }
 
     fn linear(
         solved: SolvedCoordinates,
         holes: Option<&AnswerHoles<'_>>,
         are_about_to_change: bool,
-        gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
+        gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
     ) -> Result<Self, Critical> {
         let SolvedCoordinates { system, places, cables, parameters, length } = solved;
         let KnownPlaces { stations, disks, contacts: touching, .. } = places;
@@ -143,7 +172,9 @@ impl CoordinateDerivatives {
         if !touching.is_empty() {
             let gain = gain(&derivatives.compliance_of(&touching))?;
             let places = touching;
-            derivatives.contacts = Contacts { places, gain, are_about_to_change };
+            let remembered = Remembered::new(&gain, 6 * places.len(), holes);
+            let gain = gain.by_motion;
+            derivatives.contacts = Contacts { places, gain, remembered, are_about_to_change };
         }
         let count = derivatives.cables.len();
         let pulls = holes.map_or(count, |answer| answer.holes.count());
@@ -188,6 +219,11 @@ impl CoordinateDerivatives {
 
     /// The change that goes with a generalised force, and with what changes besides at constant coordinates.
     fn respond(&self, force: &[f64], own: (&[f64], Wrench)) -> Response {
+        self.respond_to(force, own, &[])
+    }
+
+    /// The same, with what the contacts push more for what is remembered.
+    fn respond_to(&self, force: &[f64], own: (&[f64], Wrench), remembered: &[f64]) -> Response {
         let system = &self.system;
         let mut force = force.to_vec();
         let mut base = own.1;
@@ -195,12 +231,13 @@ impl CoordinateDerivatives {
         if !self.contacts.places.is_empty() {
             let motion: Vec<f64> =
                 self.contacts.rows().map(|(k, a)| dot(system.row(k, a), &moved)).collect();
-            let pushes: Vec<f64> = self
+            let mut pushes: Vec<f64> = self
                 .contacts
                 .gain
                 .chunks_exact(motion.len())
                 .map(|row| dot(row, &motion))
                 .collect();
+            add(&mut pushes, 1.0, remembered);
             for ((place, component), push) in self.contacts.rows().zip(pushes) {
                 add(&mut force, push, system.row(place, component));
                 base.add(push, &system.at_base(place, component));
@@ -274,7 +311,10 @@ impl CoordinateDerivatives {
     pub fn command(&self, cable: usize) -> Change {
         match self.cables[cable].command {
             Command::Tension(_) if self.sliding.is_none() => self.pulled(cable, Hold::Commands),
-            _ => self.completed(self.still(), Hold::Commands, Cause::Command(cable)),
+            _ => {
+                let cause = Cause::Command(cable);
+                self.completed(self.caused(cause), Hold::Commands, cause)
+            }
         }
     }
 
@@ -291,7 +331,10 @@ impl CoordinateDerivatives {
     #[must_use]
     pub fn offset(&self, cable: usize) -> Change {
         match self.sliding {
-            Some(_) => self.completed(self.still(), Hold::Commands, Cause::Offset(cable)),
+            Some(_) => {
+                let cause = Cause::Offset(cable);
+                self.completed(self.caused(cause), Hold::Commands, cause)
+            }
             None => self.command(cable),
         }
     }
@@ -314,18 +357,14 @@ impl CoordinateDerivatives {
         }
     }
 
-    fn by_parameter(&self, parameter: &ParameterChange) -> Response {
-        self.respond(&parameter.force, (&parameter.lengths, parameter.base))
-    }
-
     /// As [`super::Derivatives::parameter`].
     ///
     /// # Panics
     /// When no parameter has this number.
     #[must_use]
     pub fn parameter(&self, index: usize, hold: Hold) -> Change {
-        let response = self.by_parameter(&self.parameters[index]);
-        self.completed(response, hold, Cause::Parameter(index))
+        let cause = Cause::Parameter(index);
+        self.completed(self.caused(cause), hold, cause)
     }
 
     /// As [`super::Derivatives::wrench`].
@@ -446,7 +485,7 @@ impl CoordinateDerivatives {
         };
         let mut worth: Vec<f64> =
             self.by_tension.iter().map(|column| column.worth(&twists, &lengths, at_base)).collect();
-        let (commands, by_length, more) = match &self.sliding {
+        let (mut commands, by_length, more) = match &self.sliding {
             Some(sliding) => {
                 worth.extend(&tensions);
                 sliding.pull_back(hold, &worth)
@@ -489,13 +528,14 @@ impl CoordinateDerivatives {
         for (row, part) in of_base.zip(parts.into_iter().flatten()) {
             add(&mut by_force, part, row);
         }
+        let mut pushes = Vec::new();
         if !self.contacts.places.is_empty() {
-            let pushes: Vec<f64> = (self.contacts.rows())
+            pushes = (self.contacts.rows())
                 .map(|(place, component)| {
                     let own = system.at_base(place, component);
                     dot(system.row(place, component), &by_force) + own.dot(at_base)
                 })
-                .collect();
+                .collect::<Vec<f64>>();
             let mut by_contact = vec![0.0; system.coordinates];
             let gain = self.contacts.gain.chunks_exact(pushes.len());
             let mut motion = vec![0.0; pushes.len()];
@@ -512,6 +552,7 @@ impl CoordinateDerivatives {
                 + dot(&lengths, &parameter.lengths)
                 + asked((p, parameter))
                 + parameter.base.dot(at_base)
+                + self.contacts.remembered.worth(Cause::Parameter(p), &pushes)
         };
         let wrench = |place: usize| {
             let [x, y, z, u, v, w] = core::array::from_fn(|component| {
@@ -520,6 +561,18 @@ impl CoordinateDerivatives {
             });
             Wrench { force: Vec3::new(x, y, z), moment: Vec3::new(u, v, w) }
         };
+        if !self.contacts.remembered.is_empty() {
+            match hold {
+                Hold::Commands => {
+                    for (cable, command) in commands.iter_mut().enumerate() {
+                        let cause = Cause::Command(cable);
+                        *command += self.contacts.remembered.worth(cause, &pushes);
+                    }
+                }
+                // By commands nothing else is held.
+                _ => commands = self.pull_back(cotangent, Hold::Commands).commands,
+            }
+        }
         Gradient {
             commands,
             parameters: self.parameters.iter().enumerate().map(of_parameter).collect(),

@@ -94,6 +94,13 @@ impl ParameterChange {
         Self { force: vec![0.0; coordinates], lengths: vec![0.0; outputs], ..Self::default() }
     }
 
+    /// Takes a part of it.
+    pub fn scale(&mut self, part: f64) {
+        let lists = [&mut self.force, &mut self.lengths, &mut self.targets];
+        lists.into_iter().flatten().for_each(|value| *value *= part);
+        self.base = Wrench { force: self.base.force * part, moment: self.base.moment * part };
+    }
+
     /// By differences of the equations of robots whose parameter differs by so much; `scale` is a change of it that matters.
     pub fn by_differences(
         scale: f64,

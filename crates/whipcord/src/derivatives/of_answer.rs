@@ -3,7 +3,7 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3, magnus_6};
 
 use super::cables::Cables;
-use super::change::Places;
+use super::change::{Place, Places};
 use super::column::{Raw, Source};
 use super::elimination::Elimination;
 use super::linear::Linear;
@@ -11,13 +11,13 @@ use super::partials::Partial;
 use super::replay::{Answer, Varying};
 use super::rod::{CableEnd, Derivatives, NoDerivatives};
 use super::setting::{AtRest, Setting};
-use super::sliding_holes::{AnswerHoles, SlidingHoles};
+use super::sliding_holes::{AnswerHoles, Cause, SlidingHoles};
 use super::spans::StraightSpan;
 use super::step_ends::StepEnds;
 use super::strands::Strands;
 use super::tension_rates::DrivenCables;
 use super::tip_rates::Driven;
-use super::touching::{Touching, motion};
+use super::touching::{ContactGain, Remembered, Touching, components, motion};
 use crate::case::{Case, Loads};
 use crate::parameter::Parameter;
 use crate::robot::Robot;
@@ -26,7 +26,7 @@ use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::friction::{Carried, Holes, Standing};
 use crate::statics::grid::Grid;
-use crate::statics::hold::{Critical, HeldCables};
+use crate::statics::hold::{Critical, HeldCables, Hold};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::plastic_curvature::PlasticCurvature;
 
@@ -75,6 +75,19 @@ pub(crate) struct SlidingAnswer<'a> {
     pub strands: &'a Strands,
     /// Where cables rub all along their curves.
     pub varying: Option<Varying<'a>>,
+    /// As [`AnswerHoles::commanded`].
+    pub commanded: [f64; 2],
+    /// Among obstacles.
+    pub contacts: Option<AnswerContacts<'a>>,
+}
+
+/// What the contacts of an answer push more when the robot moves.
+pub(crate) struct AnswerContacts<'a> {
+    /// The node of each.
+    pub nodes: Vec<usize>,
+    /// Of the compliance of the nodes under pushes, by rows with a force and a moment to a node.
+    pub gain: &'a dyn Fn(&[f64]) -> Result<ContactGain, Critical>,
+    pub are_about_to_change: bool,
 }
 
 impl Solved<'_> {
@@ -183,6 +196,12 @@ impl Derivatives {
             ends,
             length: robot.backbone().length,
         };
+        let contacts = solved.sliding.as_ref().and_then(|sliding| sliding.contacts.as_ref());
+        let mut contact_gain = ContactGain::default();
+        if let Some(AnswerContacts { nodes, gain, are_about_to_change }) = contacts {
+            contact_gain = derivatives.touch(nodes.clone(), gain)?;
+            derivatives.touching.is_about_to_change = *are_about_to_change;
+        }
         derivatives.by_tension =
             (0..strands.count()).map(|strand| derivatives.raw(Source::Tension(strand))).collect();
         let end = |(place, &is_taut): (usize, &bool)| {
@@ -201,8 +220,12 @@ impl Derivatives {
                     standing: sliding.standing,
                     parameters: derivatives.partials.iter().map(source).collect(),
                     carried: sliding.carried,
+                    commanded: sliding.commanded,
                     is_last: true,
                 };
+                let components = 6 * derivatives.touching.nodes.len();
+                derivatives.touching.remembered =
+                    Remembered::new(&contact_gain, components, Some(&answer));
                 let by_tension = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
                 derivatives.sliding = Some(Box::new(SlidingHoles::new(&answer, by_tension)?));
             }
@@ -259,12 +282,32 @@ impl Derivatives {
     pub(crate) fn touching(
         mut self,
         nodes: Vec<usize>,
-        gain: impl FnOnce(&[f64]) -> Result<Vec<f64>, Critical>,
+        gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
         is_about_to_change: bool,
     ) -> Result<Self, NoDerivatives> {
+        self.touching.is_about_to_change = is_about_to_change;
         if nodes.is_empty() {
-            self.touching.is_about_to_change = is_about_to_change;
             return Ok(self);
+        }
+        self.touch(nodes, gain)?;
+        let cables = self.place_of.len();
+        self.by_tension = (0..cables).map(|place| self.raw(Source::Tension(place))).collect();
+        self.hold()?;
+        if self.by_tension.iter().all(Raw::is_finite) {
+            Ok(self)
+        } else {
+            Err(NoDerivatives::Critical)
+        }
+    }
+
+    /// Adds contacts at these nodes to a robot that has none.
+    fn touch(
+        &mut self,
+        nodes: Vec<usize>,
+        gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
+    ) -> Result<ContactGain, Critical> {
+        if nodes.is_empty() {
+            return Ok(ContactGain::default());
         }
         let sources = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
         let column = |(node, component)| self.raw(Source::Wrench { node, component });
@@ -278,16 +321,10 @@ impl Derivatives {
                 }
             }
         }
-        let gain = gain(&compliance)?;
-        self.touching = Touching { nodes, columns, gain, is_about_to_change };
-        let cables = self.place_of.len();
-        self.by_tension = (0..cables).map(|place| self.raw(Source::Tension(place))).collect();
-        self.hold()?;
-        if self.by_tension.iter().all(Raw::is_finite) {
-            Ok(self)
-        } else {
-            Err(NoDerivatives::Critical)
-        }
+        let found = gain(&compliance)?;
+        let gain = found.by_motion.clone();
+        self.touching = Touching { nodes, columns, gain, ..core::mem::take(&mut self.touching) };
+        Ok(found)
     }
 
     /// The same with other stations, by their nodes.
@@ -299,7 +336,33 @@ impl Derivatives {
     /// How the state that the holes remember changes, as [`AnswerHoles::carried`] has it.
     pub(crate) fn carried(&self) -> Vec<Carried> {
         let Some(sliding) = &self.sliding else { return Vec::new() };
-        sliding.carried(|p| self.raw(Source::Parameter(p)).lengths)
+        sliding.carried(|cause| match cause {
+            Cause::Parameter(p) => {
+                let mut raw = self.raw(Source::Parameter(p));
+                self.touching.remember(&mut raw, cause);
+                raw.lengths
+            }
+            _ => self.remembered(cause).lengths,
+        })
+    }
+
+    /// The same, with how the places that touch next move, which are the stations of these derivatives.
+    pub(crate) fn carried_with_places(&self) -> Vec<Carried> {
+        let Some(sliding) = &self.sliding else { return Vec::new() };
+        let mut carried = self.carried();
+        let cable_at = |place: usize| self.place_of.iter().position(|&at| at == place);
+        for (cause, carried) in sliding.causes().zip(&mut carried) {
+            let change = match cause {
+                Cause::Parameter(p) => Some(self.parameter(p, Hold::Commands)),
+                Cause::Offset(place) => cable_at(place).map(|cable| self.offset(cable)),
+                Cause::Command(place) => cable_at(place).map(|cable| self.command(cable)),
+                Cause::Nothing | Cause::Tension(_) => None,
+            };
+            let twist = |k: usize| change.as_ref().map(|change| change.twist(Place::Station(k)));
+            let stations = 0..self.places.stations.len();
+            carried.places = stations.filter_map(twist).flat_map(components).collect();
+        }
+        carried
     }
 
     /// Whether a cable with friction is about to slide in a hole where it sticks, or has only begun to slide: the answer has one-sided derivatives

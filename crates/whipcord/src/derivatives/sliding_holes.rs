@@ -28,6 +28,8 @@ pub(crate) struct AnswerHoles<'a> {
     /// How the state before the last substep changes: with each parameter, then with the command of each cable in all steps, then
     /// with that in the step of the substep. `None` where that is the robot at rest.
     pub carried: Option<&'a [Carried]>,
+    /// How far a command that is changed by as much in all steps is changed here, and one of the step alone: all of it, but on the way of a step.
+    pub commanded: [f64; 2],
     /// Whether it is the answer; else only what the holes remember is asked for.
     pub is_last: bool,
 }
@@ -49,7 +51,7 @@ impl SlidingHoles {
         answer: &AnswerHoles<'_>,
         by_tension: impl Fn(usize, usize) -> f64,
     ) -> Result<Self, Critical> {
-        let AnswerHoles { holes, standing, parameters, carried, is_last } = answer;
+        let AnswerHoles { holes, standing, parameters, carried, commanded, is_last } = answer;
         let holds = match is_last {
             true => &[Hold::Commands, Hold::Tensions, Hold::Lengths][..],
             false => &[Hold::Commands],
@@ -63,18 +65,22 @@ impl SlidingHoles {
         let changes = parameters.iter().enumerate();
         let parameters = changes.map(|(i, source)| held.change(source, &before(i))).collect();
         let cables = 0..holes.of_cable.len();
-        let command = |cable: usize, column: usize| {
-            let source = HoleSource::command(cable, standing.commands[cable].is_length());
+        let command = |cable: usize, column: usize, part: f64| {
+            let mut source = HoleSource::command(cable, standing.commands[cable].is_length());
+            source.commands.iter_mut().for_each(|change| *change *= part);
             held.change(&source, &before(count + column))
         };
+        let [in_all, in_last] = *commanded;
         let tension = |cable: usize| {
             let mut tensions = vec![0.0; cable + 1];
             tensions[cable] = 1.0;
             HoleChange { tensions, ..HoleChange::default() }
         };
         Ok(Self {
-            offsets: cables.clone().map(|cable| command(cable, cable)).collect(),
-            commands: cables.clone().map(|cable| command(cable, cables.len() + cable)).collect(),
+            offsets: cables.clone().map(|cable| command(cable, cable, in_all)).collect(),
+            commands: (cables.clone())
+                .map(|cable| command(cable, cables.len() + cable, in_last))
+                .collect(),
             tensions: cables.map(tension).collect(),
             parameters,
             nothing: HoleChange::default(),
@@ -100,15 +106,17 @@ impl SlidingHoles {
         [tensions, base]
     }
 
-    /// How the state that the holes remember changes, as [`AnswerHoles::carried`] has it. `by_parameter` has what a parameter changes of
+    /// How the state that the holes remember changes, as [`AnswerHoles::carried`] has it. `outputs` has what a cause changes of
     /// lengths and angles at constant tensions.
-    pub fn carried(&self, by_parameter: impl Fn(usize) -> Vec<f64>) -> Vec<Carried> {
-        let parameters =
-            (0..self.parameters.len()).map(|p| self.carry(&by_parameter(p), Cause::Parameter(p)));
+    pub fn carried(&self, outputs: impl Fn(Cause) -> Vec<f64>) -> Vec<Carried> {
+        self.causes().map(|cause| self.carry(&outputs(cause), cause)).collect()
+    }
+
+    /// The causes whose changes are carried: each parameter, then the command of each cable in all steps, then that in the last.
+    pub fn causes(&self) -> impl Iterator<Item = Cause> + use<> {
         let cables = 0..self.commands.len();
-        let offsets = cables.clone().map(|cable| self.carry(&[], Cause::Offset(cable)));
-        let commands = cables.map(|cable| self.carry(&[], Cause::Command(cable)));
-        parameters.chain(offsets).chain(commands).collect()
+        let parameters = (0..self.parameters.len()).map(Cause::Parameter);
+        parameters.chain(cables.clone().map(Cause::Offset)).chain(cables.map(Cause::Command))
     }
 
     fn carry(&self, outputs: &[f64], cause: Cause) -> Carried {

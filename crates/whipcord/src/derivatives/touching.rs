@@ -6,8 +6,77 @@
 //! former, with what its worth of the pushes is worth to `X₀`.
 
 use super::column::Raw;
+use whipcord_numerics::Twist;
+
+use super::linear_system::dot;
 use super::node_change::NodeChange;
+use super::sliding_holes::{AnswerHoles, Cause};
 use crate::shape::Wrench;
+
+/// How the pushes of the contacts of an answer change, by rows, a force and a moment for each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ContactGain {
+    /// `K`: with the motions of the places without the contacts.
+    pub by_motion: Vec<f64>,
+    /// With those of the places that rub at the equilibrium before.
+    pub by_before: Vec<f64>,
+}
+
+impl ContactGain {
+    /// What is pushed more at so many components of pushes, where the places that rub moved so at the equilibrium before.
+    pub fn remembered(&self, components: usize, before: &[f64]) -> Vec<f64> {
+        if before.is_empty() || self.by_before.is_empty() {
+            return vec![0.0; components];
+        }
+        self.by_before.chunks_exact(before.len()).map(|row| dot(row, before)).collect()
+    }
+}
+
+/// What the contacts of an answer push more for what the equilibrium before remembers of each cause.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Remembered {
+    /// By each parameter, then by the command of each cable in all steps, then by that in the last.
+    columns: Vec<Vec<f64>>,
+    parameters: usize,
+    cables: usize,
+}
+
+impl Remembered {
+    /// Of what the holes of an answer carry.
+    pub fn new(gain: &ContactGain, components: usize, holes: Option<&AnswerHoles<'_>>) -> Self {
+        let Some(AnswerHoles { holes, carried: Some(carried), parameters, .. }) = holes else {
+            return Self::default();
+        };
+        if gain.by_before.is_empty() {
+            return Self::default();
+        }
+        Self {
+            columns: carried.iter().map(|of| gain.remembered(components, &of.places)).collect(),
+            parameters: parameters.len(),
+            cables: holes.of_cable.len(),
+        }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// With a cause; `None` where it remembers nothing.
+    pub fn of(&self, cause: Cause) -> Option<&[f64]> {
+        let column = match cause {
+            Cause::Parameter(p) => p,
+            Cause::Offset(cable) => self.parameters + cable,
+            Cause::Command(cable) => self.parameters + self.cables + cable,
+            Cause::Nothing | Cause::Tension(_) => return None,
+        };
+        self.columns.get(column).map(Vec::as_slice)
+    }
+
+    /// What it is worth with a cause, where the pushes are worth this.
+    pub fn worth(&self, cause: Cause, pushes: &[f64]) -> f64 {
+        self.of(cause).map_or(0.0, |column| dot(column, pushes))
+    }
+}
 
 /// The contacts of an answer.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +87,7 @@ pub(super) struct Touching {
     pub columns: Vec<Raw>,
     /// `K` by rows.
     pub gain: Vec<f64>,
+    pub remembered: Remembered,
     pub is_about_to_change: bool,
 }
 
@@ -34,8 +104,19 @@ impl Touching {
         }
     }
 
+    /// Adds to a column what the contacts push more for what is remembered of a cause.
+    pub fn remember(&self, raw: &mut Raw, cause: Cause) {
+        let Some(pushes) = self.remembered.of(cause) else { return };
+        raw.pushes.resize(pushes.len(), 0.0);
+        for (i, push) in pushes.iter().enumerate() {
+            raw.pushes[i] += push;
+            raw.add(*push, &self.columns[i]);
+        }
+    }
+
     /// Adds to a functional of columns of the robot among obstacles what makes it one of columns of the robot alone.
-    pub fn pull_back(&self, nodes: &mut [NodeChange], lengths: &[f64], base: &Wrench) {
+    /// What a unit of each component of the pushes is worth.
+    pub fn pull_back(&self, nodes: &mut [NodeChange], lengths: &[f64], base: &Wrench) -> Vec<f64> {
         let worth: Vec<f64> =
             self.columns.iter().map(|column| column.worth(nodes, lengths, base)).collect();
         let n = worth.len();
@@ -47,6 +128,7 @@ impl Touching {
                 nodes[node].turn[axis] += by(3 + axis);
             }
         }
+        worth
     }
 
     /// What is pushed more at a node.
@@ -62,6 +144,11 @@ impl Touching {
         }
         wrench
     }
+}
+
+/// The numbers of a motion, that of its point first.
+pub(super) fn components(Twist { linear, angular }: Twist) -> [f64; 6] {
+    [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
 }
 
 /// How a node moves, its point first.

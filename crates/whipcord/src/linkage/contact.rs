@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::contact_response::{ContactResponse, DrivenCables};
+use super::friction::Rubbing;
 use super::holes_in_contact::HolesInContact;
 use super::motion::Coordinates;
 use super::statics::{Effort, FEW_ITERATIONS};
@@ -11,14 +12,14 @@ use super::{Linkage, Workspace};
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::contact::model::{Compliant, Push};
-use crate::contact::{self, Unobstructed};
+use crate::contact::{self, Holding, Noted, NotedWay, OnWay, Unobstructed};
 use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::shape::{NoStability, Solution, Wrench};
 use crate::statics::command::Command;
-use crate::statics::friction::History;
+use crate::statics::friction::{Carrying, History};
 use crate::statics::loads::check as check_loads;
 use crate::statics::options::StabilityAnalysis;
 
@@ -107,11 +108,101 @@ impl Linkage {
         let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, |of_step| {
             found.push(of_step);
         });
-        contact::rubbing_or_free(case, found, |alone| {
-            workspace.forget();
-            self.solve_alone(alone, None, workspace)
-        })
+        contact::rubbing_or_free(
+            case,
+            found,
+            |of| of,
+            |alone| {
+                workspace.forget();
+                self.solve_alone(alone, None, workspace)
+            },
+        )
         .try_for_each(|solution| solution.map(&mut each))?;
+        followed
+    }
+
+    /// With friction at the holes: the answer to the last step, with its derivatives.
+    pub(super) fn rub_and_differentiate(
+        &self,
+        rubbing: &Rubbing,
+        (case, parameters): (&Case, &[Parameter]),
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
+        case.check(&self.robot)?;
+        check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
+        let last = case.leading_steps().count() - 1;
+        let asks = |step: usize| step == last;
+        let mut found = None;
+        self.rub_with_derivatives_among_obstacles(
+            rubbing,
+            (case, parameters),
+            asks,
+            workspace,
+            |answer| found = Some(answer),
+        )
+        .map_err(|(_, error)| error)?;
+        match found {
+            Some((solution, Some(derivatives))) => Ok((solution, derivatives)),
+            _ => Err(SolveError::NoDerivativesOfRest),
+        }
+    }
+
+    /// The same, those that are asked for by their number from 0 with their derivatives.
+    pub(super) fn rub_with_derivatives_among_obstacles(
+        &self,
+        rubbing: &Rubbing,
+        (case, parameters): (&Case, &[Parameter]),
+        asks: impl Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        mut each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        if !self.knows_forces {
+            refusal::movable_objects(self.kind, case).map_err(|error| (0, error))?;
+        }
+        let steps: Vec<Case> = case.leading_steps().collect();
+        let mut adapter = ContactAdapter::new(self, Watched::new(self), workspace);
+        adapter.notes = Some(NotedWay::default());
+        let mut carrying = Carrying::default();
+        let mut found = Vec::new();
+        let followed = contact::solve_noted(
+            &mut adapter,
+            &self.robot,
+            case,
+            |adapter, (solution, has_touched)| {
+                let asked = (&steps[..], parameters);
+                let mut differentiate = || match &adapter.notes {
+                    Some(way) => {
+                        let workspace = &mut *adapter.workspace;
+                        self.differentiate_noted((rubbing, way), asked, &mut carrying, workspace)
+                    }
+                    None => Err(SolveError::NoDerivatives),
+                };
+                let derivatives = asks(found.len()).then(&mut differentiate);
+                // Where nothing has touched it is the answer without obstacles that counts.
+                let derivatives = match derivatives {
+                    Some(Err(_)) if !has_touched => None,
+                    derivatives => derivatives.transpose()?,
+                };
+                found.push(((solution, derivatives), has_touched));
+                Ok(())
+            },
+        );
+        contact::rubbing_or_free(
+            case,
+            found,
+            |(solution, _)| solution,
+            |alone| {
+                if asks(alone.before.len()) {
+                    let asked = (alone, parameters);
+                    return self
+                        .slide_with_derivatives(rubbing, asked, &self.stations, workspace)
+                        .map(|(solution, derivatives)| (solution, Some(derivatives)));
+                }
+                workspace.forget();
+                Ok((self.solve_alone(alone, None, workspace)?, None))
+            },
+        )
+        .try_for_each(|answer| answer.map(&mut each))?;
         followed
     }
 }
@@ -221,6 +312,8 @@ struct ContactAdapter<'a> {
     kept: State,
     /// Where cables rub in their holes.
     holes: Option<HolesInContact<'a>>,
+    /// The equilibria on the way, where their derivatives are asked for.
+    notes: Option<NotedWay<Vec<Coordinates>>>,
 }
 
 impl<'a> ContactAdapter<'a> {
@@ -245,6 +338,7 @@ impl<'a> ContactAdapter<'a> {
             is_touched: false,
             kept: State::default(),
             holes: model.friction.as_ref().map(HolesInContact::new),
+            notes: None,
         };
         adapter.reset();
         adapter
@@ -474,6 +568,23 @@ impl Compliant for ContactAdapter<'_> {
 
     fn has_touched(&self) -> bool {
         self.is_touched || self.holes.as_ref().is_some_and(|holes| holes.has_touched)
+    }
+
+    fn takes_notes(&self) -> bool {
+        self.notes.is_some()
+    }
+
+    fn note(&mut self, holding: Holding, at: OnWay) {
+        let Workspace { scratch, commands, .. } = &*self.workspace;
+        let standing = self.holes.as_ref().and_then(|holes| holes.standing(commands));
+        if let (Some(way), Some(standing)) = (&mut self.notes, standing) {
+            let (state, case) = (scratch.chain.q.clone(), self.case.clone());
+            way.note(standing, Noted { state, case, holding, at, next: Vec::new() });
+        }
+    }
+
+    fn lose_notes(&mut self) {
+        self.notes.iter_mut().for_each(|way| way.is_broken = true);
     }
 
     fn keep(&mut self) {

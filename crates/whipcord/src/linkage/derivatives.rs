@@ -40,11 +40,14 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
-        refusal::friction_with_derivatives_among_obstacles(self.kind, &self.robot, case)?;
-        if let Some(rubbing) = &self.friction {
+        if let Some(rubbing) = self.friction.as_ref().filter(|_| case.obstacles.is_empty()) {
             return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
+        if let Some(rubbing) = &self.friction {
+            let found = self.rub_and_differentiate(rubbing, (case, parameters), workspace);
+            return workspace.meter.checked(found);
+        }
         if case.obstacles.is_empty() {
             let solution = self.solve(case, warm_start, workspace)?;
             let derivatives =

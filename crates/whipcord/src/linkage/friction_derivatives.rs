@@ -7,6 +7,7 @@ use super::motion::Coordinates;
 use super::task::Task;
 use super::{Linkage, Workspace};
 use crate::case::Case;
+use crate::contact::{Holding, Noted, NotedWay};
 use crate::derivatives::{
     AnswerHoles, CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, ParameterChange,
     SolvedCoordinates, hole_source,
@@ -15,7 +16,7 @@ use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::Solution;
-use crate::statics::friction::{Carried, Carrying, History, HoleSource, SubstepEnd};
+use crate::statics::friction::{Carried, Carrying, History, HoleSource, Standing};
 use crate::warm_start::WarmStart;
 
 impl Linkage {
@@ -99,29 +100,62 @@ impl Linkage {
         let kept = parameters.len() + rubbing.holes.of_cable.len();
         let found = carrying.go(&trail, kept, |end, carried, place| {
             let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
-            let at = place.is_last.then_some(stations);
-            self.differentiate_sliding((rubbing, end, carried), (case, parameters), at, workspace)
+            let at = End {
+                shape: &end.shape,
+                standing: &end.standing,
+                carried,
+                stations: if place.is_last { stations } else { &[] },
+                is_last: place.is_last,
+                noted: None,
+            };
+            self.differentiate_sliding((rubbing, &at), (case, parameters), workspace)
         });
         workspace.friction.history.trail = Some(trail);
         found
     }
 
-    /// The derivatives at the end of a substep, and what goes on to the next; at these stations, or where there are none only for that.
+    /// The derivatives of the last equilibrium that was noted on the way to an answer among obstacles.
+    pub(super) fn differentiate_noted(
+        &self,
+        (rubbing, way): (&Rubbing, &NotedWay<Vec<Coordinates>>),
+        (steps, parameters): (&[Case], &[Parameter]),
+        carrying: &mut Carrying,
+        workspace: &mut Workspace,
+    ) -> Result<CoordinateDerivatives, SolveError> {
+        let kept = parameters.len() + rubbing.holes.of_cable.len();
+        let stands = workspace.scratch.chain.q.clone();
+        let found = carrying.go(way, kept, |end, carried, place| {
+            let noted = &end.shape;
+            let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
+            let case = noted.case_by_fractions(&cases);
+            self.accept(&case, workspace)?;
+            let at = End {
+                shape: &noted.state,
+                standing: &end.standing,
+                carried,
+                stations: if place.is_last { &self.stations } else { &noted.next },
+                is_last: place.is_last,
+                noted: Some((noted, &cases)),
+            };
+            self.differentiate_sliding((rubbing, &at), (&case, parameters), workspace)
+        });
+        workspace.scratch.chain.q = stands;
+        found
+    }
+
+    /// The derivatives at an end, and what goes on to the next.
     fn differentiate_sliding(
         &self,
-        (rubbing, end, carried): (&Rubbing, &SubstepEnd<Vec<Coordinates>>, Option<&[Carried]>),
+        (rubbing, end): (&Rubbing, &End<'_>),
         (case, parameters): (&Case, &[Parameter]),
-        stations: Option<&[f64]>,
         workspace: &mut Workspace,
     ) -> Result<(CoordinateDerivatives, Vec<Carried>), SolveError> {
         let Rubbing { holes, sections, .. } = rubbing;
-        let SubstepEnd { shape, standing, .. } = end;
+        let &End { shape, standing, carried, stations, is_last, noted } = end;
         let coordinates = self.division.coordinates() * sections.len();
-        let at = match stations {
-            Some(stations) => [stations, &self.robot.disks().arc_lengths, &[]],
-            None => [&[][..]; 3],
-        };
-        let places = KnownPlaces::new(self.kind, coordinates, at)?;
+        let disks = if is_last { &self.robot.disks().arc_lengths[..] } else { &[] };
+        let touching = noted.map_or(&[][..], |(noted, _)| &noted.holding.places);
+        let places = KnownPlaces::new(self.kind, coordinates, [stations, disks, touching])?;
         let Workspace { scratch, loads, meter, friction, .. } = workspace;
         let tensions = &standing.tensions;
         let task = Task { sections, ..self.task(loads, tensions, meter) };
@@ -137,15 +171,24 @@ impl Linkage {
         for parameter in parameters {
             if parameter.is_of_drives() {
                 parameter.check(&self.robot, case)?;
-                let cables = self.rest_lengths.iter().copied().enumerate();
-                let of = (&self.robot, case);
-                sources.push(hole_source(parameter, of, holes, (cables, &none), is_length));
+                let source = |case: &Case| {
+                    let cables = self.rest_lengths.iter().copied().enumerate();
+                    let of = (&self.robot, case);
+                    hole_source(parameter, of, holes, (cables, &none), is_length)
+                };
+                sources.push(match noted {
+                    Some((noted, [before, now])) => noted.between(&source(before), source(now)),
+                    None => source(case),
+                });
                 changes.push(ParameterChange::none(coordinates, 2 * holes.count()));
                 continue;
             }
             let mut change = self.by_parameter(parameter, case, |sections, robot, case| {
                 self.sliding_equations((sections, robot, case), shape, tensions)
             })?;
+            if let Some((noted, _)) = noted {
+                change.scale(noted.part_of(parameter));
+            }
             sources.push(source(&mut change, holes.count(), holes.of_cable.len(), is_length));
             changes.push(change);
         }
@@ -161,10 +204,22 @@ impl Linkage {
             parameters: changes,
             length: self.robot.backbone().length,
         };
-        let is_last = stations.is_some();
-        let holes = AnswerHoles { holes, standing, parameters: sources, carried, is_last };
-        let found = CoordinateDerivatives::of_sliding(solved, &holes);
-        holes.holes.cable_lengths(&friction.scratch.at.lengths, &mut scratch.chain.lengths);
+        let holes = AnswerHoles {
+            holes,
+            standing,
+            parameters: sources,
+            carried,
+            commanded: noted.map_or([1.0; 2], |(noted, _)| noted.commanded()),
+            is_last,
+        };
+        let no_contacts = Holding::default();
+        let holding = noted.map_or(&no_contacts, |(noted, _)| &noted.holding);
+        let change = holding.is_about_to_change;
+        let gain = |compliance: &[f64]| holding.gain(compliance);
+        let found = CoordinateDerivatives::of_sliding(solved, &holes, change, gain);
+        if noted.is_none() {
+            holes.holes.cable_lengths(&friction.scratch.at.lengths, &mut scratch.chain.lengths);
+        }
         found
     }
 
@@ -199,6 +254,18 @@ impl Linkage {
             base: chain.base,
         }
     }
+}
+
+/// An equilibrium whose derivatives are asked for.
+struct End<'a> {
+    shape: &'a Vec<Coordinates>,
+    standing: &'a Standing,
+    carried: Option<&'a [Carried]>,
+    /// Arc lengths in m.
+    stations: &'a [f64],
+    is_last: bool,
+    /// Among obstacles: with the cases before and at the end of its step.
+    noted: Option<(&'a Noted<Vec<Coordinates>>, &'a [Case; 2])>,
 }
 
 /// What a parameter changes in the equations of the holes, of the targets of [`Linkage::sliding_equations`].

@@ -4,7 +4,7 @@ use super::chain::Chain;
 use super::friction::{Rubbing, Turned};
 use super::task::Task;
 use crate::statics::command::Command;
-use crate::statics::friction::{CondensedHoles, History};
+use crate::statics::friction::{CondensedHoles, History, Standing};
 
 /// The holes in the Newton's method of contact.
 pub(super) struct HolesInContact<'a> {
@@ -73,6 +73,11 @@ impl<'a> HolesInContact<'a> {
                 turned.by_response(chain, task, side, |p, change| by.turns[p] = change);
             }
         })
+    }
+
+    /// See [`CondensedHoles::standing`].
+    pub fn standing(&self, commands: &[Command]) -> Option<Standing> {
+        self.holes.standing(&self.rubbing.holes, commands)
     }
 
     /// See [`CondensedHoles::is_odd`].

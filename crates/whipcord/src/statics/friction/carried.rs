@@ -9,4 +9,6 @@ pub(crate) struct Carried {
     pub base: Vec<f64>,
     /// What the drive of each cable leaves for the part beyond the hole in the base.
     pub at_drive: Vec<f64>,
+    /// Among obstacles: how the cross-sections move that touch with friction at the end of the next substep, six numbers for each.
+    pub places: Vec<f64>,
 }

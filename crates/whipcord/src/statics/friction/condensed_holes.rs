@@ -11,6 +11,7 @@ use super::law::{Iterate, Law, Mode, Row};
 use super::linear_problem::right_side;
 use super::newton::FrictionScratch;
 use super::response::{Passages, Response};
+use super::trail::Standing;
 use super::way::SLIDES;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
@@ -198,6 +199,22 @@ impl CondensedHoles {
             let state = (&tensions[..], &beyond[..], &at.turns[..]);
             self.history.advance(holes, commands, state, SLIDES * holes.length, ());
         }
+    }
+
+    /// How the cables stand in their holes at the state, which is in equilibrium and was assessed last.
+    pub fn standing(&self, holes: &Holes, commands: &[Command]) -> Option<Standing> {
+        let FrictionScratch { tensions, beyond, at, .. } = &self.scratch;
+        let state = (&tensions[..], &beyond[..], &at.turns[..]);
+        let mut there = self.history.clone();
+        there.advance(holes, commands, state, SLIDES * holes.length, ());
+        let end = there.end(holes, (commands, 1.0), &self.scratch, &self.history.beyond, None)?;
+        Some(end.standing)
+    }
+
+    /// Takes tensions of all passages, and of the cables below the base, for those at the state of the robot.
+    pub fn put(&mut self, standing: &Standing) {
+        self.scratch.tensions.clone_from(&standing.tensions);
+        self.history.base.clone_from(&standing.base);
     }
 
     /// Goes back to the last equilibrium.

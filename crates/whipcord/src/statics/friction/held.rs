@@ -84,7 +84,7 @@ impl HoleSource {
         let rest: Vec<f64> = (0..holes.count()).map(|p| entry(&self.rest, p)).collect();
         let beyond = holes.beyond(&rest, &vec![0.0; rest.len()]);
         let at_drive = holes.of_cable.iter().map(|passages| beyond[passages[0]]).collect();
-        Carried { beyond, base: Vec::new(), at_drive }
+        Carried { beyond, at_drive, ..Carried::default() }
     }
 }
 
@@ -346,7 +346,7 @@ impl HeldHoles {
             self.holes.at_drive(cable, &beyond, &tensions[..n]) - gives
         };
         let at_drive = self.holes.of_cable.iter().enumerate().map(at_drive).collect();
-        Carried { beyond, base: tensions[n..].to_vec(), at_drive }
+        Carried { beyond, base: tensions[n..].to_vec(), at_drive, places: Vec::new() }
     }
 
     /// How `Dᵢ` change at the event that decides when the commands are here, of these changes of [`Self::carry`] at constant commands,

@@ -44,4 +44,4 @@ pub use moving_holes::{HoleEquation, HoleFriction, HoleMemory, HoleResponse};
 pub(crate) use newton::FrictionScratch;
 pub(crate) use response::{PassageResponse, Passages, Response};
 pub(crate) use substeps::{Course, step};
-pub(crate) use trail::{Standing, SubstepEnd};
+pub(crate) use trail::{Standing, SubstepEnd, Trail};

@@ -53,6 +53,13 @@ pub(crate) struct Standing {
     pub is_about_to_change: bool,
 }
 
+impl Standing {
+    /// Whether a cable sticks in a hole, which keeps what it had before.
+    pub fn sticks(&self) -> bool {
+        self.slides.contains(&None)
+    }
+}
+
 impl<S> Trail<S> {
     /// Whether this end is the first of a step.
     pub fn starts_step(&self, end: usize) -> bool {

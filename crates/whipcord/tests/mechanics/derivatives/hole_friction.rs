@@ -6,13 +6,13 @@ use whipcord::derivatives::Cotangent;
 use whipcord::{Actuation, Disks, Loads, ModelKind, Motor, Wrench};
 
 /// A case with several steps, and its robot.
-struct Sliding {
-    name: &'static str,
-    robot: Robot,
-    case: Case,
+pub(super) struct Sliding {
+    pub name: &'static str,
+    pub robot: Robot,
+    pub case: Case,
 }
 
-fn rubbing(routing: Routing, mu: f64) -> Cable {
+pub(super) fn rubbing(routing: Routing, mu: f64) -> Cable {
     Cable { friction: Some(mu), ..Cable::new(format!("{routing:?}"), routing) }
 }
 
@@ -29,7 +29,7 @@ fn tip_loads() -> Loads {
 }
 
 /// Tensions, and lengths in mm where they are negative.
-fn commands(of: &[f64]) -> Vec<CableCommand> {
+pub(super) fn commands(of: &[f64]) -> Vec<CableCommand> {
     let command = |&x: &f64| {
         if x >= 0.0 {
             CableCommand { tension: Some(x), shortening: None }
@@ -112,7 +112,7 @@ fn check(tested: Tested, Sliding { name, robot, case }: &Sliding, tolerance: f64
 }
 
 /// The same sum of all that changes, once by every change and once by the way back.
-fn both_ways(tested: Tested, Sliding { name, robot, case }: &Sliding) {
+pub(super) fn both_ways(tested: Tested, Sliding { name, robot, case }: &Sliding) {
     let list: Vec<Parameter> =
         parameters(tested, robot, case).into_iter().map(|(parameter, _)| parameter).collect();
     let (_, derivatives) = differentiated(tested, robot, case, &list);
@@ -167,7 +167,7 @@ fn both_ways(tested: Tested, Sliding { name, robot, case }: &Sliding) {
 }
 
 /// Every step is changed by as much.
-fn offsets(tested: Tested, Sliding { name, robot, case }: &Sliding, tolerance: f64) -> String {
+pub(super) fn offsets(tested: Tested, Sliding { name, robot, case }: &Sliding, tolerance: f64) -> String {
     let mut failures = String::new();
     let (solution, derivatives) = differentiated(tested, robot, case, &[]);
     for cable in 0..robot.cables().len() {
@@ -194,7 +194,7 @@ fn offsets(tested: Tested, Sliding { name, robot, case }: &Sliding, tolerance: f
     failures
 }
 
-fn moved(command: CableCommand, by: f64) -> CableCommand {
+pub(super) fn moved(command: CableCommand, by: f64) -> CableCommand {
     match (command.tension, command.shortening) {
         (Some(tension), _) => CableCommand { tension: Some(tension + by), shortening: None },
         (_, Some(Shortening::Length(length))) => {

@@ -44,6 +44,7 @@ mod command_changes;
 mod commands_and_compliance;
 mod contact;
 mod four_bar;
+mod friction_in_contact;
 mod hole_friction;
 mod kinds_of_load;
 mod segments;

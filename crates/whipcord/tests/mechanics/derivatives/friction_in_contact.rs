@@ -1,0 +1,143 @@
+//! Answers with friction at the holes that touch obstacles: their derivatives against differences of the whole way.
+
+use super::hole_friction::{Sliding, both_ways, commands, moved, offsets, rubbing};
+use super::*;
+use crate::common::{helix, straight};
+use crate::contact::{finger, sphere, wall};
+use whipcord::{Obstacle, SlipState};
+
+for_every_model!(
+    disks_that_slide_on_what_they_touch,
+    steps_there_and_back,
+    contacts_that_rub,
+    cables_of_given_lengths,
+    backward_is_forward_transposed
+);
+
+/// Differences leave about this much, relative to the largest change.
+const WHOLE_WAY: f64 = 1e-6;
+
+fn robot(cables: Vec<Cable>) -> Robot {
+    let bare = finger(6);
+    Robot::new(bare.backbone().clone(), bare.disks().clone(), cables).unwrap()
+}
+
+fn of(
+    name: &'static str,
+    cables: Vec<Cable>,
+    steps: &[&[f64]],
+    obstacle: Obstacle,
+) -> Sliding {
+    let steps: Vec<_> = steps.iter().map(|step| commands(step)).collect();
+    let (last, before) = steps.split_last().unwrap();
+    let mut case = Case {
+        commands: last.clone(),
+        before: before.to_vec(),
+        obstacles: vec![obstacle],
+        ..Case::default()
+    };
+    case.loads.tip_force = Vec3::new(0.01, 0.02, -0.01);
+    Sliding { name, robot: robot(cables), case }
+}
+
+fn rough(friction: f64, obstacle: Obstacle) -> Obstacle {
+    Obstacle { friction, ..obstacle }
+}
+
+fn pair() -> Vec<Cable> {
+    vec![rubbing(straight(10.0), 0.3), rubbing(straight(170.0), 0.2)]
+}
+
+const PARAMETERS: [(Parameter, f64); 6] = [
+    (Parameter::YoungModulus, 1e-3 * 1.1e9),
+    (Parameter::HoleRadius, 1e-3 * 8e-3),
+    (Parameter::Friction { cable: None }, 1e-3),
+    (Parameter::RestCurvature { axis: 1 }, 1e-2),
+    (Parameter::TipForce { axis: 0 }, 1e-4),
+    (Parameter::TipForce { axis: 1 }, 1e-4),
+];
+
+fn holes(solution: &Solution, state: SlipState) -> usize {
+    let all = solution.cables.iter().flat_map(|cable| &cable.slip_states);
+    all.filter(|&&of| of == state).count()
+}
+
+/// By commands in the last step and in all, and by parameters.
+fn check(tested: Tested, sliding: &Sliding, tolerance: f64) -> Solution {
+    let Sliding { name, robot, case } = sliding;
+    let list = PARAMETERS.map(|(parameter, _)| parameter);
+    let (solution, derivatives) = differentiated(tested, robot, case, &list);
+    assert!(!solution.contacts.is_empty(), "{:?}, {name}: nothing touches", solution.model);
+    assert!(!derivatives.is_contact_about_to_change(), "{:?}, {name}", solution.model);
+    assert!(!derivatives.is_hole_about_to_change(), "{:?}, {name}", solution.model);
+    let mut failures = offsets(tested, sliding, tolerance);
+    let mut compare = |what: String, change: &Change, step: f64, near: &dyn Fn(f64) -> (Robot, Case)| {
+        let off = |step: f64| {
+            let solve = |by: f64| {
+                let (robot, case) = near(by);
+                solve_near(tested, &robot, &case, &solution)
+            };
+            off_above(1e-9, change, &differentiate(solve, step).unwrap(), robot)
+        };
+        let all = [1.0, 0.25, 0.0625].map(|part| off(part * step));
+        let off = all.into_iter().fold(1.0, f64::min);
+        if off.is_nan() || off > tolerance {
+            failures += &format!("{what}: {all:?}\n");
+        }
+    };
+    for cable in 0..robot.cables().len() {
+        let command = case.commands[cable];
+        let size = command.tension.unwrap_or(1e-3);
+        compare(format!("command {cable}"), &derivatives.command(cable), 2e-3 * size, &|by| {
+            let mut case = case.clone();
+            case.commands[cable] = moved(command, by);
+            (robot.clone(), case)
+        });
+    }
+    for (p, (parameter, step)) in PARAMETERS.iter().enumerate() {
+        let change = derivatives.parameter(p, Hold::Commands);
+        compare(parameter.to_string(), &change, *step, &|by| {
+            parameter.moved(robot, case, by).unwrap()
+        });
+    }
+    assert!(failures.is_empty(), "{:?}, {name}\n{failures}", solution.model);
+    solution
+}
+
+fn disks_that_slide_on_what_they_touch(tested: Tested) {
+    let ball = sphere(Vec3::new(0.05, 0.0, 0.12), 0.03);
+    check(tested, &of("against a wall", pair(), &[&[3.0, 0.4]], wall(0.05)), WHOLE_WAY);
+    check(tested, &of("against a ball", pair(), &[&[3.0, 0.4]], ball), WHOLE_WAY);
+}
+
+fn steps_there_and_back(tested: Tested) {
+    let released = of("released", pair(), &[&[3.0, 0.4], &[2.2, 0.4]], wall(0.05));
+    let solution = check(tested, &released, WHOLE_WAY);
+    assert!(holes(&solution, SlipState::Sticks) > 0 || holes(&solution, SlipState::Released) > 0);
+}
+
+fn contacts_that_rub(tested: Tested) {
+    let slides = of("slides", pair(), &[&[3.0, 0.4]], rough(0.1, wall(0.05)));
+    let solution = check(tested, &slides, WHOLE_WAY);
+    assert!(solution.contacts.iter().all(|touch| !touch.sticks));
+    let sticks = of("sticks", pair(), &[&[3.0, 0.4]], rough(2.0, wall(0.05)));
+    let solution = check(tested, &sticks, WHOLE_WAY);
+    assert!(solution.contacts.iter().all(|touch| touch.sticks));
+}
+
+fn cables_of_given_lengths(tested: Tested) {
+    let cables = || {
+        vec![
+            Cable { axial_stiffness: Some(800.0), ..rubbing(straight(10.0), 0.3) },
+            rubbing(helix(150.0, 0.2), 0.2),
+        ]
+    };
+    check(tested, &of("shortened", cables(), &[&[-6.0, 0.3]], wall(0.05)), WHOLE_WAY);
+    let released = of("paid out", cables(), &[&[-7.0, 0.3], &[-6.5, 0.3]], rough(0.2, wall(0.05)));
+    check(tested, &released, WHOLE_WAY);
+}
+
+fn backward_is_forward_transposed(tested: Tested) {
+    let obstacle = || rough(0.3, wall(0.05));
+    both_ways(tested, &of("back", pair(), &[&[3.0, 0.4], &[2.2, 0.4]], obstacle()));
+}
