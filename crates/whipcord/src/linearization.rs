@@ -313,7 +313,6 @@ impl Prepared {
             }
             return Ok(());
         }
-        let is_free = case.obstacles.is_empty();
         let of_rod = |of: Option<_>| of.map(|of| Linearization::Rod(Box::new(of)));
         match self {
             Self::Cosserat(model, workspace) if model.keeps_history(case) => {
@@ -330,7 +329,7 @@ impl Prepared {
                     step += 1;
                 });
             }
-            Self::Cosserat(model, workspace) if is_free && model.has_friction() => {
+            Self::Cosserat(model, workspace) if model.has_friction() => {
                 return model.slide_with_derivatives(
                     case,
                     parameters,
@@ -339,7 +338,7 @@ impl Prepared {
                     |(solution, of)| each(solution, of_rod(of)),
                 );
             }
-            Self::CosseratDisks(model, workspace) if is_free && model.has_friction() => {
+            Self::CosseratDisks(model, workspace) if model.has_friction() => {
                 return model.solve_steps_with_derivatives(
                     case,
                     parameters,
@@ -348,7 +347,7 @@ impl Prepared {
                     |(solution, of)| each(solution, of_rod(of)),
                 );
             }
-            Self::Linkage(model, workspace) if is_free && model.has_friction() => {
+            Self::Linkage(model, workspace) if model.has_friction() => {
                 return model.solve_steps_with_derivatives(
                     case,
                     parameters,
@@ -357,7 +356,7 @@ impl Prepared {
                     |(solution, of)| each(solution, of_coordinates(of)),
                 );
             }
-            Self::FourBar(model, workspace) if is_free => {
+            Self::FourBar(model, workspace) => {
                 if let Some((chain, workspace)) =
                     model.chain(workspace).filter(|(chain, _)| chain.has_friction())
                 {

@@ -109,18 +109,14 @@ pub(crate) fn friction_with_branches(model: ModelKind, robot: &Robot) -> Result<
     hole_friction(model, robot, what, advice)
 }
 
-/// Refuses derivatives of a robot with hole friction among obstacles.
-pub(crate) fn friction_with_derivatives_among_obstacles(
-    model: ModelKind,
-    robot: &Robot,
-    case: &Case,
-) -> Result<(), SolveError> {
-    if case.obstacles.is_empty() {
-        return Ok(());
+/// Refuses derivatives with hole friction where the backbone rubs on an obstacle between the steps of a rod.
+pub(crate) fn rubbing_backbone(model: ModelKind) -> SolveError {
+    SolveError::Unsupported {
+        model,
+        path: "a request for derivatives".to_owned(),
+        what: "derivatives with friction at the holes where the backbone rubs on an obstacle between two disks",
+        advice: "take finite differences of solutions, use piecewise-constant-curvature or pseudo-rigid-body, or remove the friction of the obstacle",
     }
-    let what = "derivatives with friction at the holes, among obstacles";
-    let advice = "take finite differences of solutions, set the friction of the cables to 0, or remove the obstacles";
-    hole_friction(model, robot, what, advice)
 }
 
 /// Refuses to follow equilibria under a growing load, on behalf of a model that takes no loads.

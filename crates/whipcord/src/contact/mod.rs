@@ -67,8 +67,12 @@ pub(crate) use free_path::{Unobstructed, last_of, or_none_alone, rubbing_or_free
 pub(crate) use holding::Holding;
 pub(crate) use loaded_places::LoadedPlaces;
 pub(crate) use model::{OnWay, is_same_shape, with_pushes};
-pub(crate) use noted::{Noted, NotedWay};
+pub(crate) use noted::{
+    Noted, NotedEnd, NotedWay, last_with_derivatives, where_it_counts, with_derivatives_or_free,
+};
 pub(crate) use path::{solve, solve_holding, solve_noted, solve_rubbing};
 pub(crate) use refinement::{Refinement, centres};
-pub(crate) use rod::{ContactRod, RodAdapter, on_few_steps_or_more, watched};
+pub(crate) use rod::{
+    ContactRod, RodAdapter, differentiate_rubbing, on_few_steps_or_more, watched,
+};
 pub(crate) use rod_response::{RodHoles, RodResponse};

@@ -1,10 +1,15 @@
 //! The equilibria on the way to an answer among obstacles whose cables rub: what derivatives take of them.
 
+use super::free_path::rubbing_or_free;
 use super::holding::Holding;
 use super::model::OnWay;
 use crate::case::{CableCommand, Case, Shortening};
+use crate::derivatives::{AnswerContacts, AnswerOnWay, ContactGain, Derivatives};
 use crate::parameter::Parameter;
-use crate::statics::friction::{HoleSource, Standing, SubstepEnd, Trail};
+use crate::error::SolveError;
+use crate::shape::Solution;
+use crate::statics::friction::{Carried, Standing, SubstepEnd, Trail};
+use crate::statics::hold::Critical;
 
 /// An equilibrium on the way.
 #[derive(Clone, Debug)]
@@ -17,6 +22,105 @@ pub(crate) struct Noted<S> {
     pub at: OnWay,
     /// Arc lengths in m of the cross-sections whose places the next equilibrium remembers.
     pub next: Vec<f64>,
+}
+
+/// An answer, where it was asked for with its derivatives, and whether anything had touched on the way to it.
+pub(crate) type Found<D> = ((Solution, Option<D>), bool);
+
+/// Derivatives where they were asked for. Where nothing has touched, the answer without obstacles counts, and these need not exist.
+pub(crate) fn where_it_counts<D>(
+    derivatives: Option<Result<D, SolveError>>,
+    has_touched: bool,
+) -> Result<Option<D>, SolveError> {
+    match derivatives {
+        Some(Err(_)) if !has_touched => Ok(None),
+        derivatives => derivatives.transpose(),
+    }
+}
+
+/// The answers among obstacles, or without them where nothing has touched ([`rubbing_or_free`]); `solve_free` solves these, and with
+/// parameters where they were asked for with derivatives.
+pub(crate) fn with_derivatives_or_free<D>(
+    (case, asks, parameters): (&Case, &dyn Fn(usize) -> bool, &[Parameter]),
+    found: Vec<Found<D>>,
+    mut each: impl FnMut((Solution, Option<D>)),
+    mut solve_free: impl FnMut(
+        &Case,
+        Option<&[Parameter]>,
+    ) -> Result<(Solution, Option<D>), SolveError>,
+) -> Result<(), (usize, SolveError)> {
+    let solve = |alone: &Case| {
+        solve_free(alone, asks(alone.before.len()).then_some(parameters))
+    };
+    rubbing_or_free(case, found, |(solution, _)| solution, solve)
+        .try_for_each(|answer| answer.map(&mut each))
+}
+
+/// The last answer of a solve of several steps, with its derivatives.
+pub(crate) fn last_with_derivatives<D>(
+    case: &Case,
+    solve: impl FnOnce(
+        &dyn Fn(usize) -> bool,
+        &mut dyn FnMut((Solution, Option<D>)),
+    ) -> Result<(), (usize, SolveError)>,
+) -> Result<(Solution, D), SolveError> {
+    let last = case.leading_steps().count() - 1;
+    let mut found = None;
+    solve(&|step| step == last, &mut |answer| found = Some(answer)).map_err(|(_, error)| error)?;
+    match found {
+        Some((solution, Some(derivatives))) => Ok((solution, derivatives)),
+        _ => Err(SolveError::NoDerivativesOfRest),
+    }
+}
+
+/// One of them, as it is differentiated.
+#[derive(Debug)]
+pub(crate) struct NotedEnd<'a, S> {
+    pub noted: &'a Noted<S>,
+    pub standing: &'a Standing,
+    /// Where the model stood before, where that is noted.
+    pub before: Option<&'a S>,
+    /// As the holes of an answer have it.
+    pub carried: Option<&'a [Carried]>,
+    /// Those before and at the end of its step, and its own.
+    pub cases: &'a [Case; 2],
+    pub case: &'a Case,
+    /// Arc lengths in m.
+    pub stations: &'a [f64],
+    pub is_last: bool,
+}
+
+impl<S> NotedEnd<'_, S> {
+    /// As the derivatives of a rod take it, whose nodes are these by their arc lengths; `gain` is that of the contacts.
+    pub fn on_way<'a>(
+        &'a self,
+        node: impl Fn(f64) -> usize,
+        gain: &'a dyn Fn(&[f64]) -> Result<ContactGain, Critical>,
+    ) -> AnswerOnWay<'a> {
+        let Noted { holding, at, .. } = self.noted;
+        AnswerOnWay {
+            cases: self.cases,
+            commands: at.commands,
+            loads: at.loads,
+            commanded: self.noted.commanded(),
+            is_relative: true,
+            contacts: AnswerContacts {
+                nodes: holding.places.iter().map(|&s| node(s)).collect(),
+                gain,
+                are_about_to_change: holding.is_about_to_change,
+            },
+        }
+    }
+
+    /// Of the derivatives there: those at its stations, whose nodes are these, and what goes on to the next.
+    pub fn found(&self, derivatives: Derivatives, nodes: Vec<usize>) -> (Derivatives, Vec<Carried>) {
+        let derivatives = derivatives.at_stations(nodes);
+        let carried = match self.is_last {
+            true => derivatives.carried(),
+            false => derivatives.carried_with_places(),
+        };
+        (derivatives, carried)
+    }
 }
 
 /// The equilibria on the way, from the last that hangs on none before it.
@@ -55,9 +159,7 @@ impl<S> Noted<S> {
 
     /// How much of a change with a parameter of the whole case there is here.
     pub const fn part_of(&self, parameter: &Parameter) -> f64 {
-        // The weight of a mass is less where gravity is.
-        let is_scaled = parameter.is_load() && !matches!(parameter, Parameter::PointMass { .. });
-        if is_scaled { self.at.loads } else { 1.0 }
+        if parameter.grows_with_loads() { self.at.loads } else { 1.0 }
     }
 
     /// The case before the step, whose cables are as they are at rest before the first, and that of the step.
@@ -90,14 +192,5 @@ impl<S> Noted<S> {
             }
         }
         case
-    }
-
-    /// What a parameter changes of the holes here, of what it changes before the step and at its end.
-    pub fn between(&self, before: &HoleSource, now: HoleSource) -> HoleSource {
-        let mut source = now;
-        for (command, before) in source.commands.iter_mut().zip(&before.commands) {
-            *command = before + self.at.commands * (*command - before);
-        }
-        source
     }
 }

@@ -4,7 +4,9 @@ use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::dense_output::DenseOutput;
 use super::holding::Holding;
-use super::model::{Compliant, Push, is_same_shape, with_pushes};
+use super::model::{Compliant, OnWay, Push, is_same_shape, with_pushes};
+use super::noted::{Found, Noted, NotedEnd, NotedWay, where_it_counts};
+use super::path::solve_noted;
 use super::refinement::Refinement;
 use crate::cancel::Cancel;
 use crate::case::Case;
@@ -13,6 +15,7 @@ use crate::error::{Obstruction, SolveError};
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
 use crate::shape::{NoStability, Solution, Wrench};
+use crate::statics::friction::{Carried, Carrying, Standing};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
@@ -120,6 +123,23 @@ pub(crate) trait ContactRod: Default {
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError>;
 
+    /// How the cables stand in their holes where it stands, in equilibrium; `None` where none rubs.
+    fn standing(&self) -> Option<Standing>;
+
+    /// Where it stands, without keeping it.
+    fn here(&self) -> Self::Kept;
+
+    /// The derivatives at an equilibrium that was noted, and what goes on to the next. It stands there then.
+    ///
+    /// # Errors
+    /// [`SolveError::NoDerivatives`] where it is critical.
+    fn differentiate_noted(
+        &mut self,
+        robot: &Robot,
+        end: &NotedEnd<'_, Self::Kept>,
+        parameters: &[Parameter],
+    ) -> Result<(Derivatives, Vec<Carried>), SolveError>;
+
     /// Takes a part of Newton's step, with what changes of the pushes do, or less; the part that it has taken.
     fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64;
 
@@ -174,6 +194,8 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
     /// Whether anything has touched on the way.
     has_touched: bool,
     is_touched: bool,
+    /// The equilibria on the way, where their derivatives are asked for.
+    notes: Option<NotedWay<R::Kept>>,
 }
 
 impl<'a, R: ContactRod> RodAdapter<'a, R> {
@@ -205,6 +227,7 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
             rubs: robot.cables().iter().any(Cable::has_friction),
             has_touched: false,
             is_touched: false,
+            notes: None,
         };
         adapter.found.refinement().steps = steps;
         if options.stations.arc_lengths(robot).len() <= FEW_STATIONS {
@@ -222,6 +245,46 @@ impl<R: ContactRod> RodAdapter<'_, R> {
         self.stations.sort_by(f64::total_cmp);
         self.stations.dedup();
         self
+    }
+
+    /// The same that takes note of the equilibria on the way.
+    pub fn taking_notes(mut self) -> Self {
+        self.notes = Some(NotedWay::default());
+        self
+    }
+
+    /// The derivatives of the answer that it stands at, the last equilibrium that it noted in these steps of actuation.
+    pub fn differentiate_notes(
+        &mut self,
+        (steps, parameters): (&[Case], &[Parameter]),
+        carrying: &mut Carrying,
+    ) -> Result<Derivatives, SolveError>
+    where
+        R: Clone,
+    {
+        let Some(way) = self.notes.take() else { return Err(SolveError::NoDerivatives) };
+        let stands = self.found.clone();
+        let kept = parameters.len() + self.robot.cables().len();
+        let asked = self.options.stations.arc_lengths(self.robot);
+        let found = carrying.go(&way, kept, |end, carried, place| {
+            let noted = &end.shape;
+            let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
+            let number = way.ends.iter().position(|of| core::ptr::eq(of, end));
+            let before = number.and_then(|number| way.ends.get(number.checked_sub(1)?));
+            let end = NotedEnd {
+                noted,
+                before: before.map(|before| &before.shape.state),
+                standing: &end.standing,
+                carried,
+                case: &noted.case_by_fractions(&cases),
+                cases: &cases,
+                stations: if place.is_last { &asked } else { &noted.next },
+                is_last: place.is_last,
+            };
+            self.found.differentiate_noted(self.robot, &end, parameters)
+        });
+        (self.notes, self.found) = (Some(way), stands);
+        found
     }
 
     /// Notes where the watched places are.
@@ -280,6 +343,26 @@ fn sorted(places: &mut Vec<f64>, apart: f64) {
     if let (Some(end), Some(last)) = (places.last_mut(), last) {
         *end = last;
     }
+}
+
+/// The answers to all steps of a case of a rod whose cables rub, from rest on: those that are asked for by their number from 0 with their
+/// derivatives by commands, loads and these parameters.
+pub(crate) fn differentiate_rubbing<R: ContactRod + Clone>(
+    adapter: &mut RodAdapter<'_, R>,
+    (case, parameters): (&Case, &[Parameter]),
+    asks: impl Fn(usize) -> bool,
+    found: &mut Vec<Found<Derivatives>>,
+) -> Result<(), (usize, SolveError)> {
+    found.clear();
+    let (robot, steps) = (adapter.robot, case.leading_steps().collect::<Vec<Case>>());
+    let mut carrying = Carrying::default();
+    solve_noted(adapter, robot, case, |adapter, (solution, has_touched)| {
+        let asked = (&steps[..], parameters);
+        let mut differentiate = || adapter.differentiate_notes(asked, &mut carrying);
+        let derivatives = asks(found.len()).then(&mut differentiate);
+        found.push(((solution, where_it_counts(derivatives, has_touched)?), has_touched));
+        Ok(())
+    })
 }
 
 impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
@@ -385,6 +468,21 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
 
     fn has_touched(&self) -> bool {
         self.has_touched || self.is_touched
+    }
+
+    fn takes_notes(&self) -> bool {
+        self.notes.is_some()
+    }
+
+    fn note(&mut self, holding: Holding, at: OnWay) {
+        if let (Some(way), Some(standing)) = (&mut self.notes, self.found.standing()) {
+            let (state, case) = (self.found.here(), self.case.clone());
+            way.note(standing, Noted { state, case, holding, at, next: Vec::new() });
+        }
+    }
+
+    fn lose_notes(&mut self) {
+        self.notes.iter_mut().for_each(|way| way.is_broken = true);
     }
 
     fn keep(&mut self) {

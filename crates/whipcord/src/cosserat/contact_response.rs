@@ -15,18 +15,21 @@ use super::prepared::{Cosserat, Workspace};
 use super::state::{Direction, Node, State};
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{ContactRod, DenseOutput, Refinement, RodHoles, RodResponse};
+use crate::contact::{ContactRod, DenseOutput, NotedEnd, Refinement, RodHoles, RodResponse};
 use crate::derivatives::{
-    Cables, Derivatives, NoDerivatives, OpenStrands, Solved, StepGap, Strands, Varying,
+    Cables, ContactGain, Derivatives, NoDerivatives, OpenStrands, SlidingAnswer, Solved, StepGap,
+    Strands, Varying,
 };
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::parameter::Parameter;
+use crate::refusal;
 use crate::robot::Robot;
 use crate::section::{Fault, step_tolerance};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::elimination::Change;
-use crate::statics::friction::{CondensedHoles, History};
+use crate::statics::friction::{Carried, CondensedHoles, History, Standing};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
@@ -167,6 +170,7 @@ impl ContactResponse {
         (robot, case): (&Robot, &Case),
         taut: &[bool],
         parameters: &[Parameter],
+        end: Option<(&NotedEnd<'_, Kept>, Option<&[Carried]>)>,
     ) -> Result<Derivatives, SolveError> {
         let ContactGrid { model, grid, .. } = contact_grid;
         let Workspace { scratch, commands, .. } = &self.workspace;
@@ -181,10 +185,28 @@ impl ContactResponse {
             let strands = links.with_shares(nodes.shares_of_profile(grid, &contact_grid.profile));
             (strands, nodes.slopes(grid, self.response.slopes()))
         });
-        let open = strands.as_ref().map(|(strands, slopes)| {
+        let gain = |compliance: &[f64]| match end {
+            Some((end, _)) => end.noted.holding.gain(compliance),
+            None => Ok(ContactGain::default()),
+        };
+        let (mut sliding, mut open) = (None, None);
+        if let (Some((strands, slopes)), Some(friction)) = (&strands, &contact_grid.friction) {
             let varying = Varying { tensions: &self.chain.varying, strands, slopes };
-            OpenStrands { strands, varying: Some(varying) }
-        });
+            let varying = Some(varying);
+            match end {
+                None => open = Some(OpenStrands { strands, varying }),
+                Some((end, carried)) => {
+                    sliding = Some(SlidingAnswer {
+                        holes: &friction.holes,
+                        standing: end.standing,
+                        carried,
+                        strands,
+                        varying,
+                        on_way: Some(end.on_way(|s| contact_grid.node(s), &gain)),
+                    });
+                }
+            }
+        }
         let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
         let base_force = scratch.applied.base_force() + starts[0].force;
         let solved = Solved {
@@ -200,10 +222,10 @@ impl ContactResponse {
             base_wrench: Wrench { force: base_force, ..starts[0] },
             starts: &known,
             strains: self.trajectory.strains(),
-            are_strains_met: open.is_none(),
+            are_strains_met: strands.is_none(),
             history: &[],
             nodes: &grid.stations,
-            sliding: None,
+            sliding,
             open,
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {
@@ -379,7 +401,7 @@ impl ContactRod for ContactResponse {
         let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
         let contact_grid = &*contact_grid;
         let taut = self.taut(contact_grid);
-        let derivatives = self.derivatives(contact_grid, (robot, case), &taut, &[])?;
+        let derivatives = self.derivatives(contact_grid, (robot, case), &taut, &[], None)?;
         let tensions = &self.chain.state.tensions;
         let gaps: Vec<StepGap> = self.chain.gaps().collect();
         if contact_grid.friction.is_some() {
@@ -408,7 +430,60 @@ impl ContactRod for ContactResponse {
     ) -> Result<Derivatives, SolveError> {
         let contact_grid = self.contact_grid.as_ref().ok_or(SolveError::NoDerivatives)?;
         let taut = self.taut(contact_grid);
-        self.derivatives(contact_grid, (robot, case), &taut, parameters)
+        self.derivatives(contact_grid, (robot, case), &taut, parameters, None)
+    }
+
+    fn standing(&self) -> Option<Standing> {
+        let Friction { holes, .. } = self.contact_grid.as_ref()?.friction.as_ref()?;
+        self.holes.standing(holes, &self.workspace.commands)
+    }
+
+    fn here(&self) -> Kept {
+        Kept {
+            contact_grid: self.contact_grid.clone(),
+            state: self.chain.state.clone(),
+            trajectory: self.trajectory.clone(),
+            shape: self.shape.clone(),
+            holes: self.holes.clone(),
+        }
+    }
+
+    fn differentiate_noted(
+        &mut self,
+        robot: &Robot,
+        end: &NotedEnd<'_, Kept>,
+        parameters: &[Parameter],
+    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+        self.go_back(&end.noted.state);
+        self.holes.put(end.standing);
+        let contact_grid = self.contact_grid.clone().ok_or(SolveError::NoDerivatives)?;
+        let ContactGrid { model, grid, stations, pushes, .. } = &*contact_grid;
+        self.look(robot, &model.options, end.case, (stations, pushes), None)?;
+        let regridded = end.before.and_then(|before| {
+            let before = before.contact_grid.as_ref()?;
+            let (old, new) = (before.friction.as_ref()?, contact_grid.friction.as_ref()?);
+            if Arc::ptr_eq(before, &contact_grid) {
+                return None;
+            }
+            let on_grid = |carried: &Carried| {
+                let from = (&old.nodes, &before.grid);
+                let beyond = match carried.beyond.is_empty() {
+                    true => Vec::new(),
+                    false => new.nodes.carried_starts(grid, from, &carried.beyond),
+                };
+                Carried { beyond, ..carried.clone() }
+            };
+            Some(end.carried?.iter().map(on_grid).collect::<Vec<_>>())
+        });
+        let known = model.stations();
+        let nodes = end.stations.iter().map(|s| known.contains(s).then(|| self.node(*s)));
+        let nodes: Option<Vec<usize>> = nodes.collect();
+        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::Cosserat))?;
+        let taut = vec![true; end.standing.base.len()];
+        let of_end = Some((end, regridded.as_deref().or(end.carried)));
+        let of = (robot, end.case);
+        let derivatives = self.derivatives(&contact_grid, of, &taut, parameters, of_end)?;
+        Ok(end.found(derivatives, nodes))
     }
 
     /// How the places of pushes move with each component of each of them, by rows, and how with the step that is

@@ -51,6 +51,10 @@ impl Cosserat {
         workspace: &mut Workspace,
         mut each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
+        if !case.obstacles.is_empty() {
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            return self.rub_with_derivatives((case, parameters), &asks, workspace, each);
+        }
         let steps: Vec<Case> = case.leading_steps().collect();
         // What is remembered depends on the grid, and so do its changes.
         let mut carrying: Vec<Carrying> = Vec::new();
@@ -175,8 +179,7 @@ impl Cosserat {
                 carried,
                 strands: &strands,
                 varying: Some(varying),
-                commanded: [1.0; 2],
-                contacts: None,
+                on_way: None,
             }),
         };
         match Derivatives::of(&solved, parameters) {

@@ -60,6 +60,38 @@ impl CosseratDisks {
         followed.map_err(|error| (number, error))
     }
 
+    /// The same, those that are asked for by their number from 0 with their derivatives.
+    pub(super) fn rub_with_derivatives(
+        &self,
+        (case, parameters): (&Case, &[Parameter]),
+        asks: &dyn Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        each: impl FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        self.check_among_obstacles(case).map_err(|error| (0, error))?;
+        let needed = self.strength(case, workspace).steps();
+        let (mut found, mut number) = (Vec::new(), 0);
+        let followed = contact::on_few_steps_or_more(self.options().accuracy, needed, |steps| {
+            let mut adapter = self.adapter(steps)?.with_stations().taking_notes();
+            let followed =
+                contact::differentiate_rubbing(&mut adapter, (case, parameters), asks, &mut found);
+            followed.map_err(|(n, error)| {
+                number = n;
+                error
+            })
+        });
+        let asked = (case, asks, parameters);
+        contact::with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
+            Some(parameters) => {
+                let (solution, of) =
+                    self.solve_with_derivatives(alone, None, parameters, workspace)?;
+                Ok((solution, Some(of)))
+            }
+            None => Ok((self.solve(alone, None, workspace)?, None)),
+        })?;
+        followed.map_err(|error| (number, error))
+    }
+
     fn check_among_obstacles(&self, case: &Case) -> Result<(), SolveError> {
         case.check(self.robot())?;
         refusal::bending_friction_among_obstacles(ModelKind::CosseratDisks, self.robot())
@@ -73,8 +105,12 @@ impl CosseratDisks {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        let kind = ModelKind::CosseratDisks;
-        refusal::friction_with_derivatives_among_obstacles(kind, self.robot(), case)?;
+        if self.has_friction() {
+            let of = (case, parameters);
+            return contact::last_with_derivatives(case, |asks, each| {
+                self.rub_with_derivatives(of, asks, workspace, each)
+            });
+        }
         if let Some(solution) = self.solve_clear(case, warm_start, workspace)? {
             let alone = Case { obstacles: Vec::new(), ..case.clone() };
             return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);

@@ -16,18 +16,20 @@ use super::unloaded::From;
 use super::workspace::Workspace;
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{ContactRod, DenseOutput, Refinement, RodHoles, RodResponse};
+use crate::contact::{ContactRod, DenseOutput, NotedEnd, Refinement, RodHoles, RodResponse};
 use crate::derivatives::{
-    Cables, Derivatives, Motion, NoDerivatives, NodeChange, OpenStrands, Solved, StepGap,
-    StraightCables,
+    Cables, ContactGain, Derivatives, Motion, NoDerivatives, NodeChange, OpenStrands,
+    SlidingAnswer, Solved, StepGap, StraightCables,
 };
 use crate::error::SolveError;
+use crate::kind::ModelKind;
 use crate::parameter::Parameter;
+use crate::refusal;
 use crate::robot::Robot;
 use crate::section::{BodyWrench, Fault};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
-use crate::statics::friction::{CondensedHoles, History, Holes, Passages};
+use crate::statics::friction::{Carried, CondensedHoles, History, Holes, Passages, Standing};
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::passages::Passage;
@@ -116,6 +118,11 @@ impl ContactMesh {
         let stations = self.model.stations();
         let place = stations.partition_point(|&s| s < arc_length).min(stations.len() - 1);
         self.mesh.grid.stations[place]
+    }
+
+    /// The node of a station or a push; `None` where there is none.
+    fn known_node(&self, arc_length: f64) -> Option<usize> {
+        self.model.stations().contains(&arc_length).then(|| self.node(arc_length))
     }
 
     /// The equations of the chain.
@@ -296,6 +303,7 @@ impl ContactResponse {
         (robot, case): (&Robot, &Case),
         (taut, nodes): (&[bool], &[usize]),
         parameters: &[Parameter],
+        end: Option<&NotedEnd<'_, Kept>>,
     ) -> Result<Derivatives, SolveError> {
         let ContactMesh { model, mesh, .. } = contact_mesh;
         let (frame, chain) = (model.frame(), &self.chain);
@@ -317,6 +325,20 @@ impl ContactResponse {
             spans: &spans,
             rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
         };
+        let gain = |compliance: &[f64]| match end {
+            Some(end) => end.noted.holding.gain(compliance),
+            None => Ok(ContactGain::default()),
+        };
+        let holes = model.holes.as_ref().zip(rubbing.as_ref());
+        let sliding = holes.zip(end).map(|((holes, strands), end)| SlidingAnswer {
+            holes,
+            standing: end.standing,
+            carried: end.carried,
+            strands,
+            varying: None,
+            on_way: Some(end.on_way(|s| contact_mesh.node(s), &gain)),
+        });
+        let open = rubbing.as_ref().filter(|_| end.is_none());
         let base = chain.nodes[0];
         let mut starts = Vec::new();
         chain.starts_into(frame, mesh, loads, &mut starts);
@@ -341,8 +363,8 @@ impl ContactResponse {
             are_strains_met: false,
             history: &[],
             nodes,
-            sliding: None,
-            open: rubbing.as_ref().map(|strands| OpenStrands { strands, varying: None }),
+            sliding,
+            open: open.map(|strands| OpenStrands { strands, varying: None }),
         };
         Derivatives::of(&solved, parameters).map_err(|error| match error {
             NoDerivatives::Parameter(error) => error.into(),
@@ -365,7 +387,7 @@ impl ContactResponse {
             contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let derivatives = self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[])?;
+        let derivatives = self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[], None)?;
         let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
         let gap = |(gap, nodes): (&Gap, &[Node])| {
             StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment)
@@ -471,7 +493,42 @@ impl ContactRod for ContactResponse {
     ) -> Result<Derivatives, SolveError> {
         let contact_mesh = self.contact_mesh.as_ref().ok_or(SolveError::NoDerivatives)?;
         let (taut, nodes) = (self.taut(contact_mesh), &contact_mesh.mesh.grid.stations);
-        self.derivatives(contact_mesh, (robot, case), (&taut, nodes), parameters)
+        self.derivatives(contact_mesh, (robot, case), (&taut, nodes), parameters, None)
+    }
+
+    fn standing(&self) -> Option<Standing> {
+        let holes = self.contact_mesh.as_ref()?.model.holes.as_ref()?;
+        self.holes.standing(holes, self.workspace.commands())
+    }
+
+    fn here(&self) -> Kept {
+        Kept {
+            contact_mesh: self.contact_mesh.clone(),
+            nodes: self.chain.nodes.clone(),
+            tensions: self.chain.tensions.clone(),
+            shape: self.shape.clone(),
+        }
+    }
+
+    fn differentiate_noted(
+        &mut self,
+        robot: &Robot,
+        end: &NotedEnd<'_, Kept>,
+        parameters: &[Parameter],
+    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+        self.go_back(&end.noted.state);
+        self.holes.put(end.standing);
+        let contact_mesh = self.contact_mesh.clone().ok_or(SolveError::NoDerivatives)?;
+        contact_mesh.model.accept(end.case, &contact_mesh.mesh, &mut self.workspace)?;
+        self.looked(&contact_mesh, false, None)?;
+        let nodes: Option<Vec<usize>> =
+            end.stations.iter().map(|&s| contact_mesh.known_node(s)).collect();
+        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::CosseratDisks))?;
+        let taut = self.taut(&contact_mesh);
+        let at = (&taut[..], &contact_mesh.mesh.grid.stations[..]);
+        let of = (robot, end.case);
+        let derivatives = self.derivatives(&contact_mesh, of, at, parameters, Some(end))?;
+        Ok(end.found(derivatives, nodes))
     }
 
     fn compliance(

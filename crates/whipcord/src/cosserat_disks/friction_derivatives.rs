@@ -33,6 +33,10 @@ impl CosseratDisks {
         each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
         let Some(holes) = &self.holes else { return Ok(()) };
+        if !case.obstacles.is_empty() {
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            return self.rub_with_derivatives((case, parameters), &asks, workspace, each);
+        }
         self.slide_with_derivatives(holes, case, parameters, asks, workspace, each)
     }
 
@@ -178,8 +182,7 @@ impl CosseratDisks {
                 carried,
                 strands: &strands,
                 varying: None,
-                commanded: [1.0; 2],
-                contacts: None,
+                on_way: None,
             }),
         };
         match Derivatives::of(&solved, parameters) {

@@ -59,6 +59,17 @@ pub(super) struct Forcing {
 }
 
 impl Forcing {
+    /// So many times as much.
+    pub fn times(&self, f: f64) -> Self {
+        Self {
+            force_balance: f * self.force_balance,
+            moment_balance: f * self.moment_balance,
+            force: f * self.force,
+            torque: f * self.torque,
+            rate: f * self.rate,
+        }
+    }
+
     /// What a forcing is worth where the other is a sensitivity.
     pub fn dot(&self, other: &Self) -> f64 {
         self.force_balance.dot(other.force_balance)

@@ -68,7 +68,7 @@ pub(crate) use self::coordinates::{CoordinateCable, SolvedCoordinates};
 pub(crate) use self::hole_source::hole_source;
 pub(crate) use self::linear_system::{Equations, KnownPlaces, LinearSystem, ParameterChange};
 pub(crate) use self::node_change::NodeChange;
-pub(crate) use self::of_answer::{AnswerContacts, OpenStrands, SlidingAnswer, Solved};
+pub(crate) use self::of_answer::{AnswerContacts, AnswerOnWay, OpenStrands, SlidingAnswer, Solved};
 pub(crate) use self::open::{Motion, OpenChange, StepGap};
 pub(crate) use self::plastic_change::plastic_left;
 pub(crate) use self::replay::{Answer, Varying};

@@ -75,10 +75,21 @@ pub(crate) struct SlidingAnswer<'a> {
     pub strands: &'a Strands,
     /// Where cables rub all along their curves.
     pub varying: Option<Varying<'a>>,
-    /// As [`AnswerHoles::commanded`].
+    /// Of an equilibrium on the way to an answer among obstacles.
+    pub on_way: Option<AnswerOnWay<'a>>,
+}
+
+/// An equilibrium on the way to an answer among obstacles.
+pub(crate) struct AnswerOnWay<'a> {
+    /// The cases before and at the end of its step.
+    pub cases: &'a [Case; 2],
+    /// How far it is from the commands of the former to those of the latter, and how much of the loads acts.
+    pub commands: f64,
+    pub loads: f64,
+    /// As [`AnswerHoles::commanded`] and [`AnswerHoles::is_relative`].
     pub commanded: [f64; 2],
-    /// Among obstacles.
-    pub contacts: Option<AnswerContacts<'a>>,
+    pub is_relative: bool,
+    pub contacts: AnswerContacts<'a>,
 }
 
 /// What the contacts of an answer push more when the robot moves.
@@ -134,7 +145,9 @@ impl Derivatives {
             (None, Some(open)) => open.strands.clone(),
             (None, None) => Strands::of_cables(of_robot.order.len()),
         };
+        let on_way = solved.sliding.as_ref().and_then(|sliding| sliding.on_way.as_ref());
         let setting = Setting {
+            of_loads: on_way.map_or(1.0, |on_way| on_way.loads),
             strands: &strands,
             commands: solved.commands,
             robot,
@@ -196,9 +209,9 @@ impl Derivatives {
             ends,
             length: robot.backbone().length,
         };
-        let contacts = solved.sliding.as_ref().and_then(|sliding| sliding.contacts.as_ref());
         let mut contact_gain = ContactGain::default();
-        if let Some(AnswerContacts { nodes, gain, are_about_to_change }) = contacts {
+        if let Some(AnswerOnWay { contacts, .. }) = on_way {
+            let AnswerContacts { nodes, gain, are_about_to_change } = contacts;
             contact_gain = derivatives.touch(nodes.clone(), gain)?;
             derivatives.touching.is_about_to_change = *are_about_to_change;
         }
@@ -214,13 +227,21 @@ impl Derivatives {
             None if solved.open.is_some() => {}
             None => derivatives.hold()?,
             Some(sliding) => {
-                let source = |partial: &Partial| partial.hole_source(&setting, sliding.holes);
+                let holes = sliding.holes;
+                let source = |partial: &Partial| match on_way {
+                    None => partial.hole_source(&setting, holes),
+                    Some(AnswerOnWay { cases: [before, now], commands, .. }) => {
+                        let of = |case| partial.hole_source(&Setting { case, ..setting }, holes);
+                        of(now).between(&of(before), *commands)
+                    }
+                };
                 let answer = AnswerHoles {
                     holes: sliding.holes,
                     standing: sliding.standing,
                     parameters: derivatives.partials.iter().map(source).collect(),
                     carried: sliding.carried,
-                    commanded: sliding.commanded,
+                    is_relative: on_way.is_some_and(|on_way| on_way.is_relative),
+                    commanded: on_way.map_or([1.0; 2], |on_way| on_way.commanded),
                     is_last: true,
                 };
                 let components = 6 * derivatives.touching.nodes.len();

@@ -97,11 +97,23 @@ impl Partial {
         partial.history = history.cloned();
         partial.lengths = partial.act(setting, linear, ends);
         partial.added = partial.wrench(setting);
+        if parameter.grows_with_loads() && setting.of_loads != 1.0 {
+            partial.take_part(setting.of_loads);
+        }
         if !setting.strands.rub() {
             partial.targets =
                 (0..partial.routes.len()).map(|place| partial.target(setting, place)).collect();
         }
         Ok(partial)
+    }
+
+    /// Takes a part of what acts.
+    fn take_part(&mut self, part: f64) {
+        let lists = [&mut self.forcing, &mut self.at_nodes, &mut self.at_ends];
+        lists.into_iter().flatten().for_each(|forcing| *forcing = forcing.times(part));
+        if let Some((_, wrench)) = &mut self.added {
+            *wrench = Wrench { force: wrench.force * part, moment: wrench.moment * part };
+        }
     }
 
     /// What acts at a section within a step, by its number along the rod.

@@ -24,6 +24,8 @@ pub(super) struct Setting<'a> {
     pub commands: &'a [Command],
     /// Frames at the ends of all steps.
     pub poses: &'a [Pose],
+    /// The part of a change of the loads that acts.
+    pub of_loads: f64,
     /// The rod at rest, where cables run straight between disks.
     pub at_rest: Option<&'a AtRest<'a>>,
 }

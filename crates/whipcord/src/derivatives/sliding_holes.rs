@@ -28,6 +28,8 @@ pub(crate) struct AnswerHoles<'a> {
     /// How the state before the last substep changes: with each parameter, then with the command of each cable in all steps, then
     /// with that in the step of the substep. `None` where that is the robot at rest.
     pub carried: Option<&'a [Carried]>,
+    /// Whether `Dᵢ` in it are relative to those at rest.
+    pub is_relative: bool,
     /// How far a command that is changed by as much in all steps is changed here, and one of the step alone: all of it, but on the way of a step.
     pub commanded: [f64; 2],
     /// Whether it is the answer; else only what the holes remember is asked for.
@@ -43,6 +45,8 @@ pub(super) struct SlidingHoles {
     commands: Vec<HoleChange>,
     tensions: Vec<HoleChange>,
     nothing: HoleChange,
+    /// Where what is carried is relative to the robot at rest: how that changes with each parameter.
+    relative_to: Vec<Carried>,
 }
 
 impl SlidingHoles {
@@ -51,16 +55,24 @@ impl SlidingHoles {
         answer: &AnswerHoles<'_>,
         by_tension: impl Fn(usize, usize) -> f64,
     ) -> Result<Self, Critical> {
-        let AnswerHoles { holes, standing, parameters, carried, commanded, is_last } = answer;
-        let holds = match is_last {
+        let AnswerHoles { holes, standing, parameters, carried, .. } = answer;
+        let holds = match answer.is_last {
             true => &[Hold::Commands, Hold::Tensions, Hold::Lengths][..],
             false => &[Hold::Commands],
         };
         let held = HeldHoles::new(holes, standing, holds, by_tension)?;
         let count = parameters.len();
+        let at_rest: Vec<Carried> =
+            parameters.iter().map(|source| source.at_rest(holes)).collect();
         let before = |i: usize| match carried {
-            Some(carried) => carried.get(i).cloned().unwrap_or_default(),
-            None => parameters.get(i).map(|source| source.at_rest(holes)).unwrap_or_default(),
+            Some(carried) => {
+                let mut carried = carried.get(i).cloned().unwrap_or_default();
+                if let Some(rest) = at_rest.get(i).filter(|_| answer.is_relative) {
+                    carried.beyond.iter_mut().zip(&rest.beyond).for_each(|(by, rest)| *by += rest);
+                }
+                carried
+            }
+            None => at_rest.get(i).cloned().unwrap_or_default(),
         };
         let changes = parameters.iter().enumerate();
         let parameters = changes.map(|(i, source)| held.change(source, &before(i))).collect();
@@ -70,7 +82,7 @@ impl SlidingHoles {
             source.commands.iter_mut().for_each(|change| *change *= part);
             held.change(&source, &before(count + column))
         };
-        let [in_all, in_last] = *commanded;
+        let [in_all, in_last] = answer.commanded;
         let tension = |cable: usize| {
             let mut tensions = vec![0.0; cable + 1];
             tensions[cable] = 1.0;
@@ -83,6 +95,7 @@ impl SlidingHoles {
                 .collect(),
             tensions: cables.map(tension).collect(),
             parameters,
+            relative_to: if answer.is_relative { at_rest } else { Vec::new() },
             nothing: HoleChange::default(),
             held,
         })
@@ -124,6 +137,11 @@ impl SlidingHoles {
         let tensions = self.held.tensions(Hold::Commands, outputs, change);
         let mut carried = self.held.carry(outputs, &tensions, change);
         self.held.shift_to_event(&mut carried, outputs, &tensions, change);
+        if let Cause::Parameter(p) = cause
+            && let Some(rest) = self.relative_to.get(p)
+        {
+            carried.beyond.iter_mut().zip(&rest.beyond).for_each(|(by, rest)| *by -= rest);
+        }
         carried
     }
 

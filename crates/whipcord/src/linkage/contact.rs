@@ -130,21 +130,10 @@ impl Linkage {
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         case.check(&self.robot)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
-        let last = case.leading_steps().count() - 1;
-        let asks = |step: usize| step == last;
-        let mut found = None;
-        self.rub_with_derivatives_among_obstacles(
-            rubbing,
-            (case, parameters),
-            asks,
-            workspace,
-            |answer| found = Some(answer),
-        )
-        .map_err(|(_, error)| error)?;
-        match found {
-            Some((solution, Some(derivatives))) => Ok((solution, derivatives)),
-            _ => Err(SolveError::NoDerivativesOfRest),
-        }
+        contact::last_with_derivatives(case, |asks, each| {
+            let of = (case, parameters);
+            self.rub_with_derivatives_among_obstacles(rubbing, of, asks, workspace, each)
+        })
     }
 
     /// The same, those that are asked for by their number from 0 with their derivatives.
@@ -152,9 +141,9 @@ impl Linkage {
         &self,
         rubbing: &Rubbing,
         (case, parameters): (&Case, &[Parameter]),
-        asks: impl Fn(usize) -> bool,
+        asks: &dyn Fn(usize) -> bool,
         workspace: &mut Workspace,
-        mut each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
+        each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
     ) -> Result<(), (usize, SolveError)> {
         if !self.knows_forces {
             refusal::movable_objects(self.kind, case).map_err(|error| (0, error))?;
@@ -178,31 +167,24 @@ impl Linkage {
                     None => Err(SolveError::NoDerivatives),
                 };
                 let derivatives = asks(found.len()).then(&mut differentiate);
-                // Where nothing has touched it is the answer without obstacles that counts.
-                let derivatives = match derivatives {
-                    Some(Err(_)) if !has_touched => None,
-                    derivatives => derivatives.transpose()?,
-                };
+                let derivatives = contact::where_it_counts(derivatives, has_touched)?;
                 found.push(((solution, derivatives), has_touched));
                 Ok(())
             },
         );
-        contact::rubbing_or_free(
-            case,
-            found,
-            |(solution, _)| solution,
-            |alone| {
-                if asks(alone.before.len()) {
-                    let asked = (alone, parameters);
-                    return self
-                        .slide_with_derivatives(rubbing, asked, &self.stations, workspace)
-                        .map(|(solution, derivatives)| (solution, Some(derivatives)));
-                }
+        let asked = (case, asks, parameters);
+        contact::with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
+            Some(parameters) => {
+                let of = (alone, parameters);
+                let (solution, derivatives) =
+                    self.slide_with_derivatives(rubbing, of, &self.stations, workspace)?;
+                Ok((solution, Some(derivatives)))
+            }
+            None => {
                 workspace.forget();
                 Ok((self.solve_alone(alone, None, workspace)?, None))
-            },
-        )
-        .try_for_each(|answer| answer.map(&mut each))?;
+            }
+        })?;
         followed
     }
 }

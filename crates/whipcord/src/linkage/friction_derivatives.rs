@@ -17,6 +17,7 @@ use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::statics::friction::{Carried, Carrying, History, HoleSource, Standing};
+use crate::statics::loads::check as check_loads;
 use crate::warm_start::WarmStart;
 
 impl Linkage {
@@ -62,6 +63,12 @@ impl Linkage {
     ) -> Result<(), (usize, SolveError)> {
         let Some(rubbing) = &self.friction else { return Ok(()) };
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
+        if !case.obstacles.is_empty() {
+            workspace.meter.start(&self.options.cancel, self.options.budget);
+            check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
+            let of = (case, parameters);
+            return self.rub_with_derivatives_among_obstacles(rubbing, of, &asks, workspace, each);
+        }
         workspace.forget();
         workspace.friction.history = History::with_trail();
         let mut carrying = Carrying::default();
@@ -177,7 +184,9 @@ impl Linkage {
                     hole_source(parameter, of, holes, (cables, &none), is_length)
                 };
                 sources.push(match noted {
-                    Some((noted, [before, now])) => noted.between(&source(before), source(now)),
+                    Some((noted, [before, now])) => {
+                        source(now).between(&source(before), noted.at.commands)
+                    }
                     None => source(case),
                 });
                 changes.push(ParameterChange::none(coordinates, 2 * holes.count()));
@@ -209,6 +218,7 @@ impl Linkage {
             standing,
             parameters: sources,
             carried,
+            is_relative: false,
             commanded: noted.map_or([1.0; 2], |(noted, _)| noted.commanded()),
             is_last,
         };

@@ -137,6 +137,11 @@ impl Parameter {
         of_cable || self.motor().is_some()
     }
 
+    /// Whether what it changes is less where all loads are: the weight of a mass is less already where gravity is.
+    pub(crate) const fn grows_with_loads(&self) -> bool {
+        self.is_load() && !matches!(self, Self::PointMass { .. })
+    }
+
     /// Whether it is one of the loads of a case.
     #[must_use]
     pub const fn is_load(&self) -> bool {

@@ -79,6 +79,14 @@ impl HoleSource {
         Self { commands, ..Self::default() }
     }
 
+    /// Of commands that are a part of the way from others, by which the parameter changes this.
+    pub fn between(mut self, before: &Self, part: f64) -> Self {
+        for (command, before) in self.commands.iter_mut().zip(&before.commands) {
+            *command = before + part * (*command - before);
+        }
+        self
+    }
+
     /// How the state of the robot at rest changes.
     pub fn at_rest(&self, holes: &Holes) -> Carried {
         let rest: Vec<f64> = (0..holes.count()).map(|p| entry(&self.rest, p)).collect();

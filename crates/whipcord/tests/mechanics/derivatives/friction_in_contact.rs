@@ -111,18 +111,21 @@ fn disks_that_slide_on_what_they_touch(tested: Tested) {
 }
 
 fn steps_there_and_back(tested: Tested) {
-    let released = of("released", pair(), &[&[3.0, 0.4], &[2.2, 0.4]], wall(0.05));
+    let cables = vec![rubbing(straight(0.0), 0.3), rubbing(straight(180.0), 0.2)];
+    let mut released = of("released", cables, &[&[3.0, 0.4], &[2.2, 0.4]], wall(0.05));
+    released.case.loads.tip_force = Vec3::new(0.01, 0.0, -0.01);
     let solution = check(tested, &released, WHOLE_WAY);
-    assert!(holes(&solution, SlipState::Sticks) > 0 || holes(&solution, SlipState::Released) > 0);
+    assert!(holes(&solution, SlipState::Sticks) > 0);
 }
 
 fn contacts_that_rub(tested: Tested) {
     let slides = of("slides", pair(), &[&[3.0, 0.4]], rough(0.1, wall(0.05)));
     let solution = check(tested, &slides, WHOLE_WAY);
     assert!(solution.contacts.iter().all(|touch| !touch.sticks));
-    let sticks = of("sticks", pair(), &[&[3.0, 0.4]], rough(2.0, wall(0.05)));
+    let sticks = of("sticks", pair(), &[&[3.0, 0.4], &[2.8, 0.4]], rough(2.0, wall(0.05)));
     let solution = check(tested, &sticks, WHOLE_WAY);
     assert!(solution.contacts.iter().all(|touch| touch.sticks));
+    assert!(holes(&solution, SlipState::Sticks) > 0);
 }
 
 fn cables_of_given_lengths(tested: Tested) {
@@ -139,5 +142,5 @@ fn cables_of_given_lengths(tested: Tested) {
 
 fn backward_is_forward_transposed(tested: Tested) {
     let obstacle = || rough(0.3, wall(0.05));
-    both_ways(tested, &of("back", pair(), &[&[3.0, 0.4], &[2.2, 0.4]], obstacle()));
+    both_ways(tested, &of("back", pair(), &[&[3.0, 0.4], &[2.8, 0.4]], obstacle()));
 }
