@@ -72,8 +72,11 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             looked = false;
             // A known answer that is met at once still has to be judged.
-            let met =
-                if self.is_on_way && !self.rubs && self.are_only_disks() { MET_ON_WAY } else { MET };
+            let met = if self.is_on_way && !self.rubs && self.are_only_disks() {
+                MET_ON_WAY
+            } else {
+                MET
+            };
             if self.residual <= met && (self.odd.is_some() || !self.is_touching()) {
                 return self.arrived();
             }

@@ -28,7 +28,7 @@ use super::friction::Grip;
 use super::held_contact::{Unknown, is_near_change};
 use super::model::Compliant;
 use super::object::Objects;
-use super::pair::Pair;
+use super::pair::{OVERLAP, Pair};
 use super::pairs::Pairs;
 use super::scene::Scene;
 use super::two_bodies::dot;
@@ -71,12 +71,19 @@ impl Holding {
         for pair in &pairs.near {
             holding.is_about_to_change |= is_about_to_change(pair, scale, length);
         }
-        let touching = merged(pairs, length);
+        let mut touching = merged(pairs, length);
+        // Where a movable object was before is not known.
+        let remembers = remembers && objects.count() == 0;
+        for pair in &mut touching {
+            if let Some(grip) = &mut pair.grip {
+                // What has not slid, though its traction is at its bound, stays where it was.
+                grip.sticks |= remembers && grip.slip.norm() <= OVERLAP * length;
+            }
+        }
         for pair in &touching {
             let numbers = (holding.places.len(), holding.unknowns.len());
             holding.add(pair, model, scene, length);
-            // Where a movable object was before is not known.
-            if let Some(grip) = pair.grip.filter(|_| remembers && objects.count() == 0) {
+            if let Some(grip) = pair.grip.filter(|_| remembers) {
                 let from = |s: f64| scene.carried(model.pose_before(s));
                 let along = Along { pair, grip, obstacle: scene.get(pair.obstacle), from: &from };
                 holding.remember(numbers, &along, model, length);
@@ -174,7 +181,7 @@ impl Holding {
                 unknown.rate_before = by_before.map(|[rate]| rate.dot(axis));
                 unknown.by_other = by_way.map(|(number, by)| (number, by.dot(axis)));
             }
-        } else if grip.slip.norm() > 0.0 {
+        } else {
             let direction = grip.slip / grip.slip.norm();
             let lever = nearest.lever(body.rounding);
             let size = grip.traction.norm() / grip.slip.norm();
@@ -210,8 +217,7 @@ impl Holding {
     pub fn gain(&self, compliance: &[f64]) -> Result<ContactGain, Critical> {
         let n = 6 * self.places.len();
         if !self.carried.is_empty() {
-            let by_motion =
-                self.carried.gain(n, (&self.geometric, &self.unknowns), compliance)?;
+            let by_motion = self.carried.gain(n, (&self.geometric, &self.unknowns), compliance)?;
             return Ok(ContactGain { by_motion, by_before: Vec::new() });
         }
         let size = n + self.unknowns.len();

@@ -5,8 +5,8 @@ use super::holding::Holding;
 use super::model::OnWay;
 use crate::case::{CableCommand, Case, Shortening};
 use crate::derivatives::{AnswerContacts, AnswerOnWay, ContactGain, Derivatives};
-use crate::parameter::Parameter;
 use crate::error::SolveError;
+use crate::parameter::Parameter;
 use crate::shape::Solution;
 use crate::statics::friction::{Carried, Standing, SubstepEnd, Trail};
 use crate::statics::hold::Critical;
@@ -44,14 +44,9 @@ pub(crate) fn with_derivatives_or_free<D>(
     (case, asks, parameters): (&Case, &dyn Fn(usize) -> bool, &[Parameter]),
     found: Vec<Found<D>>,
     mut each: impl FnMut((Solution, Option<D>)),
-    mut solve_free: impl FnMut(
-        &Case,
-        Option<&[Parameter]>,
-    ) -> Result<(Solution, Option<D>), SolveError>,
+    mut solve_free: impl FnMut(&Case, Option<&[Parameter]>) -> Result<(Solution, Option<D>), SolveError>,
 ) -> Result<(), (usize, SolveError)> {
-    let solve = |alone: &Case| {
-        solve_free(alone, asks(alone.before.len()).then_some(parameters))
-    };
+    let solve = |alone: &Case| solve_free(alone, asks(alone.before.len()).then_some(parameters));
     rubbing_or_free(case, found, |(solution, _)| solution, solve)
         .try_for_each(|answer| answer.map(&mut each))
 }
@@ -113,7 +108,11 @@ impl<S> NotedEnd<'_, S> {
     }
 
     /// Of the derivatives there: those at its stations, whose nodes are these, and what goes on to the next.
-    pub fn found(&self, derivatives: Derivatives, nodes: Vec<usize>) -> (Derivatives, Vec<Carried>) {
+    pub fn found(
+        &self,
+        derivatives: Derivatives,
+        nodes: Vec<usize>,
+    ) -> (Derivatives, Vec<Carried>) {
         let derivatives = derivatives.at_stations(nodes);
         let carried = match self.is_last {
             true => derivatives.carried(),

@@ -381,8 +381,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         let start = INSERTED * self.length;
         self.scene.draw_back(start);
         self.refuse_overlap()?;
-        let back =
-            |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
+        let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
         self.go(case, |_| case.clone(), back)
     }
 

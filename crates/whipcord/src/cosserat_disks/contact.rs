@@ -81,14 +81,19 @@ impl CosseratDisks {
             })
         });
         let asked = (case, asks, parameters);
-        contact::with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
-            Some(parameters) => {
-                let (solution, of) =
-                    self.solve_with_derivatives(alone, None, parameters, workspace)?;
-                Ok((solution, Some(of)))
-            }
-            None => Ok((self.solve(alone, None, workspace)?, None)),
-        })?;
+        contact::with_derivatives_or_free(
+            asked,
+            found,
+            each,
+            |alone, parameters| match parameters {
+                Some(parameters) => {
+                    let (solution, of) =
+                        self.solve_with_derivatives(alone, None, parameters, workspace)?;
+                    Ok((solution, Some(of)))
+                }
+                None => Ok((self.solve(alone, None, workspace)?, None)),
+            },
+        )?;
         followed.map_err(|error| (number, error))
     }
 

@@ -387,7 +387,8 @@ impl ContactResponse {
             contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        let derivatives = self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[], None)?;
+        let derivatives =
+            self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[], None)?;
         let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
         let gap = |(gap, nodes): (&Gap, &[Node])| {
             StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment)

@@ -124,9 +124,8 @@ impl CoordinateDerivatives {
                 let response = derivatives.caused(cause);
                 let change = derivatives.completed(response, Hold::Commands, cause);
                 let stations = 0..derivatives.places.stations.len();
-                carried.places = stations
-                    .flat_map(|k| components(change.twist(Place::Station(k))))
-                    .collect();
+                carried.places =
+                    stations.flat_map(|k| components(change.twist(Place::Station(k)))).collect();
             }
         }
         Ok((derivatives, carried))

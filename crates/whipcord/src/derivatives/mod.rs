@@ -78,7 +78,7 @@ pub(crate) use self::rod::NoDerivatives;
 pub(crate) use self::sliding_holes::AnswerHoles;
 pub(crate) use self::spans::StraightSpan;
 pub(crate) use self::strands::{PLACES, Share, Strands};
-pub(crate) use self::touching::ContactGain;
 pub(crate) use self::tension_rates::{DrivenCables, TensionRatesMemory};
 pub(crate) use self::tip_rates::{AnswerLists, Driven, TipRatesMemory};
+pub(crate) use self::touching::ContactGain;
 pub use crate::statics::hold::Hold;

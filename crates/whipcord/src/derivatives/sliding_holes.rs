@@ -62,8 +62,7 @@ impl SlidingHoles {
         };
         let held = HeldHoles::new(holes, standing, holds, by_tension)?;
         let count = parameters.len();
-        let at_rest: Vec<Carried> =
-            parameters.iter().map(|source| source.at_rest(holes)).collect();
+        let at_rest: Vec<Carried> = parameters.iter().map(|source| source.at_rest(holes)).collect();
         let before = |i: usize| match carried {
             Some(carried) => {
                 let mut carried = carried.get(i).cloned().unwrap_or_default();

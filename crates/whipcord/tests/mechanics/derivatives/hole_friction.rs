@@ -167,7 +167,11 @@ pub(super) fn both_ways(tested: Tested, Sliding { name, robot, case }: &Sliding)
 }
 
 /// Every step is changed by as much.
-pub(super) fn offsets(tested: Tested, Sliding { name, robot, case }: &Sliding, tolerance: f64) -> String {
+pub(super) fn offsets(
+    tested: Tested,
+    Sliding { name, robot, case }: &Sliding,
+    tolerance: f64,
+) -> String {
     let mut failures = String::new();
     let (solution, derivatives) = differentiated(tested, robot, case, &[]);
     for cable in 0..robot.cables().len() {
