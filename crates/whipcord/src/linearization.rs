@@ -226,7 +226,9 @@ impl Model {
                 !robot.has_bending_friction()
             }
             Self::FourBar(options) => {
-                four_bar::FourBar::new(robot, options).is_ok_and(|model| model.has_linearization())
+                !robot.has_bending_friction()
+                    && four_bar::FourBar::new(robot, options)
+                        .is_ok_and(|model| model.has_linearization())
             }
             Self::ConstantCurvature(_) => false,
         }

@@ -437,12 +437,10 @@ impl Prepared {
             Self::CosseratDisks(model, workspace) => {
                 return model.solve_steps(case, workspace, each);
             }
-            Self::Linkage(model, workspace)
-                if model.has_friction() || model.keeps_history(case) =>
-            {
+            Self::Linkage(model, workspace) if model.has_friction() || model.keeps_history() => {
                 return model.solve_steps(case, workspace, each);
             }
-            Self::FourBar(model, workspace) if model.has_friction() => {
+            Self::FourBar(model, workspace) if model.has_memory() => {
                 return model.solve_steps(case, workspace, each);
             }
             _ => {}

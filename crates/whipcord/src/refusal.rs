@@ -55,7 +55,7 @@ pub(crate) fn bending_friction_of_sections(
     robot: &Robot,
 ) -> Result<(), SolveError> {
     let what = "friction against bending of the backbone";
-    let advice = "use cosserat, cosserat-disks, piecewise-constant-curvature or pseudo-rigid-body, or remove `yield_moment`";
+    let advice = "use cosserat, cosserat-disks, piecewise-constant-curvature, pseudo-rigid-body or four-bar with its strain energy, or remove `yield_moment`";
     bending_friction(model, robot, what, advice)
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn bending_friction_among_obstacles(
     robot: &Robot,
 ) -> Result<(), SolveError> {
     let what = "friction against bending of the backbone, among obstacles";
-    let advice = "remove `yield_moment`, or the obstacles";
+    let advice = "use piecewise-constant-curvature, pseudo-rigid-body or four-bar with its strain energy, or remove `yield_moment` or the obstacles";
     bending_friction(model, robot, what, advice)
 }
 

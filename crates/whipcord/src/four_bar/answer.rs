@@ -48,7 +48,8 @@ impl FourBar {
     ) -> Result<Status, SolveError> {
         if let Some(chain) = &self.chain {
             let takes = chain.knows_forces() && self.is_under_forces(case);
-            if takes || chain.has_friction() || !case.obstacles.is_empty() {
+            let remembers = chain.has_friction() || self.robot.has_bending_friction();
+            if takes || remembers || !case.obstacles.is_empty() {
                 refusal::case(&self.robot, &self.options, case, takes)?;
                 return chain.solve_into(case, from, &mut workspace.chain, solution);
             }

@@ -64,7 +64,15 @@ pub(super) fn robot(robot: &Robot, options: &Options) -> Result<(), SolveError> 
     if options.objective == Objective::AsPrinted {
         as_printed(robot, options)?;
     }
-    refusal::bending_friction_of_sections(ModelKind::FourBar, robot)
+    if knows_forces {
+        return Ok(());
+    }
+    refusal::bending_friction(
+        ModelKind::FourBar,
+        robot,
+        "friction against bending of the backbone, without forces",
+        "give the stiffness of the backbone and take the objective strain-energy and the length rule free",
+    )
 }
 
 fn as_printed(robot: &Robot, options: &Options) -> Result<(), SolveError> {

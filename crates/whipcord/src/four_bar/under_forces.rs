@@ -33,12 +33,13 @@ impl FourBar {
         chain.map(|chain| (chain, &mut workspace.chain))
     }
 
-    /// Whether its cables rub at their holes, so that an answer hangs on the steps before.
-    pub(crate) fn has_friction(&self) -> bool {
-        self.chain.as_ref().is_some_and(Linkage::has_friction)
+    /// Whether the answer to a step depends on the steps before it.
+    pub(crate) fn has_memory(&self) -> bool {
+        let keeps = |chain: &Linkage| chain.has_friction() || chain.keeps_history();
+        self.chain.as_ref().is_some_and(keeps)
     }
 
-    /// The answers to all steps of a case in order with friction at the holes, as [`Linkage::solve_steps`] finds them.
+    /// The answers to all steps of a case in order with friction, as [`Linkage::solve_steps`] finds them.
     pub(crate) fn solve_steps(
         &self,
         case: &Case,

@@ -77,7 +77,7 @@ impl Linkage {
     ) -> Result<(), (usize, SolveError)> {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
         workspace.forget();
-        if self.keeps_history(case) {
+        if self.keeps_history() {
             return self.bend_in_steps(case, workspace, each);
         }
         if self.has_friction() && !case.obstacles.is_empty() && !case.independent {

@@ -7,8 +7,8 @@ use crate::shape::Solution;
 
 impl Linkage {
     /// Whether the answer to a step depends on the steps before it by friction against bending.
-    pub(crate) const fn keeps_history(&self, case: &Case) -> bool {
-        self.robot.has_bending_friction() && case.obstacles.is_empty()
+    pub(crate) const fn keeps_history(&self) -> bool {
+        self.robot.has_bending_friction()
     }
 
     /// The answers to all steps of a case in order, from the robot at rest: each starts from what the friction of the joints holds
@@ -29,7 +29,7 @@ impl Linkage {
             let solved = status.and_then(|status| workspace.answered(status, solution));
             let mut solution = solved.map_err(|error| (n, error))?;
             for (section, q) in chain.sections.iter_mut().zip(&workspace.scratch.chain.q) {
-                section.keep_plastic(q);
+                section.keep_plastic(&self.division, q);
             }
             let at = |&s: &f64| chain.sections[chain.locate(s).0].plastic_curvature();
             solution.plastic_curvature = solution.shape.arc_length.iter().map(at).collect();

@@ -83,6 +83,11 @@ impl Linkage {
         let watched = Watched::new(self);
         let mut free = FreeChain { model: self, workspace, watched: &watched.places };
         if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
+            if self.keeps_history() {
+                // Other shapes were looked at since: the joints keep what they hold in this one.
+                let alone = Case { obstacles: Vec::new(), ..case.clone() };
+                self.find(&alone, Some(&solution), workspace)?;
+            }
             return Ok(solution);
         }
         let mut adapter = ContactAdapter::new(self, watched, workspace);
@@ -173,18 +178,23 @@ impl Linkage {
             },
         );
         let asked = (case, asks, parameters);
-        contact::with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
-            Some(parameters) => {
-                let of = (alone, parameters);
-                let (solution, derivatives) =
-                    self.slide_with_derivatives(rubbing, of, &self.stations, workspace)?;
-                Ok((solution, Some(derivatives)))
-            }
-            None => {
-                workspace.forget();
-                Ok((self.solve_alone(alone, None, workspace)?, None))
-            }
-        })?;
+        contact::with_derivatives_or_free(
+            asked,
+            found,
+            each,
+            |alone, parameters| match parameters {
+                Some(parameters) => {
+                    let of = (alone, parameters);
+                    let (solution, derivatives) =
+                        self.slide_with_derivatives(rubbing, of, &self.stations, workspace)?;
+                    Ok((solution, Some(derivatives)))
+                }
+                None => {
+                    workspace.forget();
+                    Ok((self.solve_alone(alone, None, workspace)?, None))
+                }
+            },
+        )?;
         followed
     }
 }

@@ -19,9 +19,16 @@ impl Section {
     }
 
     /// Lets its joints keep what their friction holds at these coordinates.
-    pub fn keep_plastic(&mut self, q: &Coordinates) {
+    pub fn keep_plastic(&mut self, division: &Division, q: &Coordinates) {
         for k in 0..self.friction.len() {
-            self.friction[k].plastic = self.friction[k].left(self.bend(k, q));
+            let bend = match division.energy {
+                Energy::Coordinates => self.bend(k, q),
+                Energy::RotationVector => {
+                    let [x, y, _] = self.turned(q).map(|turned| turned.value);
+                    Vec3::new(x, y, 0.0)
+                }
+            };
+            self.friction[k].plastic = self.friction[k].left(bend);
         }
     }
 
@@ -81,8 +88,27 @@ impl Section {
     }
 
     /// `½ Σ kᵢ (ωᵢ − ωᵢ*)²` with the rotation vector ω of the section, by `(ψ, b_x, b_y)`: eqs. (5) and (13) of the page on
-    /// four-bar sections.
+    /// four-bar sections; and that of eq. (1) of the page on friction against bending about x and y.
     fn energy_of_rotation(&self, q: &Coordinates) -> Jet {
+        let turned = self.turned(q);
+        let bend = Vec3::new(turned[0].value, turned[1].value, 0.0);
+        let [about_z, about_x, about_y, ..] = self.stiffness;
+        let mut energy = Jet::default();
+        for (change, k) in turned.into_iter().zip([about_x, about_y, about_z]) {
+            energy = energy + change * change * (0.5 * k);
+        }
+        for friction in &self.friction {
+            let (moment, tangent) = (friction.moment(bend), friction.tangent(bend));
+            // Of the energy of both axes none counts but its derivatives.
+            for (axis, change) in turned.into_iter().take(BENDING_AXES).enumerate() {
+                energy = energy + change.compose([0.0, moment[axis], tangent[axis]]);
+            }
+        }
+        energy
+    }
+
+    /// `ωᵢ − ωᵢ*` about x, y and z, by `(ψ, b_x, b_y)`.
+    fn turned(&self, q: &Coordinates) -> [Jet; 3] {
         let twist = Jet::linear(q[0], Vec3::X);
         let (x, y) = (Jet::linear(q[1], Vec3::Y), Jet::linear(q[2], Vec3::Z));
         let square = x * x + y * y;
@@ -95,13 +121,7 @@ impl Section {
         let squared_sine = vector.into_iter().map(|v| v * v).fold(Jet::default(), |a, b| a + b);
         let [a, da, dda] = asin_ratio(squared_sine.value.min(MOST_SINE));
         let factor = squared_sine.compose([2.0 * a, 2.0 * da, 2.0 * dda]);
-        let [about_z, about_x, about_y, ..] = self.stiffness;
-        let stiffness = [about_x, about_y, about_z];
-        let mut energy = Jet::default();
-        for ((v, rest), k) in vector.into_iter().zip(self.rest_rotation.to_array()).zip(stiffness) {
-            let change = factor * v + Jet::linear(-rest, Vec3::ZERO);
-            energy = energy + change * change * (0.5 * k);
-        }
-        energy
+        let rest = self.rest_rotation.to_array();
+        core::array::from_fn(|i| factor * vector[i] + Jet::linear(-rest[i], Vec3::ZERO))
     }
 }

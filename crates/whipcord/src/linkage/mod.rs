@@ -234,7 +234,7 @@ impl Linkage {
         solution: &mut Solution,
     ) -> Result<Status, SolveError> {
         workspace.forget();
-        if self.keeps_history(case) {
+        if self.keeps_history() {
             let steps = self.bend_in_steps(case, workspace, |answer| *solution = answer);
             return steps.map(|()| Status::Converged).map_err(|(_, error)| error);
         }
@@ -253,7 +253,6 @@ impl Linkage {
         case.check(&self.robot)?;
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
         if !case.obstacles.is_empty() {
-            refusal::bending_friction_among_obstacles(self.kind, &self.robot)?;
             let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);

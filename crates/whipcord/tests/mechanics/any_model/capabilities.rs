@@ -197,6 +197,11 @@ fn derivatives_in_contact(kind: ModelKind) -> Result<(), SolveError> {
     derivatives_of(kind, &finger(9), &touching())
 }
 
+fn derivatives_with_friction_in_contact(kind: ModelKind) -> Result<(), SolveError> {
+    let rubbing = with_cable(|cable| cable.friction = Some(0.3));
+    derivatives_of(kind, &rubbing, &among(Case::with_tensions(&[4.0]), vec![wall(0.05)]))
+}
+
 fn batches(kind: ModelKind) -> Result<(), SolveError> {
     let (robot, case) = (finger(9), pulled());
     let rows = Rows::Shortenings { values: &[0.002, 0.004, 0.006], case: &case };
@@ -208,7 +213,7 @@ fn batches(kind: ModelKind) -> Result<(), SolveError> {
 
 type Question = fn(ModelKind) -> Result<(), SolveError>;
 
-const QUESTIONS: [(&str, Question); 17] = [
+const QUESTIONS: [(&str, Question); 18] = [
     ("dead loads", dead_loads),
     ("follower loads", follower_loads),
     ("distributed loads", distributed_loads),
@@ -225,6 +230,7 @@ const QUESTIONS: [(&str, Question); 17] = [
     ("derivatives by commands, loads and parameters", derivatives),
     ("derivatives with friction at holes", derivatives_with_friction),
     ("derivatives in contact", derivatives_in_contact),
+    ("derivatives with friction at holes in contact", derivatives_with_friction_in_contact),
     ("batches", batches),
 ];
 
