@@ -6,7 +6,7 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::drawn_out::DrawnOut;
-use super::model::Compliant;
+use super::noted::Noting;
 use super::path::{Acting, MET, PathTracker, Stop};
 use super::scene::{Present, is_pipe};
 use crate::case::Case;
@@ -22,7 +22,7 @@ const FARTHER: f64 = 1.3;
 /// What it may spend, as a part of what the way before may.
 const BUDGET: f64 = 0.5;
 
-impl<M: Compliant> PathTracker<'_, M> {
+impl<M: Noting> PathTracker<'_, M> {
     /// An equilibrium under a case that the way to was lost, for this reason: from the answer without the obstacles. The reason
     /// where there is none, and where this way does not exist: movable objects and pipes hold the robot where it is.
     pub(super) fn approach(

@@ -66,9 +66,10 @@ pub(crate) use dense_output::DenseOutput;
 pub(crate) use free_path::{Unobstructed, last_of, or_none_alone, rubbing_or_free, solve_free};
 pub(crate) use holding::Holding;
 pub(crate) use loaded_places::LoadedPlaces;
-pub(crate) use model::{OnWay, is_same_shape, with_pushes};
+pub(crate) use model::{is_same_shape, with_pushes};
 pub(crate) use noted::{
-    Noted, NotedEnd, NotedWay, last_with_derivatives, where_it_counts, with_derivatives_or_free,
+    Noted, NotedEnd, NotedWay, Noting, OnWay, last_with_derivatives, where_it_counts,
+    with_derivatives_or_free,
 };
 pub(crate) use path::{solve, solve_holding, solve_noted, solve_rubbing};
 pub(crate) use refinement::{Refinement, centres};

@@ -2,7 +2,6 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::holding::Holding;
 use crate::cancel::Cancel;
 use crate::case::{Case, PointLoad};
 use crate::error::SolveError;
@@ -14,19 +13,6 @@ pub(crate) struct Push {
     /// Arc length in m.
     pub arc_length: f64,
     pub wrench: Wrench,
-}
-
-/// A place of the way to the answers to the steps of a case.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct OnWay {
-    /// Number of the step, from 0.
-    pub step: usize,
-    /// How far the commands went from those of the step before to those of the step.
-    pub commands: f64,
-    /// The part of the loads that acts.
-    pub loads: f64,
-    /// The part of the way on which a robot is inserted, and of that to the answer.
-    pub way: [f64; 2],
 }
 
 /// A model of a robot that responds to wrenches on its cross-sections. All poses, motions and wrenches
@@ -110,18 +96,6 @@ pub(crate) trait Compliant {
     fn has_touched(&self) -> bool {
         true
     }
-
-    /// Whether it takes note of the equilibria on the way, so that their derivatives are carried along.
-    fn takes_notes(&self) -> bool {
-        false
-    }
-
-    /// Takes note of an equilibrium that was found and is not kept yet, with its contacts; in place of the last note where that is of the
-    /// same place of the way.
-    fn note(&mut self, _holding: Holding, _at: OnWay) {}
-
-    /// What was noted does not lead to where it is: it has jumped, or was found in another way.
-    fn lose_notes(&mut self) {}
 
     /// Keeps the last equilibrium, to go back to.
     fn keep(&mut self);

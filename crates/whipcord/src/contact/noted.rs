@@ -2,7 +2,7 @@
 
 use super::free_path::rubbing_or_free;
 use super::holding::Holding;
-use super::model::OnWay;
+use super::model::Compliant;
 use crate::case::{CableCommand, Case, Shortening};
 use crate::derivatives::{AnswerContacts, AnswerOnWay, ContactGain, Derivatives};
 use crate::error::SolveError;
@@ -10,6 +10,34 @@ use crate::parameter::Parameter;
 use crate::shape::Solution;
 use crate::statics::friction::{Carried, Standing, SubstepEnd, Trail};
 use crate::statics::hold::Critical;
+
+/// A place of the way to the answers to the steps of a case.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct OnWay {
+    /// Number of the step, from 0.
+    pub step: usize,
+    /// How far the commands went from those of the step before to those of the step.
+    pub commands: f64,
+    /// The part of the loads that acts.
+    pub loads: f64,
+    /// The part of the way on which a robot is inserted, and of that to the answer.
+    pub way: [f64; 2],
+}
+
+/// A model that can take note of the equilibria on the way.
+pub(crate) trait Noting: Compliant {
+    /// Whether it takes note of the equilibria on the way, so that their derivatives are carried along.
+    fn takes_notes(&self) -> bool {
+        false
+    }
+
+    /// Takes note of an equilibrium that was found and is not kept yet, with its contacts; in place of the last note where that is of the
+    /// same place of the way.
+    fn note(&mut self, _holding: Holding, _at: OnWay) {}
+
+    /// What was noted does not lead to where it is: it has jumped, or was found in another way.
+    fn lose_notes(&mut self) {}
+}
 
 /// An equilibrium on the way.
 #[derive(Clone, Debug)]

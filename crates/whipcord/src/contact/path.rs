@@ -6,7 +6,8 @@ use super::dampers::Dampers;
 use super::drawn_out::DrawnOut;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
-use super::model::{Compliant, OnWay, Push};
+use super::model::{Compliant, Push};
+use super::noted::{Noting, OnWay};
 use super::object::Objects;
 use super::pair::OVERLAP;
 use super::pairs::Pairs;
@@ -139,7 +140,7 @@ impl Jumps {
 
 /// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
 pub(crate) fn solve(
-    model: &mut impl Compliant,
+    model: &mut impl Noting,
     robot: &Robot,
     case: &Case,
     warm_start: Option<&Solution>,
@@ -149,7 +150,7 @@ pub(crate) fn solve(
 
 /// [`solve`], with the contacts of the answer, linearised.
 pub(crate) fn solve_holding(
-    model: &mut impl Compliant,
+    model: &mut impl Noting,
     robot: &Robot,
     case: &Case,
     warm_start: Option<&Solution>,
@@ -173,7 +174,7 @@ pub(crate) fn solve_holding(
 ///
 /// # Errors
 /// The number of the first step without an answer, from 0, and why it has none.
-pub(crate) fn solve_rubbing<M: Compliant>(
+pub(crate) fn solve_rubbing<M: Noting>(
     model: &mut M,
     robot: &Robot,
     case: &Case,
@@ -186,7 +187,7 @@ pub(crate) fn solve_rubbing<M: Compliant>(
 }
 
 /// The same; `each` gets the model too, at the equilibrium of a step.
-pub(crate) fn solve_noted<M: Compliant>(
+pub(crate) fn solve_noted<M: Noting>(
     model: &mut M,
     robot: &Robot,
     case: &Case,
@@ -203,7 +204,7 @@ fn has_friction(robot: &Robot) -> bool {
 }
 
 /// Solves the steps of actuation of a case, each from where the one before ends.
-fn follow_steps<M: Compliant>(
+fn follow_steps<M: Noting>(
     model: &mut M,
     robot: &Robot,
     case: &Case,
@@ -225,7 +226,7 @@ fn follow_steps<M: Compliant>(
 
 /// The answer to one step of actuation, from the robot at rest, or from an answer that was led to by commands where these are known.
 fn solve_step(
-    model: &mut impl Compliant,
+    model: &mut impl Noting,
     robot: &Robot,
     (step, case): (usize, &Case),
     (warm_start, commands): (Option<&Solution>, Option<&[CableCommand]>),
@@ -318,7 +319,7 @@ const fn error_of_object(why: &Obstruction) -> bool {
     !matches!(why, Obstruction::BudgetSpent { .. } | Obstruction::TooManyContacts { .. })
 }
 
-impl<M: Compliant> PathTracker<'_, M> {
+impl<M: Noting> PathTracker<'_, M> {
     /// Where the way begins: at a known answer with its contacts, or at rest, where nothing may overlap.
     fn start(
         &mut self,
@@ -557,7 +558,9 @@ impl<M: Compliant> PathTracker<'_, M> {
             drawn_out.place(left, &mut self.scene);
         }
     }
+}
 
+impl<M: Compliant> PathTracker<'_, M> {
     /// Where it is, to go back to.
     pub(super) fn kept(&mut self) -> Kept {
         self.model.keep();

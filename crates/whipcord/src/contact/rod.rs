@@ -4,8 +4,8 @@ use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::dense_output::DenseOutput;
 use super::holding::Holding;
-use super::model::{Compliant, OnWay, Push, is_same_shape, with_pushes};
-use super::noted::{Found, Noted, NotedEnd, NotedWay, where_it_counts};
+use super::model::{Compliant, Push, is_same_shape, with_pushes};
+use super::noted::{Found, Noted, NotedEnd, NotedWay, Noting, OnWay, where_it_counts};
 use super::path::solve_noted;
 use super::refinement::Refinement;
 use crate::cancel::Cancel;
@@ -470,21 +470,6 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
         self.has_touched || self.is_touched
     }
 
-    fn takes_notes(&self) -> bool {
-        self.notes.is_some()
-    }
-
-    fn note(&mut self, holding: Holding, at: OnWay) {
-        if let (Some(way), Some(standing)) = (&mut self.notes, self.found.standing()) {
-            let (state, case) = (self.found.here(), self.case.clone());
-            way.note(standing, Noted { state, case, holding, at, next: Vec::new() });
-        }
-    }
-
-    fn lose_notes(&mut self) {
-        self.notes.iter_mut().for_each(|way| way.is_broken = true);
-    }
-
     fn keep(&mut self) {
         self.has_touched |= self.is_touched;
         self.found.keep(&mut self.kept);
@@ -525,5 +510,22 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
             solution.diagnostics.stability_absent = Some(absent);
         }
         Ok(solution)
+    }
+}
+
+impl<R: ContactRod> Noting for RodAdapter<'_, R> {
+    fn takes_notes(&self) -> bool {
+        self.notes.is_some()
+    }
+
+    fn note(&mut self, holding: Holding, at: OnWay) {
+        if let (Some(way), Some(standing)) = (&mut self.notes, self.found.standing()) {
+            let (state, case) = (self.found.here(), self.case.clone());
+            way.note(standing, Noted { state, case, holding, at, next: Vec::new() });
+        }
+    }
+
+    fn lose_notes(&mut self) {
+        self.notes.iter_mut().for_each(|way| way.is_broken = true);
     }
 }

@@ -12,7 +12,7 @@ use super::{Linkage, Workspace};
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::contact::model::{Compliant, Push};
-use crate::contact::{self, Holding, Noted, NotedWay, OnWay, Unobstructed};
+use crate::contact::{self, Holding, Noted, NotedWay, Noting, OnWay, Unobstructed};
 use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -562,23 +562,6 @@ impl Compliant for ContactAdapter<'_> {
         self.is_touched || self.holes.as_ref().is_some_and(|holes| holes.has_touched)
     }
 
-    fn takes_notes(&self) -> bool {
-        self.notes.is_some()
-    }
-
-    fn note(&mut self, holding: Holding, at: OnWay) {
-        let Workspace { scratch, commands, .. } = &*self.workspace;
-        let standing = self.holes.as_ref().and_then(|holes| holes.standing(commands));
-        if let (Some(way), Some(standing)) = (&mut self.notes, standing) {
-            let (state, case) = (scratch.chain.q.clone(), self.case.clone());
-            way.note(standing, Noted { state, case, holding, at, next: Vec::new() });
-        }
-    }
-
-    fn lose_notes(&mut self) {
-        self.notes.iter_mut().for_each(|way| way.is_broken = true);
-    }
-
     fn keep(&mut self) {
         let Workspace { scratch, tensions, commands, .. } = &*self.workspace;
         if let Some(holes) = &mut self.holes {
@@ -636,5 +619,24 @@ impl Compliant for ContactAdapter<'_> {
         let free = self.model.solve_alone(case, Some(&solution), self.workspace);
         let free = free.ok().filter(|free| contact::is_same_shape(free, &solution));
         Ok(free.unwrap_or(solution))
+    }
+}
+
+impl Noting for ContactAdapter<'_> {
+    fn takes_notes(&self) -> bool {
+        self.notes.is_some()
+    }
+
+    fn note(&mut self, holding: Holding, at: OnWay) {
+        let Workspace { scratch, commands, .. } = &*self.workspace;
+        let standing = self.holes.as_ref().and_then(|holes| holes.standing(commands));
+        if let (Some(way), Some(standing)) = (&mut self.notes, standing) {
+            let (state, case) = (scratch.chain.q.clone(), self.case.clone());
+            way.note(standing, Noted { state, case, holding, at, next: Vec::new() });
+        }
+    }
+
+    fn lose_notes(&mut self) {
+        self.notes.iter_mut().for_each(|way| way.is_broken = true);
     }
 }
