@@ -72,7 +72,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             looked = false;
             // A known answer that is met at once still has to be judged.
-            let met = if self.is_on_way && !self.rubs && self.are_only_disks() {
+            let met = if self.is_on_way && (!self.rubs || self.is_lenient) && self.are_only_disks()
+            {
                 MET_ON_WAY
             } else {
                 MET

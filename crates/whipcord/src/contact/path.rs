@@ -107,6 +107,9 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) is_off_answer: bool,
     /// Whether its cables rub in their holes, which remember every place of the way.
     pub(super) rubs: bool,
+    /// Whether a place of the way is taken less nearly than they remember: cables that stick may hold the robot so that nothing tells the force of a
+    /// contact.
+    pub(super) is_lenient: bool,
     /// Where it is on the way, for what the model notes.
     on_way: OnWay,
 }
@@ -265,6 +268,7 @@ fn solve_step(
         slipped_at: None,
         is_off_answer: false,
         rubs,
+        is_lenient: false,
         on_way: OnWay { step, ..OnWay::default() },
     };
     let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
@@ -467,6 +471,7 @@ impl<M: Noting> PathTracker<'_, M> {
             self.is_on_way = false;
             let stop = match touched {
                 Ok(None) => {
+                    self.is_lenient = false;
                     way = next;
                     self.reached = way;
                     let [commands, loads] = acts.of_case;
@@ -494,7 +499,9 @@ impl<M: Noting> PathTracker<'_, M> {
                     return Err(self.obstructed(way, Some(stop)));
                 }
                 Err(stop) => {
-                    step = 0.4 * (next - way);
+                    let is_open = matches!(stop, Stop::NotConverged(_));
+                    self.is_lenient = is_open && self.rubs && next < 1.0 && !self.is_lenient;
+                    step = if self.is_lenient { next - way } else { 0.4 * (next - way) };
                     Some(stop)
                 }
             };
