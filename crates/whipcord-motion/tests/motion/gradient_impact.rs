@@ -1,7 +1,7 @@
 //! Gradients over motions in which the robot hits an obstacle, against central differences of the same steps.
 
 use whipcord::robot::Motor;
-use whipcord::{Case, Form, Loads, ModelKind, Obstacle, Pose, Robot, Twist, Vec3};
+use whipcord::{Cable, Case, Form, Loads, ModelKind, Obstacle, Pose, Robot, Twist, Vec3};
 use whipcord_motion::{
     BaseMotion, CableDrive, Commands, Course, Damping, Initial, LoadCourse, Method, MotionOptions,
     Record, Seed, Simulation,
@@ -65,6 +65,37 @@ fn with_factors(
     problem.robot = robot;
     problem.options.damping = options.damping;
     problem
+}
+
+/// The same robot whose cables rub in their holes: one that stretches and one that does not.
+fn rubbing(method: Method, friction: f64, command: (usize, usize, f64)) -> Problem {
+    let rub = |robot: &Robot| {
+        let cable = |(i, cable): (usize, &Cable)| Cable {
+            friction: Some([0.25, 0.37][i]),
+            axial_stiffness: [Some(9000.0), None][i],
+            ..cable.clone()
+        };
+        let cables = robot.cables().iter().enumerate().map(cable).collect();
+        Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap()
+    };
+    let mut problem = problem(method, Hit::Ball, friction, command);
+    problem.robot = rub(&problem.robot);
+    problem
+}
+
+#[test]
+fn gradients_through_an_impact_with_cables_that_rub_are_those_of_differences() {
+    for method in [Method::Accurate, Method::Robust] {
+        for friction in [0.0, 0.4] {
+            let name = format!("{method:?}, {friction}");
+            let base = rubbing(method, friction, (STEPS, 0, 0.0));
+            let record = base.simulation().record(&base.commands, DT).unwrap();
+            let contacts = record.states.iter().filter(|of| !of.contacts.is_empty()).count();
+            assert!(divided(&record) > 0 && contacts > 1, "{name} {contacts}");
+            assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
+            base.check_by_commands(3e-5, |command| rubbing(method, friction, command), &name);
+        }
+    }
 }
 
 /// Impacts of a motion: steps that are divided and end in contact, or end it.
