@@ -4,10 +4,10 @@ use whipcord::Wrench;
 use whipcord_numerics::Twist;
 
 use crate::block::{add, dot, sum};
+use crate::cross_section::{MOTIONS, Posed, Station, unit};
 use crate::element::{POINTS, pose_at};
 use crate::pose;
 use crate::rod::Rod;
-use crate::surroundings::{MOTIONS, Posed, Station, unit};
 
 /// Derivatives of a number by the strains, and by displacements of the base along and about its own axes.
 #[derive(Clone, Debug, Default)]

@@ -6,9 +6,10 @@ use whipcord::contact::member::Member;
 use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
 use crate::block::{Block, dot};
+use crate::cross_section::{Posed, Station};
 use crate::element::{NODES, POINTS};
 use crate::scheme::Scheme;
-use crate::surroundings::{Near, Posed, Station};
+use crate::surroundings::Near;
 
 /// A part of the robot near an obstacle, and the force between them.
 #[derive(Clone, Copy, Debug)]

@@ -11,12 +11,12 @@ use crate::block::{add, sum};
 use crate::by_shape::ByShape;
 use crate::contact::{Contact, in_section};
 use crate::contacts::{Contacts, OUTWARD};
+use crate::cross_section::{MOTIONS, Posed, Station, displaced, unit};
 use crate::element::{NODES, POINTS};
 use crate::pose;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
 use crate::stage::Stage;
-use crate::surroundings::{MOTIONS, Posed, Station, displaced, unit};
 
 /// A slip below this part of the length has no direction.
 const LEAST_SLIP: f64 = 1e-13;

@@ -5,6 +5,7 @@ use whipcord_numerics::{Mat3, Pose, Twist, Vec3};
 
 use crate::block::{Block, dot};
 use crate::contact::{Contact, Line, bend, in_section};
+use crate::cross_section::{Posed, Station};
 use crate::element::POINTS;
 use crate::free_base::FreeBase;
 use crate::loads::NodeLoad;
@@ -12,7 +13,7 @@ use crate::pose;
 use crate::rod::Rod;
 use crate::scheme::Scheme;
 use crate::stage::Stage;
-use crate::surroundings::{Hit, Near, Posed, Station, Surroundings};
+use crate::surroundings::{Hit, Near, Surroundings};
 
 /// All contacts of a step.
 #[derive(Clone, Debug, Default)]

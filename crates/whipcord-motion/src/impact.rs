@@ -4,11 +4,12 @@ use whipcord_numerics::{Pose, golden_section};
 
 use crate::commands::Commands;
 use crate::contact::Contact;
+use crate::cross_section::Station;
 use crate::iteration::Stalled;
 use crate::options::Method;
 use crate::simulation::Simulation;
 use crate::state::State;
-use crate::surroundings::{Hit, Station};
+use crate::surroundings::Hit;
 
 /// Lengths of the parts without rates behind an impact, as parts of the step: the first ends the motion into the obstacle, the second its rates; the
 /// others grow, since rates in a short part are those of waves that a longer one cannot follow.

@@ -20,6 +20,7 @@ mod contact;
 mod contact_rows;
 mod contacts;
 mod course;
+mod cross_section;
 mod drives;
 mod element;
 mod elimination;

@@ -7,6 +7,7 @@ use crate::block::{add, sum};
 use crate::by_shape::ByShape;
 use crate::commands::Commands;
 use crate::contact::{Contact, in_section};
+use crate::cross_section::{Posed, by_displacements, displaced};
 use crate::element::POINTS;
 use crate::error::MotionError;
 use crate::gradient::{Costate, Part};
@@ -14,7 +15,7 @@ use crate::impact::{Impact, ImpactEnd};
 use crate::pose;
 use crate::simulation::Simulation;
 use crate::state::State;
-use crate::surroundings::{Hit, Posed, by_displacements, displaced};
+use crate::surroundings::Hit;
 use crate::tangent::StageTangent;
 
 /// Derivatives of a number by the shape and the velocities of a state.

@@ -20,6 +20,8 @@ use crate::wait::{Limit, within};
 
 /// A number of something, by its name.
 type Named<T> = (&'static str, fn(&T) -> f64);
+/// Numbers of the passages of a cable, by their name.
+type NamedPassages = (&'static str, fn(&InnerState, usize) -> &[f64]);
 
 /// The motion that `[motion]` of a file describes: arrays by their names, and the error where a step has no result.
 #[pyfunction]
@@ -103,7 +105,7 @@ fn states<'py>(
         let all = states.iter().flat_map(|state| state.cables.iter().map(value)).collect();
         values.set_item(name, array::<f64, _>(py, all, [rows, cables])?)?;
     }
-    let of_passages: [(&str, fn(&InnerState, usize) -> &[f64]); 2] = [
+    let of_passages: [NamedPassages; 2] = [
         ("passage_tensions", InnerState::passage_tensions),
         ("lengths_beyond", InnerState::lengths_beyond),
     ];
