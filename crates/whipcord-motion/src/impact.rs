@@ -7,6 +7,7 @@ use crate::contact::Contact;
 use crate::cross_section::Station;
 use crate::iteration::Stalled;
 use crate::options::Method;
+use crate::part::{Impact, ImpactEnd};
 use crate::simulation::Simulation;
 use crate::state::State;
 use crate::surroundings::Hit;
@@ -18,25 +19,6 @@ pub(crate) const PARTS: [f64; 5] = [0.02, 0.02, 0.06, 0.15, 0.35];
 const LOCATED: usize = 6;
 /// A gap that closes from less than this part of the length is no impact.
 const GRAZING: f64 = 1e-4;
-
-/// A part that ends in an impact.
-#[derive(Clone, Debug)]
-pub(crate) struct Impact {
-    /// Length in s of the part that was tried, in which the obstacle was hit.
-    pub tried: f64,
-    pub end: ImpactEnd,
-}
-
-/// How the length of a part that ends in an impact follows.
-#[derive(Clone, Debug)]
-pub(crate) enum ImpactEnd {
-    /// It is this part of the length that was tried.
-    Fraction(f64),
-    /// It is the part of what was tried in which the robot gets to the obstacle.
-    Hit(Hit),
-    /// A contact closes by then if its gap goes on to close as fast as at the start.
-    Closing(Box<Contact>),
-}
 
 /// Whether a part from a state goes by the equations with contacts.
 pub(crate) fn touches(from: &State) -> bool {

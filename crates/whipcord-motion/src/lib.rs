@@ -41,6 +41,7 @@ mod mesh;
 mod modes;
 mod one_stage;
 mod options;
+mod part;
 mod part_length;
 mod parts;
 mod pose;

@@ -11,7 +11,7 @@ use crate::cross_section::{Posed, by_displacements, displaced};
 use crate::element::POINTS;
 use crate::error::MotionError;
 use crate::gradient::{Costate, Part};
-use crate::impact::{Impact, ImpactEnd};
+use crate::part::{Impact, ImpactEnd};
 use crate::pose;
 use crate::simulation::Simulation;
 use crate::state::State;

@@ -8,14 +8,15 @@ use crate::drives::MotorWork;
 use crate::energy::{Power, energies};
 use crate::error::MotionError;
 use crate::friction::Friction;
-use crate::impact::{Impact, PARTS};
+use crate::impact::PARTS;
 use crate::iteration::{Control, Mechanics, Solver, Stalled};
 use crate::lengths::Lengths;
 use crate::options::Method;
+use crate::part::{Impact, Taken};
 use crate::pose;
 use crate::scheme::Scheme;
 use crate::simulation::Simulation;
-use crate::state::{CableMotion, MotorMotion, State};
+use crate::state::{CableMotion, MotorMotion};
 
 /// ρ of [`Method::Robust`].
 pub(crate) const RHO: f64 = 0.5;
@@ -34,21 +35,6 @@ const HALVINGS_WITH_FRICTION: i32 = 8;
 const ABOUT_TO_CHANGE: f64 = 1e-9;
 /// Halvings of a step at most.
 const MOST_HALVINGS: i32 = 14;
-
-/// A part of a step that was taken.
-#[derive(Debug)]
-pub(crate) struct Taken<'a> {
-    pub before: &'a State,
-    /// In s.
-    pub length: f64,
-    /// Whether its iteration began with a prediction.
-    pub is_warm: bool,
-    /// Whether it is, or its impact was looked for in, all that was left up to the next jump or the end of the step.
-    pub is_rest: bool,
-    /// Whether its contacts were without friction.
-    pub is_frictionless: bool,
-    pub impact: Option<Impact>,
-}
 
 /// A part of a step that has been solved.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ use crate::friction::Friction;
 use crate::iteration::Solver;
 use crate::loads::NodeLoads;
 use crate::options::MotionOptions;
-use crate::parts::Taken;
+use crate::part::Taken;
 use crate::rod::Rod;
 use crate::state::{CableMotion, MotorMotion, State};
 use crate::surroundings::Surroundings;

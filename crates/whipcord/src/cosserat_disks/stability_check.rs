@@ -57,7 +57,7 @@ fn verdict(
             true => on_mesh(problem, mesh, loaded, scratch, |stability, at| {
                 stability.is_clearly_stable(at, locked)
             }),
-            false => is_above_without_load(problem, Diagnostics::NEAR_CRITICAL, scratch),
+            false => is_above_when_held(problem, Diagnostics::NEAR_CRITICAL, locked, scratch),
         };
         if is_stable == Some(true) {
             return Ok(Verdict::STABLE);
@@ -186,23 +186,33 @@ pub(super) fn is_above_without_load(
     bound: f64,
     scratch: &mut Scratch,
 ) -> Option<bool> {
-    let Scratch { unloaded, groups, pulled, lengths, .. } = &mut *scratch;
-    if !may_buckle(problem.mesh, |k| unloaded.wrenches[k]) {
-        return Some(true);
-    }
+    let Scratch { groups, pulled, lengths, .. } = &mut *scratch;
     let mut tensions = vec![0.0; problem.commands.len()];
     for (&tension, &group) in pulled.iter().zip(&*groups) {
         tensions[group] = tension;
     }
     let mut locked = Locked::default();
     held_lengths(problem, &tensions, lengths, &mut locked);
+    is_above_when_held(problem, bound, &locked, scratch)
+}
+
+/// The same with these cables held.
+fn is_above_when_held(
+    problem: &Problem<'_>,
+    bound: f64,
+    locked: &Locked,
+    scratch: &mut Scratch,
+) -> Option<bool> {
+    if !may_buckle(problem.mesh, |k| scratch.unloaded.wrenches[k]) {
+        return Some(true);
+    }
     let scale = problem.frame.compliance(problem.mesh);
     let mut above = |mesh: &Mesh, bound: f64| {
         sample(problem, mesh, 0.0, false, scratch);
         let Scratch { unloaded, stability, samples, pulled, .. } = &mut *scratch;
         let (frame, chords, tensions) = (problem.frame, &unloaded.chords[..], &pulled[..]);
         let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments: None };
-        stability.is_above(bound, &at, &locked)
+        stability.is_above(bound, &at, locked)
     };
     if above(problem.sampled.fine, CLEARLY)? {
         return Some(true);
