@@ -186,7 +186,11 @@ pub(super) fn is_above_without_load(
     bound: f64,
     scratch: &mut Scratch,
 ) -> Option<bool> {
-    let Scratch { groups, pulled, lengths, .. } = &mut *scratch;
+    let Scratch { unloaded, groups, pulled, lengths, .. } = &mut *scratch;
+    // Before anything is allocated.
+    if !may_buckle(problem.mesh, |k| unloaded.wrenches[k]) {
+        return Some(true);
+    }
     let mut tensions = vec![0.0; problem.commands.len()];
     for (&tension, &group) in pulled.iter().zip(&*groups) {
         tensions[group] = tension;
