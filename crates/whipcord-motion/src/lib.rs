@@ -8,6 +8,7 @@
 mod accurate;
 mod adjoint;
 mod analysis;
+mod backward;
 mod block;
 mod by_shape;
 mod cable_work;
