@@ -1,5 +1,7 @@
 //! What a robot is to reach, and how far an answer is from it.
 
+use core::ops::ControlFlow;
+
 use whipcord::derivatives::Place;
 use whipcord::{Pose, Solution, Twist, Vec3};
 
@@ -136,35 +138,17 @@ impl Target {
     pub(crate) fn squares(&self, solution: &Solution, lever: f64, most: f64) -> f64 {
         let poses = &solution.disks.poses;
         let Some(tip) = poses.last() else { return 0.0 };
-        let square = |v: Vec3| v.dot(v);
-        match self {
-            Self::Tip(point) => square(tip.position - *point),
-            Self::Pose(pose) => {
-                let off = square(tip.position - pose.position);
-                // The angle takes longer than all else.
-                if off > most {
-                    return off;
-                }
-                off + square((tip.rotation * pose.rotation.conjugate()).log() * lever)
-            }
-            Self::Axis { point, direction } => {
-                let axis = tip.rotation.rotate(Vec3::new(0.0, 0.0, 1.0));
-                let goal = *direction * (1.0 / direction.norm());
-                let off = point.map_or(0.0, |point| square(tip.position - point));
-                off + square((axis - goal) * lever)
-            }
-            Self::Shape(points) => {
-                #[allow(clippy::cast_precision_loss, reason = "far below 2⁵³ points")]
-                let (count, mut sum) = (points.len() as f64, 0.0);
-                for (disk, point) in points {
-                    sum += square(poses[*disk].position - *point) / count;
-                    if sum > most {
-                        break;
-                    }
-                }
-                sum
-            }
-        }
+        let mut sum = 0.0;
+        let _ = self.each_residual(
+            tip,
+            |disk| poses[disk].position,
+            lever,
+            |residual| {
+                sum += residual.norm_squared();
+                if sum > most { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            },
+        );
+        sum
     }
 
     /// Whether the residuals of another target are the same quantities.
@@ -210,27 +194,42 @@ impl Target {
         into: &mut Vec<f64>,
     ) {
         into.clear();
+        let _ = self.each_residual(tip, disk, lever, |residual| {
+            into.extend(residual.to_array());
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// Gives `each` the residuals, three at a time, until it has enough.
+    fn each_residual(
+        &self,
+        tip: &Pose,
+        disk: impl Fn(usize) -> Vec3,
+        lever: f64,
+        mut each: impl FnMut(Vec3) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         match self {
-            Self::Tip(point) => into.extend((tip.position - *point).to_array()),
+            Self::Tip(point) => each(tip.position - *point),
             Self::Pose(pose) => {
-                into.extend((tip.position - pose.position).to_array());
+                each(tip.position - pose.position)?;
                 let turn = (tip.rotation * pose.rotation.conjugate()).log();
-                into.extend((turn * lever).to_array());
+                each(turn * lever)
             }
             Self::Axis { point, direction } => {
                 if let Some(point) = point {
-                    into.extend((tip.position - *point).to_array());
+                    each(tip.position - *point)?;
                 }
                 let axis = tip.rotation.rotate(Vec3::new(0.0, 0.0, 1.0));
                 let goal = *direction * (1.0 / direction.norm());
-                into.extend(((axis - goal) * lever).to_array());
+                each((axis - goal) * lever)
             }
             Self::Shape(points) => {
                 #[allow(clippy::cast_precision_loss, reason = "far below 2⁵³ points")]
                 let weight = 1.0 / (points.len() as f64).sqrt();
                 for (number, point) in points {
-                    into.extend(((disk(*number) - *point) * weight).to_array());
+                    each((disk(*number) - *point) * weight)?;
                 }
+                ControlFlow::Continue(())
             }
         }
     }

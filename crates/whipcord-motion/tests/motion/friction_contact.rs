@@ -44,7 +44,7 @@ fn wall(distance: f64, friction: f64) -> Obstacle {
     Obstacle { name: "wall".to_owned(), form: Form::HalfSpace, pose, friction, movable: None }
 }
 
-fn pushed(contacts: &[whipcord::Contact]) -> Vec3 {
+fn contact_force(contacts: &[whipcord::Contact]) -> Vec3 {
     let force = |c: &whipcord::Contact| c.normal * c.force.unwrap() + c.friction.unwrap();
     contacts.iter().map(force).fold(Vec3::ZERO, |a, b| a + b)
 }
@@ -90,7 +90,8 @@ fn slow_motions_are_the_steps_of_the_statics() {
             let state = simulation.state();
             let tip = solution.shape.tip().position;
             let error = (state.tip().position - tip).norm() / 0.18;
-            let [moved, still] = [pushed(&state.contacts), pushed(&solution.contacts)];
+            let [moved, still] =
+                [contact_force(&state.contacts), contact_force(&solution.contacts)];
             println!(
                 "{model} by_length {by_length}, wall {of_wall}, step {k}: {error:.1e}, {moved:?} {still:?}"
             );
@@ -168,7 +169,7 @@ fn hardly_any_friction_is_none() {
         let (mut worst, mut touching) = (0.0_f64, 0);
         for (k, (a, b)) in of(0.0).iter().zip(&of(1e-14)).enumerate() {
             let apart = (a.tip().position - b.tip().position).norm() / 0.18;
-            let force = (pushed(&a.contacts) - pushed(&b.contacts)).norm();
+            let force = (contact_force(&a.contacts) - contact_force(&b.contacts)).norm();
             println!("{model} {kind} {k}: {apart:.1e} {force:.1e} {}", a.contacts.len());
             worst = worst.max(apart);
             touching += usize::from(!a.contacts.is_empty());
@@ -246,11 +247,11 @@ fn forces_balance_at_rest() {
             for _ in 0..400 {
                 simulation.step(&commands, 0.01).unwrap();
             }
-            let pushed = pushed(&simulation.state().contacts);
-            let rest = simulation.base_wrench().force + pushed + case.loads.tip_force;
+            let push = contact_force(&simulation.state().contacts);
+            let rest = simulation.base_wrench().force + push + case.loads.tip_force;
             let fastest = simulation.state().velocities.iter().map(|v| v.linear.norm());
-            println!("{model}: {pushed:?} {rest:?} {}", fastest.fold(0.0, f64::max));
-            assert!(pushed.norm() > 0.05 && rest.norm() < 1e-3 * pushed.norm(), "{rest:?}");
+            println!("{model}: {push:?} {rest:?} {}", fastest.fold(0.0, f64::max));
+            assert!(push.norm() > 0.05 && rest.norm() < 1e-3 * push.norm(), "{rest:?}");
         }
     }
 }

@@ -310,7 +310,7 @@ impl Cosserat {
         scratch.tensions.clear();
         scratch.tensions.resize(commands.len(), 0.0);
         set_tensions(commands, &mut scratch.tensions);
-        Ok(convexity::is_shown(&self.grid, &scratch.applied, &scratch.tensions, 1.0, 0.0))
+        Ok(convexity::is_shown(&self.grid, &scratch.applied, &scratch.tensions, 0.0))
     }
 
     pub(super) fn solve_keeping_grid(

@@ -75,7 +75,7 @@ impl<'a> Problem<'a> {
 
     /// Whether the loads are so weak that an equilibrium with these tensions is stable and not near critical.
     pub fn is_clearly_stable(&self, applied: &AppliedLoads, tensions: &[f64]) -> bool {
-        convexity::is_shown(self.grid, applied, tensions, 1.0, Diagnostics::NEAR_CRITICAL)
+        convexity::is_shown(self.grid, applied, tensions, Diagnostics::NEAR_CRITICAL)
     }
 
     /// An equilibrium of it whose stability is asked for.

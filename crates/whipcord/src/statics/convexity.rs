@@ -23,15 +23,9 @@
 use super::grid::{Grid, SHOOTING_NODES, Softest};
 use super::loads::AppliedLoads;
 
-/// Whether (16) shows that an equilibrium under these tensions (N, in the order of the grid) and this fraction of the loads is the only one, with
+/// Whether (16) shows that an equilibrium under these tensions (N, in the order of the grid) and the loads is the only one, with
 /// `E″ ≥ least ∫ δuᵀ K δu ds`.
-pub(crate) fn is_shown(
-    grid: &Grid,
-    applied: &AppliedLoads,
-    tensions: &[f64],
-    load: f64,
-    least: f64,
-) -> bool {
+pub(crate) fn is_shown(grid: &Grid, applied: &AppliedLoads, tensions: &[f64], least: f64) -> bool {
     if applied.any_follower() || applied.any_dead_moment() {
         return false;
     }
@@ -39,7 +33,7 @@ pub(crate) fn is_shown(
     for (k, (step, softest)) in grid.steps.iter().zip(&grid.softest).enumerate().rev() {
         let Some(Softest { bending, compliance }) = *softest else { return false };
         let squares = (0..SHOOTING_NODES.len()).map(|j| applied.force(k, j).norm_squared());
-        let force = load * squares.fold(0.0, f64::max).sqrt();
+        let force = squares.fold(0.0, f64::max).sqrt();
         let tension: f64 = tensions.iter().take(step.active).sum();
         let stretch = 1.0 + (force + tension) * compliance;
         let stiffness = (1.0 - least) * bending;
