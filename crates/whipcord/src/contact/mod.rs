@@ -22,7 +22,8 @@
 //! | `noted` | the equilibria on the way, for derivatives |
 //! | `step_length` | how far the robot may move in one step on the way |
 //! | `equilibrium` | the equilibrium at one place of the way, in which contacts come and go |
-//! | `homotopy`, `path` | the way from a shape without contact, or from a known answer, to the case |
+//! | `homotopy`, `start`, `path` | the way from a shape without contact, or from a known answer, to the case |
+//! | `steps` | the steps of actuation of a case, each with its way |
 
 mod approach;
 pub mod body;
@@ -58,8 +59,10 @@ mod rod;
 mod rod_response;
 mod scene;
 mod sliding;
+mod start;
 mod step;
 mod step_length;
+mod steps;
 mod two_bodies;
 
 pub(crate) use dense_output::DenseOutput;
@@ -71,9 +74,9 @@ pub(crate) use noted::{
     Noted, NotedEnd, NotedWay, Noting, OnWay, last_with_derivatives, where_it_counts,
     with_derivatives_or_free,
 };
-pub(crate) use path::{solve, solve_holding, solve_noted, solve_rubbing};
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{
     ContactRod, RodAdapter, differentiate_rubbing, on_few_steps_or_more, watched,
 };
 pub(crate) use rod_response::{RodHoles, RodResponse};
+pub(crate) use steps::{solve, solve_holding, solve_noted, solve_rubbing};

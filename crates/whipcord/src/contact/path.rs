@@ -1,33 +1,26 @@
 //! The way to the answer: actuation and loads grow in steps, and contacts come and go.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::Vec3;
 
 use super::dampers::Dampers;
 use super::drawn_out::DrawnOut;
 use super::holding::Holding;
-use super::homotopy::Homotopy;
 use super::model::{Compliant, Push};
 use super::noted::{Noting, OnWay};
 use super::object::Objects;
-use super::pair::OVERLAP;
 use super::pairs::Pairs;
-use super::scene::{Present, Scene};
+use super::scene::Scene;
 use super::step::Scratch;
 
-use crate::case::{CableCommand, Case};
+use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
-use crate::obstacle::Obstacle;
 use crate::robot::{Cable, Robot};
-use crate::shape::{Part, Solution, Wrench};
+use crate::shape::{Solution, Wrench};
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
 pub(super) const MET: f64 = 1e-9;
 /// A nudge, relative to the force scale.
 const NUDGE: f64 = 2e-2;
-/// A known answer is where the model stands if no disk is farther from it than this part of the length.
-const FOUND_AGAIN: f64 = 1e-9;
-/// How far the base is drawn back to insert the robot, as a part of its length.
-const INSERTED: f64 = 1.02;
 /// The longest step on the way of a robot that touches: eq. (6) misses two directions that turn unstable in one.
 const LONGEST_STEP: f64 = 0.2;
 /// That of a robot whose cables rub in their holes: what sticks at the end of a step has its length beyond the hole from where that began.
@@ -111,7 +104,7 @@ pub(super) struct PathTracker<'a, M> {
     /// contact.
     pub(super) is_lenient: bool,
     /// Where it is on the way, for what the model notes.
-    on_way: OnWay,
+    pub(super) on_way: OnWay,
 }
 
 /// What is known of the contacts, besides where the model is kept.
@@ -141,303 +134,50 @@ impl Jumps {
     }
 }
 
-/// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
-pub(crate) fn solve(
-    model: &mut impl Noting,
-    robot: &Robot,
-    case: &Case,
-    warm_start: Option<&Solution>,
-) -> Result<Solution, SolveError> {
-    solve_holding(model, robot, case, warm_start).map(|(solution, _)| solution)
-}
-
-/// [`solve`], with the contacts of the answer, linearised.
-pub(crate) fn solve_holding(
-    model: &mut impl Noting,
-    robot: &Robot,
-    case: &Case,
-    warm_start: Option<&Solution>,
-) -> Result<(Solution, Holding), SolveError> {
-    let remembers = has_friction(robot) || case.obstacles.iter().any(Obstacle::has_history);
-    if warm_start.is_some() || case.before.is_empty() || case.independent || !remembers {
-        return solve_step(model, robot, (0, case), (warm_start, None));
-    }
-    // Friction remembers the steps before the last.
-    let mut last = Err(SolveError::NoDerivatives);
-    let followed = follow_steps(model, robot, case, |_, answer| {
-        last = Ok(answer);
-        Ok(())
-    });
-    followed.map_err(|(_, error)| error)?;
-    last
-}
-
-/// The answers to all steps of actuation of a case whose cables rub in their holes, from rest on, and whether anything had touched on
-/// the way to each.
-///
-/// # Errors
-/// The number of the first step without an answer, from 0, and why it has none.
-pub(crate) fn solve_rubbing<M: Noting>(
-    model: &mut M,
-    robot: &Robot,
-    case: &Case,
-    mut each: impl FnMut((Solution, bool)),
-) -> Result<(), (usize, SolveError)> {
-    solve_noted(model, robot, case, |_, answer| {
-        each(answer);
-        Ok(())
-    })
-}
-
-/// The same; `each` gets the model too, at the equilibrium of a step.
-pub(crate) fn solve_noted<M: Noting>(
-    model: &mut M,
-    robot: &Robot,
-    case: &Case,
-    mut each: impl FnMut(&mut M, (Solution, bool)) -> Result<(), SolveError>,
-) -> Result<(), (usize, SolveError)> {
-    follow_steps(model, robot, case, |model, (solution, _)| {
-        let has_touched = model.has_touched();
-        each(model, (solution, has_touched))
-    })
-}
-
-fn has_friction(robot: &Robot) -> bool {
+/// Whether any cable rubs in its holes.
+pub(super) fn has_friction(robot: &Robot) -> bool {
     robot.cables().iter().any(Cable::has_friction)
 }
 
-/// Solves the steps of actuation of a case, each from where the one before ends.
-fn follow_steps<M: Noting>(
-    model: &mut M,
-    robot: &Robot,
-    case: &Case,
-    mut each: impl FnMut(&mut M, (Solution, Holding)) -> Result<(), SolveError>,
-) -> Result<(), (usize, SolveError)> {
-    let mut last: Option<(Solution, Vec<CableCommand>)> = None;
-    for (n, step) in case.leading_steps().enumerate() {
-        let from = match &last {
-            Some((solution, commands)) => (Some(solution), Some(&commands[..])),
-            None => (None, None),
-        };
-        let (solution, holding) =
-            solve_step(model, robot, (n, &step), from).map_err(|error| (n, error))?;
-        last = Some((solution.clone(), step.commands));
-        each(model, (solution, holding)).map_err(|error| (n, error))?;
-    }
-    Ok(())
-}
-
-/// The answer to one step of actuation, from the robot at rest, or from an answer that was led to by commands where these are known.
-fn solve_step(
-    model: &mut impl Noting,
-    robot: &Robot,
-    (step, case): (usize, &Case),
-    (warm_start, commands): (Option<&Solution>, Option<&[CableCommand]>),
-) -> Result<(Solution, Holding), SolveError> {
-    let rubs = has_friction(robot);
-    let to_base = case.base.inverse();
-    let warm_start = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
-    let homotopy = match (warm_start, commands) {
-        // What the holes remember was led to by these.
-        (Some(_), Some(commands)) if rubs => Homotopy::from_commands(commands, case),
-        (Some(answer), _) => Homotopy::from_answer(answer, case),
-        (None, _) if rubs => Homotopy::from_rest_loaded_first(case),
-        (None, _) => Homotopy::from_rest(case),
-    };
-    let pairs = Pairs::new(robot, model.watched());
-    let (force_scale, length) = (model.force_scale(), robot.backbone().length);
-    let budget = model.budget();
-    let mut tracker = PathTracker {
-        model,
-        scene: Scene::new(case),
-        length,
-        pairs,
-        dampers: Dampers::default(),
-        objects: Objects::new(case, warm_start, force_scale, length),
-        drawn_out: None,
-        pushes: Vec::new(),
-        scratch: Scratch::default(),
-        iterations: 0,
-        spent: 0.0,
-        budget,
-        residual: 0.0,
-        odd: None,
-        nudge: None,
-        is_on_way: false,
-        reached: 0.0,
-        slipped_at: None,
-        is_off_answer: false,
-        rubs,
-        is_lenient: false,
-        on_way: OnWay { step, ..OnWay::default() },
-    };
-    let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
-    let at = |way: f64| homotopy.at(way, &initial);
-    let of_case = |way: f64| [homotopy.command_factor(way), homotopy.load_factor(way)];
-    let grow = |way: f64| {
-        let loads = homotopy.load_factor(way);
-        Acting { loads, of_case: of_case(way), ..Acting::ALL }
-    };
-    tracker.start((&at(0.0), of_case(0.0)), warm_start, &to_base)?;
-    let mut gone = tracker.go(case, at, grow);
-    if let Err(error) = &gone
-        && warm_start.is_none()
-        && !tracker.objects.list.is_empty()
-        && error.is_obstruction()
-    {
-        gone = tracker.hold_and_release(case, &at, &to_base);
-        tracker.lose_notes();
-    }
-    if let Err(error) = gone {
-        tracker.approach(case, &at, error)?;
-        tracker.lose_notes();
-    }
-    while tracker.model.refine()? {
-        let here: Vec<Vec3> =
-            (0..tracker.model.watched().len()).map(|k| tracker.model.centre(k)).collect();
-        if let Err(stop) = tracker.touch(&at(1.0), &here) {
-            return Err(tracker.obstructed(1.0, Some(stop)));
+impl<'a, M: Compliant> PathTracker<'a, M> {
+    /// Before a step of actuation: nothing is known of its contacts.
+    pub(super) fn new(
+        model: &'a mut M,
+        robot: &Robot,
+        (step, case): (usize, &Case),
+        warm_start: Option<&Solution>,
+    ) -> Self {
+        let pairs = Pairs::new(robot, model.watched());
+        let (force_scale, length) = (model.force_scale(), robot.backbone().length);
+        let budget = model.budget();
+        Self {
+            model,
+            scene: Scene::new(case),
+            length,
+            pairs,
+            dampers: Dampers::default(),
+            objects: Objects::new(case, warm_start, force_scale, length),
+            drawn_out: None,
+            pushes: Vec::new(),
+            scratch: Scratch::default(),
+            iterations: 0,
+            spent: 0.0,
+            budget,
+            residual: 0.0,
+            odd: None,
+            nudge: None,
+            is_on_way: false,
+            reached: 0.0,
+            slipped_at: None,
+            is_off_answer: false,
+            rubs: has_friction(robot),
+            is_lenient: false,
+            on_way: OnWay { step, ..OnWay::default() },
         }
-        tracker.note();
     }
-    // Whatever led here: where anything that is watched overlaps, this is no answer.
-    if let Some((.., depth)) = tracker.pairs.deepest(tracker.model, &tracker.scene) {
-        return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
-    }
-    if let Some((.., depth)) = tracker.objects.deepest(&tracker.scene, tracker.length) {
-        return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
-    }
-    let holding = tracker.holding(false);
-    let mut solution = tracker.model.solution(&at(1.0), &tracker.pushes)?;
-    let forces = tracker.model.knows_forces();
-    solution.contacts = tracker.pairs.contacts(tracker.model, &case.base, forces);
-    solution.objects = tracker.objects.states(&tracker.pairs, &case.base);
-    solution.diagnostics.iterations = tracker.iterations;
-    solution.diagnostics.stability_lost_at = tracker.slipped_at;
-    solution.diagnostics.residual = solution.diagnostics.residual.max(tracker.residual);
-    Ok((solution, holding))
-}
-
-/// Whether an obstruction may be that of an object, and not of the budget.
-const fn error_of_object(why: &Obstruction) -> bool {
-    !matches!(why, Obstruction::BudgetSpent { .. } | Obstruction::TooManyContacts { .. })
 }
 
 impl<M: Noting> PathTracker<'_, M> {
-    /// Where the way begins: at a known answer with its contacts, or at rest, where nothing may overlap.
-    fn start(
-        &mut self,
-        (case, of_case): (&Case, [f64; 2]),
-        answer: Option<&Solution>,
-        to_base: &Pose,
-    ) -> Result<(), SolveError> {
-        self.objects.place(&mut self.scene);
-        self.scene.begin_step();
-        let Some(answer) = answer else {
-            self.rest(case)?;
-            [self.on_way.commands, self.on_way.loads] = of_case;
-            self.note();
-            self.scene.keep(Present::Pipes);
-            if self.pairs.deepest(self.model, &self.scene).is_some() {
-                let are_held = core::mem::replace(&mut self.objects.are_held, true);
-                self.insert((case, of_case))?;
-                self.objects.are_held = are_held;
-            }
-            self.scene.keep(Present::All);
-            if let Some((owner, other, depth)) = self.objects.deepest(&self.scene, self.length) {
-                let [object, obstacle] =
-                    [owner, other].map(|number| self.scene.get(number).name.clone());
-                return Err(SolveError::ObjectOverlaps { object, obstacle, depth });
-            }
-            return self.refuse_overlap();
-        };
-        self.model.start_from(answer);
-        self.objects.resume(answer, to_base, &self.scene, self.length);
-        let count = self.scene.count();
-        for contact in answer.contacts.iter().filter(|t| t.obstacle < count) {
-            self.pairs.resume(contact, answer, to_base, &self.scene);
-        }
-        self.pairs.pushes(&mut self.pushes);
-        self.model.consider(case, &self.pushes)?;
-        let disks = answer.disks.arc_length.iter().zip(&answer.disks.poses);
-        let moved = |(&s, pose): (&f64, &Pose)| {
-            (self.model.pose(s).position - to_base.transform(pose.position)).norm()
-        };
-        self.is_off_answer = disks.map(moved).fold(0.0, f64::max) > FOUND_AGAIN * self.length;
-        Ok(())
-    }
-
-    /// Inserts the robot at rest into the pipes: from where its base is drawn back by its length, forward.
-    fn insert(&mut self, (case, of_case): (&Case, [f64; 2])) -> Result<(), SolveError> {
-        // The base touches nothing, but where it is the robot has to come out of the bore.
-        let walled = self.scene.iter().find_map(|(_, pipe)| {
-            let depth = -pipe.surface(Vec3::ZERO).distance;
-            (depth > OVERLAP * self.length).then(|| SolveError::ObstacleInTheWay {
-                obstacle: pipe.name.clone(),
-                part: Part::Backbone,
-                arc_length: 0.0,
-                depth,
-                axis: None,
-            })
-        });
-        if let Some(error) = walled {
-            return Err(error);
-        }
-        let start = INSERTED * self.length;
-        self.scene.draw_back(start);
-        self.refuse_overlap()?;
-        let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
-        self.go(case, |_| case.clone(), back)
-    }
-
-    /// Goes the way once more with all objects held where they are, then takes away what holds them: a grasp may be the first thing
-    /// that carries an object.
-    fn hold_and_release(
-        &mut self,
-        case: &Case,
-        at: &impl Fn(f64) -> Case,
-        to_base: &Pose,
-    ) -> Result<(), SolveError> {
-        self.odd = None;
-        self.pairs.near.clear();
-        self.model.reset();
-        self.objects = Objects::new(case, None, self.model.force_scale(), self.length);
-        self.objects.are_held = true;
-        self.start((&at(0.0), [0.0; 2]), None, to_base)?;
-        self.go(case, at, |_| Acting::ALL)?;
-        self.objects.load(case, case, 1.0, 0.0);
-        self.objects.balance(&self.pairs, self.model);
-        self.objects.release();
-        self.odd = None;
-        let gone = self.go(case, |_| at(1.0), |way| Acting { held: 1.0 - way, ..Acting::ALL });
-        gone.map_err(|error| match error {
-            SolveError::Obstructed { reached, touching, why } if error_of_object(&why) => {
-                // As much as still held it.
-                let why = self.objects.most_held().map_or(why, |(object, holding)| {
-                    let [force, moment] =
-                        [holding.force, holding.moment].map(|x| x.norm() * (1.0 - reached));
-                    let object = self.scene.get(object.number).name.clone();
-                    Obstruction::NotHeld { object, force, moment }
-                });
-                SolveError::Obstructed { reached, touching, why }
-            }
-            error => error,
-        })
-    }
-
-    fn refuse_overlap(&self) -> Result<(), SolveError> {
-        match self.pairs.deepest(self.model, &self.scene) {
-            None => Ok(()),
-            Some((obstacle, part, arc_length, depth)) => Err(SolveError::ObstacleInTheWay {
-                obstacle: self.scene.get(obstacle).name.clone(),
-                part,
-                arc_length,
-                depth,
-                axis: self.scene.axis(obstacle),
-            }),
-        }
-    }
-
     /// Goes the way from 0 to 1 to a case, with what acts at each place of it.
     pub(super) fn go(
         &mut self,
@@ -539,19 +279,19 @@ impl<M: Noting> PathTracker<'_, M> {
     }
 
     /// The contacts where it is, linearised.
-    fn holding(&self, remembers: bool) -> Holding {
+    pub(super) fn holding(&self, remembers: bool) -> Holding {
         let at = (&*self.model, &self.scene);
         Holding::new(&self.pairs, &self.objects, at, self.length, remembers)
     }
 
     /// It is where the way that was noted does not lead to.
-    fn lose_notes(&mut self) {
+    pub(super) fn lose_notes(&mut self) {
         self.model.lose_notes();
         self.note();
     }
 
     /// Has the model take note of where it is.
-    fn note(&mut self) {
+    pub(super) fn note(&mut self) {
         if self.model.takes_notes() {
             let holding = self.holding(true);
             self.model.note(holding, self.on_way);
@@ -559,7 +299,7 @@ impl<M: Noting> PathTracker<'_, M> {
     }
 
     /// Puts base and obstacles to where they are at a place of the way.
-    fn arrange(&mut self, Acting { drawn_back, left, .. }: Acting) {
+    pub(super) fn arrange(&mut self, Acting { drawn_back, left, .. }: Acting) {
         self.scene.draw_back(drawn_back);
         if let Some(drawn_out) = &self.drawn_out {
             drawn_out.place(left, &mut self.scene);

@@ -1,0 +1,138 @@
+//! Where the way begins: at a known answer with its contacts, or at rest, drawn back where pipes stand around the robot.
+
+use whipcord_numerics::{Pose, Vec3};
+
+use super::noted::Noting;
+use super::object::Objects;
+use super::pair::OVERLAP;
+use super::path::{Acting, PathTracker};
+use super::scene::Present;
+use crate::case::Case;
+use crate::error::{Obstruction, SolveError};
+use crate::shape::{Part, Solution};
+
+/// A known answer is where the model stands if no disk is farther from it than this part of the length.
+const FOUND_AGAIN: f64 = 1e-9;
+/// How far the base is drawn back to insert the robot, as a part of its length.
+const INSERTED: f64 = 1.02;
+
+/// Whether an obstruction may be that of an object, and not of the budget.
+const fn error_of_object(why: &Obstruction) -> bool {
+    !matches!(why, Obstruction::BudgetSpent { .. } | Obstruction::TooManyContacts { .. })
+}
+
+impl<M: Noting> PathTracker<'_, M> {
+    /// Where the way begins: at a known answer with its contacts, or at rest, where nothing may overlap.
+    pub(super) fn start(
+        &mut self,
+        (case, of_case): (&Case, [f64; 2]),
+        answer: Option<&Solution>,
+        to_base: &Pose,
+    ) -> Result<(), SolveError> {
+        self.objects.place(&mut self.scene);
+        self.scene.begin_step();
+        let Some(answer) = answer else {
+            self.rest(case)?;
+            [self.on_way.commands, self.on_way.loads] = of_case;
+            self.note();
+            self.scene.keep(Present::Pipes);
+            if self.pairs.deepest(self.model, &self.scene).is_some() {
+                let are_held = core::mem::replace(&mut self.objects.are_held, true);
+                self.insert((case, of_case))?;
+                self.objects.are_held = are_held;
+            }
+            self.scene.keep(Present::All);
+            if let Some((owner, other, depth)) = self.objects.deepest(&self.scene, self.length) {
+                let [object, obstacle] =
+                    [owner, other].map(|number| self.scene.get(number).name.clone());
+                return Err(SolveError::ObjectOverlaps { object, obstacle, depth });
+            }
+            return self.refuse_overlap();
+        };
+        self.model.start_from(answer);
+        self.objects.resume(answer, to_base, &self.scene, self.length);
+        let count = self.scene.count();
+        for contact in answer.contacts.iter().filter(|t| t.obstacle < count) {
+            self.pairs.resume(contact, answer, to_base, &self.scene);
+        }
+        self.pairs.pushes(&mut self.pushes);
+        self.model.consider(case, &self.pushes)?;
+        let disks = answer.disks.arc_length.iter().zip(&answer.disks.poses);
+        let moved = |(&s, pose): (&f64, &Pose)| {
+            (self.model.pose(s).position - to_base.transform(pose.position)).norm()
+        };
+        self.is_off_answer = disks.map(moved).fold(0.0, f64::max) > FOUND_AGAIN * self.length;
+        Ok(())
+    }
+
+    /// Inserts the robot at rest into the pipes: from where its base is drawn back by its length, forward.
+    fn insert(&mut self, (case, of_case): (&Case, [f64; 2])) -> Result<(), SolveError> {
+        // The base touches nothing, but where it is the robot has to come out of the bore.
+        let walled = self.scene.iter().find_map(|(_, pipe)| {
+            let depth = -pipe.surface(Vec3::ZERO).distance;
+            (depth > OVERLAP * self.length).then(|| SolveError::ObstacleInTheWay {
+                obstacle: pipe.name.clone(),
+                part: Part::Backbone,
+                arc_length: 0.0,
+                depth,
+                axis: None,
+            })
+        });
+        if let Some(error) = walled {
+            return Err(error);
+        }
+        let start = INSERTED * self.length;
+        self.scene.draw_back(start);
+        self.refuse_overlap()?;
+        let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
+        self.go(case, |_| case.clone(), back)
+    }
+
+    /// Goes the way once more with all objects held where they are, then takes away what holds them: a grasp may be the first thing
+    /// that carries an object.
+    pub(super) fn hold_and_release(
+        &mut self,
+        case: &Case,
+        at: &impl Fn(f64) -> Case,
+        to_base: &Pose,
+    ) -> Result<(), SolveError> {
+        self.odd = None;
+        self.pairs.near.clear();
+        self.model.reset();
+        self.objects = Objects::new(case, None, self.model.force_scale(), self.length);
+        self.objects.are_held = true;
+        self.start((&at(0.0), [0.0; 2]), None, to_base)?;
+        self.go(case, at, |_| Acting::ALL)?;
+        self.objects.load(case, case, 1.0, 0.0);
+        self.objects.balance(&self.pairs, self.model);
+        self.objects.release();
+        self.odd = None;
+        let gone = self.go(case, |_| at(1.0), |way| Acting { held: 1.0 - way, ..Acting::ALL });
+        gone.map_err(|error| match error {
+            SolveError::Obstructed { reached, touching, why } if error_of_object(&why) => {
+                // As much as still held it.
+                let why = self.objects.most_held().map_or(why, |(object, holding)| {
+                    let [force, moment] =
+                        [holding.force, holding.moment].map(|x| x.norm() * (1.0 - reached));
+                    let object = self.scene.get(object.number).name.clone();
+                    Obstruction::NotHeld { object, force, moment }
+                });
+                SolveError::Obstructed { reached, touching, why }
+            }
+            error => error,
+        })
+    }
+
+    fn refuse_overlap(&self) -> Result<(), SolveError> {
+        match self.pairs.deepest(self.model, &self.scene) {
+            None => Ok(()),
+            Some((obstacle, part, arc_length, depth)) => Err(SolveError::ObstacleInTheWay {
+                obstacle: self.scene.get(obstacle).name.clone(),
+                part,
+                arc_length,
+                depth,
+                axis: self.scene.axis(obstacle),
+            }),
+        }
+    }
+}

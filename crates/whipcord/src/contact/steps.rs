@@ -1,0 +1,160 @@
+//! The answer to a case: its steps of actuation, and the way to each.
+
+use whipcord_numerics::Vec3;
+
+use super::holding::Holding;
+use super::homotopy::Homotopy;
+use super::noted::Noting;
+use super::path::{Acting, PathTracker, Stop, has_friction};
+use crate::case::{CableCommand, Case};
+use crate::error::SolveError;
+use crate::obstacle::Obstacle;
+use crate::robot::Robot;
+use crate::shape::Solution;
+
+/// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
+pub(crate) fn solve(
+    model: &mut impl Noting,
+    robot: &Robot,
+    case: &Case,
+    warm_start: Option<&Solution>,
+) -> Result<Solution, SolveError> {
+    solve_holding(model, robot, case, warm_start).map(|(solution, _)| solution)
+}
+
+/// [`solve`], with the contacts of the answer, linearised.
+pub(crate) fn solve_holding(
+    model: &mut impl Noting,
+    robot: &Robot,
+    case: &Case,
+    warm_start: Option<&Solution>,
+) -> Result<(Solution, Holding), SolveError> {
+    let remembers = has_friction(robot) || case.obstacles.iter().any(Obstacle::has_history);
+    if warm_start.is_some() || case.before.is_empty() || case.independent || !remembers {
+        return solve_step(model, robot, (0, case), (warm_start, None));
+    }
+    // Friction remembers the steps before the last.
+    let mut last = Err(SolveError::NoDerivatives);
+    let followed = follow_steps(model, robot, case, |_, answer| {
+        last = Ok(answer);
+        Ok(())
+    });
+    followed.map_err(|(_, error)| error)?;
+    last
+}
+
+/// The answers to all steps of actuation of a case whose cables rub in their holes, from rest on, and whether anything had touched on
+/// the way to each.
+///
+/// # Errors
+/// The number of the first step without an answer, from 0, and why it has none.
+pub(crate) fn solve_rubbing<M: Noting>(
+    model: &mut M,
+    robot: &Robot,
+    case: &Case,
+    mut each: impl FnMut((Solution, bool)),
+) -> Result<(), (usize, SolveError)> {
+    solve_noted(model, robot, case, |_, answer| {
+        each(answer);
+        Ok(())
+    })
+}
+
+/// The same; `each` gets the model too, at the equilibrium of a step.
+pub(crate) fn solve_noted<M: Noting>(
+    model: &mut M,
+    robot: &Robot,
+    case: &Case,
+    mut each: impl FnMut(&mut M, (Solution, bool)) -> Result<(), SolveError>,
+) -> Result<(), (usize, SolveError)> {
+    follow_steps(model, robot, case, |model, (solution, _)| {
+        let has_touched = model.has_touched();
+        each(model, (solution, has_touched))
+    })
+}
+
+/// Solves the steps of actuation of a case, each from where the one before ends.
+fn follow_steps<M: Noting>(
+    model: &mut M,
+    robot: &Robot,
+    case: &Case,
+    mut each: impl FnMut(&mut M, (Solution, Holding)) -> Result<(), SolveError>,
+) -> Result<(), (usize, SolveError)> {
+    let mut last: Option<(Solution, Vec<CableCommand>)> = None;
+    for (n, step) in case.leading_steps().enumerate() {
+        let from = match &last {
+            Some((solution, commands)) => (Some(solution), Some(&commands[..])),
+            None => (None, None),
+        };
+        let (solution, holding) =
+            solve_step(model, robot, (n, &step), from).map_err(|error| (n, error))?;
+        last = Some((solution.clone(), step.commands));
+        each(model, (solution, holding)).map_err(|error| (n, error))?;
+    }
+    Ok(())
+}
+
+/// The answer to one step of actuation, from the robot at rest, or from an answer that was led to by commands where these are known.
+fn solve_step(
+    model: &mut impl Noting,
+    robot: &Robot,
+    (step, case): (usize, &Case),
+    (warm_start, commands): (Option<&Solution>, Option<&[CableCommand]>),
+) -> Result<(Solution, Holding), SolveError> {
+    let rubs = has_friction(robot);
+    let to_base = case.base.inverse();
+    let warm_start = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
+    let homotopy = match (warm_start, commands) {
+        // What the holes remember was led to by these.
+        (Some(_), Some(commands)) if rubs => Homotopy::from_commands(commands, case),
+        (Some(answer), _) => Homotopy::from_answer(answer, case),
+        (None, _) if rubs => Homotopy::from_rest_loaded_first(case),
+        (None, _) => Homotopy::from_rest(case),
+    };
+    let mut tracker = PathTracker::new(model, robot, (step, case), warm_start);
+    let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
+    let at = |way: f64| homotopy.at(way, &initial);
+    let of_case = |way: f64| [homotopy.command_factor(way), homotopy.load_factor(way)];
+    let grow = |way: f64| {
+        let loads = homotopy.load_factor(way);
+        Acting { loads, of_case: of_case(way), ..Acting::ALL }
+    };
+    tracker.start((&at(0.0), of_case(0.0)), warm_start, &to_base)?;
+    let mut gone = tracker.go(case, at, grow);
+    if let Err(error) = &gone
+        && warm_start.is_none()
+        && !tracker.objects.list.is_empty()
+        && error.is_obstruction()
+    {
+        gone = tracker.hold_and_release(case, &at, &to_base);
+        tracker.lose_notes();
+    }
+    if let Err(error) = gone {
+        tracker.approach(case, &at, error)?;
+        tracker.lose_notes();
+    }
+    while tracker.model.refine()? {
+        let here: Vec<Vec3> =
+            (0..tracker.model.watched().len()).map(|k| tracker.model.centre(k)).collect();
+        if let Err(stop) = tracker.touch(&at(1.0), &here) {
+            return Err(tracker.obstructed(1.0, Some(stop)));
+        }
+        tracker.note();
+    }
+    // Whatever led here: where anything that is watched overlaps, this is no answer.
+    if let Some((.., depth)) = tracker.pairs.deepest(tracker.model, &tracker.scene) {
+        return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
+    }
+    if let Some((.., depth)) = tracker.objects.deepest(&tracker.scene, tracker.length) {
+        return Err(tracker.obstructed(1.0, Some(Stop::NotConverged(depth / tracker.length))));
+    }
+    let holding = tracker.holding(false);
+    let mut solution = tracker.model.solution(&at(1.0), &tracker.pushes)?;
+    let forces = tracker.model.knows_forces();
+    solution.contacts = tracker.pairs.contacts(tracker.model, &case.base, forces);
+    solution.objects = tracker.objects.states(&tracker.pairs, &case.base);
+    solution.diagnostics.iterations = tracker.iterations;
+    solution.diagnostics.stability_lost_at = tracker.slipped_at;
+    solution.diagnostics.residual = solution.diagnostics.residual.max(tracker.residual);
+    Ok((solution, holding))
+}
