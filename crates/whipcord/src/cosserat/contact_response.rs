@@ -6,24 +6,20 @@
 
 use std::sync::Arc;
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use whipcord_numerics::{Pose, Vec3};
 
 use super::chain::{Chain, Task};
+use super::contact_grid::{ContactGrid, carried, near};
 use super::friction::{Friction, ResponseScratch};
 use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
 use super::prepared::{Cosserat, Workspace};
-use super::state::{Direction, Node, State};
+use super::state::{Direction, State};
 use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{ContactRod, DenseOutput, NotedEnd, Refinement, RodHoles, RodResponse};
-use crate::derivatives::{
-    Cables, ContactGain, Derivatives, NoDerivatives, OpenStrands, SlidingAnswer, Solved, StepGap,
-    Strands, Varying,
-};
+use crate::derivatives::{Derivatives, StepGap};
 use crate::error::SolveError;
-use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::robot::Robot;
 use crate::section::{Fault, step_tolerance};
 use crate::shape::{Solution, Wrench};
@@ -32,13 +28,12 @@ use crate::statics::elimination::Change;
 use crate::statics::friction::{Carried, CondensedHoles, History, Standing};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
-use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
+use crate::statics::options::{Accuracy, Options};
 use crate::statics::outcome::Failure;
 use crate::statics::outcome::Found;
 use crate::statics::refinement::Coarse;
 use crate::statics::runge_kutta::STAGES;
 use crate::statics::scales::Scales;
-use crate::stations::Stations;
 
 /// No cross-section turns by more in one step, in rad.
 const LONGEST: f64 = 0.5;
@@ -46,44 +41,29 @@ const LONGEST: f64 = 0.5;
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactResponse {
-    contact_grid: Option<Arc<ContactGrid>>,
-    chain: Chain,
-    trajectory: Trajectory,
-    workspace: Workspace,
+    pub(super) contact_grid: Option<Arc<ContactGrid>>,
+    pub(super) chain: Chain,
+    pub(super) trajectory: Trajectory,
+    pub(super) workspace: Workspace,
     /// Its frames.
-    shape: DenseOutput,
+    pub(super) shape: DenseOutput,
     /// What is left of its equations.
-    pub gap: f64,
-    linear: Option<RodResponse>,
-    refinement: Refinement,
+    pub(super) gap: f64,
+    pub(super) linear: Option<RodResponse>,
+    pub(super) refinement: Refinement,
     /// Where cables rub.
-    holes: CondensedHoles,
-    response: ResponseScratch,
+    pub(super) holes: CondensedHoles,
+    pub(super) response: ResponseScratch,
 }
 
 /// What it is to be kept for, to go back to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    contact_grid: Option<Arc<ContactGrid>>,
-    state: State,
-    trajectory: Trajectory,
-    shape: DenseOutput,
-    holes: CondensedHoles,
-}
-
-/// Where its nodes are.
-#[derive(Clone, Debug)]
-struct ContactGrid {
-    model: Cosserat,
-    grid: Grid,
-    /// How many steps there are at least, and how often each is halved.
-    steps: usize,
-    halvings: usize,
-    stations: Vec<f64>,
-    pushes: Vec<f64>,
-    /// Where cables rub, and their tensions in each step by those of their nodes.
-    friction: Option<Friction>,
-    profile: Vec<f64>,
+    pub(super) contact_grid: Option<Arc<ContactGrid>>,
+    pub(super) state: State,
+    pub(super) trajectory: Trajectory,
+    pub(super) shape: DenseOutput,
+    pub(super) holes: CondensedHoles,
 }
 
 impl ContactResponse {
@@ -152,7 +132,7 @@ impl ContactResponse {
     }
 
     /// Which cables are taut, in the order of the grid.
-    fn taut(&self, contact_grid: &ContactGrid) -> Vec<bool> {
+    pub(super) fn taut(&self, contact_grid: &ContactGrid) -> Vec<bool> {
         let tensions = &self.chain.state.tensions;
         let length = contact_grid.model.robot.backbone().length;
         let units = Scales::of(&contact_grid.grid, length).of_cables();
@@ -161,80 +141,6 @@ impl ContactResponse {
             false => tensions[i] > 0.0,
         };
         self.workspace.commands.iter().enumerate().map(is_taut).collect()
-    }
-
-    /// The derivatives where it stands.
-    fn derivatives(
-        &self,
-        contact_grid: &ContactGrid,
-        (robot, case): (&Robot, &Case),
-        taut: &[bool],
-        parameters: &[Parameter],
-        end: Option<(&NotedEnd<'_, Kept>, Option<&[Carried]>)>,
-    ) -> Result<Derivatives, SolveError> {
-        let ContactGrid { model, grid, .. } = contact_grid;
-        let Workspace { scratch, commands, .. } = &self.workspace;
-        let State { nodes, tensions, .. } = &self.chain.state;
-        let start =
-            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
-        let starts: Vec<Wrench> = nodes.iter().map(start).collect();
-        let strands = contact_grid.friction.as_ref().map(|friction| {
-            let nodes = &friction.nodes;
-            let strand = |k: usize, cable: usize| nodes.strand(k, cable);
-            let links = Strands::of_links(nodes.cables(), nodes.count(), grid.len(), strand);
-            let strands = links.with_shares(nodes.shares_of_profile(grid, &contact_grid.profile));
-            (strands, nodes.slopes(grid, self.response.slopes()))
-        });
-        let gain = |compliance: &[f64]| match end {
-            Some((end, _)) => end.noted.holding.gain(compliance),
-            None => Ok(ContactGain::default()),
-        };
-        let (mut sliding, mut open) = (None, None);
-        if let (Some((strands, slopes)), Some(friction)) = (&strands, &contact_grid.friction) {
-            let varying = Varying { tensions: &self.chain.varying, strands, slopes };
-            let varying = Some(varying);
-            match end {
-                None => open = Some(OpenStrands { strands, varying }),
-                Some((end, carried)) => {
-                    sliding = Some(SlidingAnswer {
-                        holes: &friction.holes,
-                        standing: end.standing,
-                        carried,
-                        strands,
-                        varying,
-                        on_way: Some(end.on_way(|s| contact_grid.node(s), &gain)),
-                    });
-                }
-            }
-        }
-        let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
-        let base_force = scratch.applied.base_force() + starts[0].force;
-        let solved = Solved {
-            robot,
-            case,
-            cables: Cables::of(&model.layout),
-            grid,
-            loads: &scratch.applied,
-            commands,
-            tensions,
-            taut,
-            poses: &self.shape.poses,
-            base_wrench: Wrench { force: base_force, ..starts[0] },
-            starts: &known,
-            strains: self.trajectory.strains(),
-            are_strains_met: strands.is_none(),
-            history: &[],
-            nodes: &grid.stations,
-            sliding,
-            open,
-        };
-        Derivatives::of(&solved, parameters).map_err(|error| match error {
-            NoDerivatives::Fault(fault) => {
-                model.explain(Failure::of_section(fault, tensions, 1.0), commands)
-            }
-            NoDerivatives::Parameter(error) => error.into(),
-            NoDerivatives::Critical => SolveError::NoDerivatives,
-        })
     }
 }
 
@@ -454,36 +360,7 @@ impl ContactRod for ContactResponse {
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
     ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
-        self.go_back(&end.noted.state);
-        self.holes.put(end.standing);
-        let contact_grid = self.contact_grid.clone().ok_or(SolveError::NoDerivatives)?;
-        let ContactGrid { model, grid, stations, pushes, .. } = &*contact_grid;
-        self.look(robot, &model.options, end.case, (stations, pushes), None)?;
-        let regridded = end.before.and_then(|before| {
-            let before = before.contact_grid.as_ref()?;
-            let (old, new) = (before.friction.as_ref()?, contact_grid.friction.as_ref()?);
-            if Arc::ptr_eq(before, &contact_grid) {
-                return None;
-            }
-            let on_grid = |carried: &Carried| {
-                let from = (&old.nodes, &before.grid);
-                let beyond = match carried.beyond.is_empty() {
-                    true => Vec::new(),
-                    false => new.nodes.carried_starts(grid, from, &carried.beyond),
-                };
-                Carried { beyond, ..carried.clone() }
-            };
-            Some(end.carried?.iter().map(on_grid).collect::<Vec<_>>())
-        });
-        let known = model.stations();
-        let nodes = end.stations.iter().map(|s| known.contains(s).then(|| self.node(*s)));
-        let nodes: Option<Vec<usize>> = nodes.collect();
-        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::Cosserat))?;
-        let taut = vec![true; end.standing.base.len()];
-        let of_end = Some((end, regridded.as_deref().or(end.carried)));
-        let of = (robot, end.case);
-        let derivatives = self.derivatives(&contact_grid, of, &taut, parameters, of_end)?;
-        Ok(end.found(derivatives, nodes))
+        self.differentiate_there(robot, end, parameters)
     }
 
     /// How the places of pushes move with each component of each of them, by rows, and how with the step that is
@@ -658,103 +535,4 @@ impl ContactRod for ContactResponse {
         }
         Ok(Some(solution))
     }
-}
-
-impl ContactGrid {
-    fn new(
-        robot: &Robot,
-        options: &Options,
-        case: &Case,
-        (least, halvings): (usize, usize),
-        stations: &[f64],
-        pushes: &[f64],
-    ) -> Result<Self, SolveError> {
-        let mut places = stations.to_vec();
-        places.extend_from_slice(pushes);
-        places.sort_by(f64::total_cmp);
-        places.dedup();
-        let steps = match options.accuracy {
-            Accuracy::Steps(steps) => steps,
-            Accuracy::Tolerance(_) => least,
-        };
-        let options = Options {
-            stations: Stations::At(places),
-            accuracy: Accuracy::Steps(steps),
-            stability: StabilityAnalysis::Off,
-            ..options.clone()
-        };
-        let model = Cosserat::new(robot, &case.loads, &options)?;
-        let grid = match halvings {
-            0 => model.grid.clone(),
-            _ => Grid::refined(robot, &model.layout, steps, halvings)?,
-        };
-        let friction = model.has_friction().then(|| model.friction_on(&grid));
-        let profile = friction
-            .as_ref()
-            .map(|friction| friction.nodes.flat_profile(&grid))
-            .unwrap_or_default();
-        let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
-        Ok(Self { model, grid, steps, halvings, stations, pushes, friction, profile })
-    }
-
-    /// The node of a station or a push.
-    fn node(&self, arc_length: f64) -> usize {
-        let stations = self.model.stations();
-        let place = stations.partition_point(|&s| s < arc_length).min(stations.len() - 1);
-        self.grid.stations[place]
-    }
-}
-
-/// The state at other nodes.
-fn carried(state: &State, from: &[f64], to: &[f64]) -> State {
-    let nodes = to.iter().map(|&s| {
-        let after = from.partition_point(|&at| at < s).clamp(1, from.len() - 1);
-        let (a, b) = (state.nodes[after - 1], state.nodes[after]);
-        let part = ((s - from[after - 1]) / (from[after] - from[after - 1])).clamp(0.0, 1.0);
-        if part == 0.0 {
-            return a;
-        }
-        if part == 1.0 {
-            return b;
-        }
-        let turn = (a.rotation.conjugate() * b.rotation).log();
-        Node {
-            rotation: a.rotation * UnitQuaternion::exp(turn * part),
-            moment: a.moment + (b.moment - a.moment) * part,
-            ..a
-        }
-    });
-    State { nodes: nodes.collect(), ..state.clone() }
-}
-
-/// Where an answer stood, by one shot with the wrench at its base.
-fn near(
-    answer: &Solution,
-    contact_grid: &ContactGrid,
-    loads: &AppliedLoads,
-    trajectory: &mut Trajectory,
-) -> Option<State> {
-    let base = answer.base_wrench?;
-    let tension =
-        |&cable: &usize| answer.cables.get(cable).and_then(|state| state.tension).unwrap_or(0.0);
-    let tensions: Vec<f64> = contact_grid.model.layout.order.iter().map(tension).collect();
-    let target = Target {
-        tensions: &tensions,
-        per_node: 0,
-        base_moment: base.moment,
-        follower_force: loads.follower_share(base.force),
-        load: 1.0,
-        sample: true,
-        step_tolerance: step_tolerance(0.0),
-    };
-    trajectory.shoot(&contact_grid.grid, loads, &target).ok()?;
-    let start = |k: usize| Node {
-        rotation: trajectory.poses[k].rotation,
-        moment: trajectory.samples[3 * k].wrench.angular,
-        force: target.follower_force,
-    };
-    let steps = contact_grid.grid.len();
-    let tip = Node { rotation: trajectory.poses[steps].rotation, ..Node::default() };
-    let nodes = (0..steps).map(start).chain([tip]).collect();
-    Some(State { nodes, tensions, load: 1.0 })
 }

@@ -21,6 +21,7 @@
 //! | `refinement` | halving of the steps to a tolerance, and the check of stability |
 //! | `tension_nodes`, `friction`, `friction_steps` | friction of cables: where their tension is given, the rod's answer to it, and steps of actuation |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
+//! | `contact_grid`, `contact_derivatives` | its nodes under contact forces, and its derivatives there |
 //! | `derivatives` | exact derivatives |
 //! | `command_changes` | derivatives by commands alone, for trials of inverse problems |
 //! | `lanes` | many unloaded rods at once |
@@ -31,6 +32,8 @@ mod branches;
 mod chain;
 mod command_changes;
 mod contact;
+mod contact_derivatives;
+mod contact_grid;
 mod contact_response;
 mod continuation;
 mod friction;

@@ -7,35 +7,27 @@ use std::sync::Arc;
 use whipcord_numerics::{Pose, Vec3};
 
 use super::chain::Chain;
+use super::contact_mesh::ContactMesh;
 use super::layout::Mesh;
-use super::loaded_span::{Gap, Slope};
+use super::loaded_span::Slope;
 use super::model::CosseratDisks;
 use super::node::Node;
-use super::task::Task;
 use super::unloaded::From;
 use super::workspace::Workspace;
 use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{ContactRod, DenseOutput, NotedEnd, Refinement, RodHoles, RodResponse};
-use crate::derivatives::{
-    Cables, ContactGain, Derivatives, Motion, NoDerivatives, NodeChange, OpenStrands,
-    SlidingAnswer, Solved, StepGap, StraightCables,
-};
+use crate::derivatives::{Derivatives, Motion, NodeChange};
 use crate::error::SolveError;
-use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::robot::Robot;
-use crate::section::{BodyWrench, Fault};
+use crate::section::Fault;
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::{Carried, CondensedHoles, History, Holes, Passages, Standing};
-use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
+use crate::statics::options::{Accuracy, Options};
 use crate::statics::outcome::{Failure, Found};
-use crate::statics::passages::Passage;
-use crate::statics::path::Step;
 use crate::statics::refinement::Coarse;
-use crate::stations::Stations;
 
 /// No disk turns by more in one step, in rad.
 const LONGEST: f64 = 0.5;
@@ -43,106 +35,26 @@ const LONGEST: f64 = 0.5;
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ContactResponse {
-    contact_mesh: Option<Arc<ContactMesh>>,
-    chain: Chain,
-    workspace: Workspace,
+    pub(super) contact_mesh: Option<Arc<ContactMesh>>,
+    pub(super) chain: Chain,
+    pub(super) workspace: Workspace,
     /// Its frames.
-    shape: DenseOutput,
+    pub(super) shape: DenseOutput,
     /// What is left of its equations.
-    gap: f64,
-    linear: Option<RodResponse>,
-    refinement: Refinement,
+    pub(super) gap: f64,
+    pub(super) linear: Option<RodResponse>,
+    pub(super) refinement: Refinement,
     /// Where cables rub.
-    holes: CondensedHoles,
+    pub(super) holes: CondensedHoles,
 }
 
 /// What it is to be kept for, to go back to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    contact_mesh: Option<Arc<ContactMesh>>,
-    nodes: Vec<Node>,
-    tensions: Vec<f64>,
-    shape: DenseOutput,
-}
-
-/// Where its steps end.
-#[derive(Clone, Debug)]
-struct ContactMesh {
-    model: CosseratDisks,
-    mesh: Mesh,
-    /// How many steps there are at least, and how often each is halved.
-    steps: usize,
-    halvings: usize,
-    stations: Vec<f64>,
-    pushes: Vec<f64>,
-    /// Cable of each passage.
-    groups: Vec<usize>,
-}
-
-impl ContactMesh {
-    fn new(
-        robot: &Robot,
-        options: &Options,
-        case: &Case,
-        (least, halvings): (usize, usize),
-        stations: &[f64],
-        pushes: &[f64],
-    ) -> Result<Self, SolveError> {
-        let mut places = stations.to_vec();
-        places.extend_from_slice(pushes);
-        places.sort_by(f64::total_cmp);
-        places.dedup();
-        let steps = match options.accuracy {
-            Accuracy::Steps(steps) => steps,
-            Accuracy::Tolerance(_) => least,
-        };
-        let options = Options {
-            stations: Stations::At(places),
-            accuracy: Accuracy::Steps(steps),
-            stability: StabilityAnalysis::Off,
-            ..options.clone()
-        };
-        let model = CosseratDisks::new(robot, &case.loads, &options)?;
-        let mesh = model.frame().mesh(steps, halvings)?;
-        let passages = model.frame().spans.iter().flat_map(|span| &span.passages);
-        let rubs = model.has_friction();
-        // Where cables rub, every passage has a tension of its own.
-        let group = |(p, passage): (usize, &Passage)| if rubs { p } else { passage.cable };
-        let groups = passages.enumerate().map(group).collect();
-        let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
-        Ok(Self { model, mesh, steps, halvings, stations, pushes, groups })
-    }
-
-    /// The node of a station or a push.
-    fn node(&self, arc_length: f64) -> usize {
-        let stations = self.model.stations();
-        let place = stations.partition_point(|&s| s < arc_length).min(stations.len() - 1);
-        self.mesh.grid.stations[place]
-    }
-
-    /// The node of a station or a push; `None` where there is none.
-    fn known_node(&self, arc_length: f64) -> Option<usize> {
-        self.model.stations().contains(&arc_length).then(|| self.node(arc_length))
-    }
-
-    /// The equations of the chain.
-    fn task<'a>(&'a self, workspace: &'a Workspace) -> Task<'a> {
-        let commands = workspace.commands();
-        let by_length = commands.iter().any(Command::is_length);
-        let options = self.model.options();
-        Task {
-            frame: self.model.frame(),
-            mesh: &self.mesh,
-            loads: workspace.loads(),
-            load: 1.0,
-            step: Step::Close,
-            groups: &self.groups,
-            commands: if by_length && !self.model.has_friction() { commands } else { &[] },
-            derivatives: false,
-            tolerance: options.greatest_residual(),
-            meter: workspace.meter(),
-        }
-    }
+    pub(super) contact_mesh: Option<Arc<ContactMesh>>,
+    pub(super) nodes: Vec<Node>,
+    pub(super) tensions: Vec<f64>,
+    pub(super) shape: DenseOutput,
 }
 
 impl ContactResponse {
@@ -218,7 +130,7 @@ impl ContactResponse {
         contact_mesh.model.explain(failure, self.workspace.commands())
     }
 
-    fn looked(
+    pub(super) fn looked(
         &mut self,
         contact_mesh: &ContactMesh,
         is_new: bool,
@@ -282,7 +194,7 @@ impl ContactResponse {
     }
 
     /// Which cables are taut.
-    fn taut(&self, contact_mesh: &ContactMesh) -> Vec<bool> {
+    pub(super) fn taut(&self, contact_mesh: &ContactMesh) -> Vec<bool> {
         if contact_mesh.model.has_friction() {
             return vec![true; self.workspace.commands().len()];
         }
@@ -294,124 +206,6 @@ impl ContactResponse {
             false => tensions[i] > 0.0,
         };
         self.workspace.commands().iter().enumerate().map(is_taut).collect()
-    }
-
-    /// The derivatives where it stands, at these nodes and at the disks.
-    fn derivatives(
-        &self,
-        contact_mesh: &ContactMesh,
-        (robot, case): (&Robot, &Case),
-        (taut, nodes): (&[bool], &[usize]),
-        parameters: &[Parameter],
-        end: Option<&NotedEnd<'_, Kept>>,
-    ) -> Result<Derivatives, SolveError> {
-        let ContactMesh { model, mesh, .. } = contact_mesh;
-        let (frame, chain) = (model.frame(), &self.chain);
-        let (commands, loads) = (self.workspace.commands(), self.workspace.loads());
-        let order: Vec<usize> = (0..taut.len()).collect();
-        // Lengths before actuation hang on parameters alone.
-        let rest = (!parameters.is_empty()).then(|| frame.rest_mesh()).transpose()?;
-        let rest =
-            rest.as_ref().map(|mesh| (&mesh.grid, frame.straight_spans(mesh).collect::<Vec<_>>()));
-        let mut spans: Vec<_> = frame.straight_spans(mesh).collect();
-        let rubbing = model.holes.as_ref().map(|holes| frame.strands(holes));
-        if rubbing.is_some() {
-            for (straight, span) in spans.iter_mut().zip(&frame.spans) {
-                let range = span.first..span.first + span.passages.len();
-                straight.tensions = Some(&chain.pulled[range]);
-            }
-        }
-        let straight = StraightCables {
-            spans: &spans,
-            rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
-        };
-        let gain = |compliance: &[f64]| match end {
-            Some(end) => end.noted.holding.gain(compliance),
-            None => Ok(ContactGain::default()),
-        };
-        let holes = model.holes.as_ref().zip(rubbing.as_ref());
-        let sliding = holes.zip(end).map(|((holes, strands), end)| SlidingAnswer {
-            holes,
-            standing: end.standing,
-            carried: end.carried,
-            strands,
-            varying: None,
-            on_way: Some(end.on_way(|s| contact_mesh.node(s), &gain)),
-        });
-        let open = rubbing.as_ref().filter(|_| end.is_none());
-        let base = chain.nodes[0];
-        let mut starts = Vec::new();
-        chain.starts_into(frame, mesh, loads, &mut starts);
-        let solved = Solved {
-            robot,
-            case,
-            cables: Cables {
-                order: &order,
-                rest_lengths: &frame.rest_lengths,
-                straight: Some(straight),
-                rest_changes: None,
-            },
-            grid: &mesh.grid,
-            loads,
-            commands,
-            tensions: if rubbing.is_some() { self.holes.at_base() } else { &chain.tensions },
-            taut,
-            poses: &self.shape.poses,
-            base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
-            starts: &starts,
-            strains: &[],
-            are_strains_met: false,
-            history: &[],
-            nodes,
-            sliding,
-            open: open.map(|strands| OpenStrands { strands, varying: None }),
-        };
-        Derivatives::of(&solved, parameters).map_err(|error| match error {
-            NoDerivatives::Parameter(error) => error.into(),
-            // The sections of a rod without cables have no equilibrium to miss.
-            NoDerivatives::Critical | NoDerivatives::Fault(_) => SolveError::NoDerivatives,
-        })
-    }
-
-    fn linearised(
-        &self,
-        contact_mesh: &ContactMesh,
-        robot: &Robot,
-        case: &Case,
-    ) -> Result<RodResponse, SolveError> {
-        let chain = &self.chain;
-        let (tensions, lengths) = (&chain.tensions, &chain.lengths);
-        let commands = self.workspace.commands();
-        let taut = self.taut(contact_mesh);
-        let mut nodes: Vec<usize> =
-            contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let derivatives =
-            self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[], None)?;
-        let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
-        let gap = |(gap, nodes): (&Gap, &[Node])| {
-            StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment)
-        };
-        let gaps: Vec<StepGap> = ends.map(gap).collect();
-        let lacks = chain.gaps.iter().zip(&chain.nodes).map(|(gap, node)| {
-            let BodyWrench { linear, angular } = gap.residual;
-            let to_base = |x: Vec3| node.rotation.rotate(x);
-            Wrench { force: to_base(linear), moment: to_base(angular) }
-        });
-        if contact_mesh.model.has_friction() {
-            let unbalanced: Vec<Wrench> = lacks.collect();
-            let closing = derivatives.open_closing(&gaps, &unbalanced);
-            return Ok(RodResponse::rubbing(derivatives, closing));
-        }
-        let slackness: Vec<f64> = commands
-            .iter()
-            .enumerate()
-            .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
-            .collect();
-        let unbalanced: Vec<Wrench> = lacks.collect();
-        let closing = derivatives.closing(&gaps, &unbalanced, tensions, &taut, &slackness);
-        Ok(RodResponse::new(derivatives, closing))
     }
 }
 
@@ -517,19 +311,7 @@ impl ContactRod for ContactResponse {
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
     ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
-        self.go_back(&end.noted.state);
-        self.holes.put(end.standing);
-        let contact_mesh = self.contact_mesh.clone().ok_or(SolveError::NoDerivatives)?;
-        contact_mesh.model.accept(end.case, &contact_mesh.mesh, &mut self.workspace)?;
-        self.looked(&contact_mesh, false, None)?;
-        let nodes: Option<Vec<usize>> =
-            end.stations.iter().map(|&s| contact_mesh.known_node(s)).collect();
-        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::CosseratDisks))?;
-        let taut = self.taut(&contact_mesh);
-        let at = (&taut[..], &contact_mesh.mesh.grid.stations[..]);
-        let of = (robot, end.case);
-        let derivatives = self.derivatives(&contact_mesh, of, at, parameters, Some(end))?;
-        Ok(end.found(derivatives, nodes))
+        self.differentiate_there(robot, end, parameters)
     }
 
     fn compliance(

@@ -20,6 +20,7 @@
 //! | `stability`, `span_form`, `stability_check` | the second variation of the energy, its form in a span, and the decision |
 //! | `tip_rates` | how the tip moves with the commands, in memory that is kept |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
+//! | `contact_mesh`, `contact_derivatives` | where its steps end under contact forces, and its derivatives there |
 
 mod anchors;
 mod answer;
@@ -30,6 +31,8 @@ mod chain;
 mod chord;
 mod column;
 mod contact;
+mod contact_derivatives;
+mod contact_mesh;
 mod contact_response;
 mod friction;
 mod friction_derivatives;

@@ -12,6 +12,7 @@ mod actuation_steps;
 mod bending_friction;
 mod chain;
 mod contact;
+mod contact_adapter;
 mod contact_response;
 mod derivatives;
 pub(crate) mod division;

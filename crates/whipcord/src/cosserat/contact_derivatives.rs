@@ -1,0 +1,137 @@
+//! The derivatives of the rod where it stands under contact forces, and at the equilibria on the way there.
+
+use std::sync::Arc;
+
+use super::contact_grid::ContactGrid;
+use super::contact_response::{ContactResponse, Kept};
+use super::prepared::Workspace;
+use super::state::{Node, State};
+use crate::case::Case;
+use crate::contact::{ContactRod as _, NotedEnd};
+use crate::derivatives::{
+    Cables, ContactGain, Derivatives, NoDerivatives, OpenStrands, SlidingAnswer, Solved, Strands,
+    Varying,
+};
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::parameter::Parameter;
+use crate::refusal;
+use crate::robot::Robot;
+use crate::shape::Wrench;
+use crate::statics::friction::Carried;
+use crate::statics::outcome::Failure;
+
+impl ContactResponse {
+    /// The derivatives where it stands.
+    pub(super) fn derivatives(
+        &self,
+        contact_grid: &ContactGrid,
+        (robot, case): (&Robot, &Case),
+        taut: &[bool],
+        parameters: &[Parameter],
+        end: Option<(&NotedEnd<'_, Kept>, Option<&[Carried]>)>,
+    ) -> Result<Derivatives, SolveError> {
+        let ContactGrid { model, grid, .. } = contact_grid;
+        let Workspace { scratch, commands, .. } = &self.workspace;
+        let State { nodes, tensions, .. } = &self.chain.state;
+        let start =
+            |node: &Node| Wrench { force: node.force, moment: node.rotation.rotate(node.moment) };
+        let starts: Vec<Wrench> = nodes.iter().map(start).collect();
+        let strands = contact_grid.friction.as_ref().map(|friction| {
+            let nodes = &friction.nodes;
+            let strand = |k: usize, cable: usize| nodes.strand(k, cable);
+            let links = Strands::of_links(nodes.cables(), nodes.count(), grid.len(), strand);
+            let strands = links.with_shares(nodes.shares_of_profile(grid, &contact_grid.profile));
+            (strands, nodes.slopes(grid, self.response.slopes()))
+        });
+        let gain = |compliance: &[f64]| match end {
+            Some((end, _)) => end.noted.holding.gain(compliance),
+            None => Ok(ContactGain::default()),
+        };
+        let (mut sliding, mut open) = (None, None);
+        if let (Some((strands, slopes)), Some(friction)) = (&strands, &contact_grid.friction) {
+            let varying = Varying { tensions: &self.chain.varying, strands, slopes };
+            let varying = Some(varying);
+            match end {
+                None => open = Some(OpenStrands { strands, varying }),
+                Some((end, carried)) => {
+                    sliding = Some(SlidingAnswer {
+                        holes: &friction.holes,
+                        standing: end.standing,
+                        carried,
+                        strands,
+                        varying,
+                        on_way: Some(end.on_way(|s| contact_grid.node(s), &gain)),
+                    });
+                }
+            }
+        }
+        let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
+        let base_force = scratch.applied.base_force() + starts[0].force;
+        let solved = Solved {
+            robot,
+            case,
+            cables: Cables::of(&model.layout),
+            grid,
+            loads: &scratch.applied,
+            commands,
+            tensions,
+            taut,
+            poses: &self.shape.poses,
+            base_wrench: Wrench { force: base_force, ..starts[0] },
+            starts: &known,
+            strains: self.trajectory.strains(),
+            are_strains_met: strands.is_none(),
+            history: &[],
+            nodes: &grid.stations,
+            sliding,
+            open,
+        };
+        Derivatives::of(&solved, parameters).map_err(|error| match error {
+            NoDerivatives::Fault(fault) => {
+                model.explain(Failure::of_section(fault, tensions, 1.0), commands)
+            }
+            NoDerivatives::Parameter(error) => error.into(),
+            NoDerivatives::Critical => SolveError::NoDerivatives,
+        })
+    }
+
+    /// The derivatives at an equilibrium that was noted, and what goes on to the next.
+    pub(super) fn differentiate_there(
+        &mut self,
+        robot: &Robot,
+        end: &NotedEnd<'_, Kept>,
+        parameters: &[Parameter],
+    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+        self.go_back(&end.noted.state);
+        self.holes.put(end.standing);
+        let contact_grid = self.contact_grid.clone().ok_or(SolveError::NoDerivatives)?;
+        let ContactGrid { model, grid, stations, pushes, .. } = &*contact_grid;
+        self.look(robot, &model.options, end.case, (stations, pushes), None)?;
+        let regridded = end.before.and_then(|before| {
+            let before = before.contact_grid.as_ref()?;
+            let (old, new) = (before.friction.as_ref()?, contact_grid.friction.as_ref()?);
+            if Arc::ptr_eq(before, &contact_grid) {
+                return None;
+            }
+            let on_grid = |carried: &Carried| {
+                let from = (&old.nodes, &before.grid);
+                let beyond = match carried.beyond.is_empty() {
+                    true => Vec::new(),
+                    false => new.nodes.carried_starts(grid, from, &carried.beyond),
+                };
+                Carried { beyond, ..carried.clone() }
+            };
+            Some(end.carried?.iter().map(on_grid).collect::<Vec<_>>())
+        });
+        let known = model.stations();
+        let nodes = end.stations.iter().map(|s| known.contains(s).then(|| self.node(*s)));
+        let nodes: Option<Vec<usize>> = nodes.collect();
+        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::Cosserat))?;
+        let taut = vec![true; end.standing.base.len()];
+        let of_end = Some((end, regridded.as_deref().or(end.carried)));
+        let of = (robot, end.case);
+        let derivatives = self.derivatives(&contact_grid, of, &taut, parameters, of_end)?;
+        Ok(end.found(derivatives, nodes))
+    }
+}

@@ -1,0 +1,164 @@
+//! The derivatives of the rod where it stands under contact forces, and at the equilibria on the way there.
+
+use whipcord_numerics::Vec3;
+
+use super::contact_mesh::ContactMesh;
+use super::contact_response::{ContactResponse, Kept};
+use super::loaded_span::Gap;
+use super::node::Node;
+use crate::case::Case;
+use crate::contact::{ContactRod as _, NotedEnd, RodResponse};
+use crate::derivatives::{
+    Cables, ContactGain, Derivatives, NoDerivatives, OpenStrands, SlidingAnswer, Solved, StepGap,
+    StraightCables,
+};
+use crate::error::SolveError;
+use crate::kind::ModelKind;
+use crate::parameter::Parameter;
+use crate::refusal;
+use crate::robot::Robot;
+use crate::section::BodyWrench;
+use crate::shape::Wrench;
+use crate::statics::friction::Carried;
+
+impl ContactResponse {
+    /// The derivatives where it stands, at these nodes and at the disks.
+    pub(super) fn derivatives(
+        &self,
+        contact_mesh: &ContactMesh,
+        (robot, case): (&Robot, &Case),
+        (taut, nodes): (&[bool], &[usize]),
+        parameters: &[Parameter],
+        end: Option<&NotedEnd<'_, Kept>>,
+    ) -> Result<Derivatives, SolveError> {
+        let ContactMesh { model, mesh, .. } = contact_mesh;
+        let (frame, chain) = (model.frame(), &self.chain);
+        let (commands, loads) = (self.workspace.commands(), self.workspace.loads());
+        let order: Vec<usize> = (0..taut.len()).collect();
+        // Lengths before actuation hang on parameters alone.
+        let rest = (!parameters.is_empty()).then(|| frame.rest_mesh()).transpose()?;
+        let rest =
+            rest.as_ref().map(|mesh| (&mesh.grid, frame.straight_spans(mesh).collect::<Vec<_>>()));
+        let mut spans: Vec<_> = frame.straight_spans(mesh).collect();
+        let rubbing = model.holes.as_ref().map(|holes| frame.strands(holes));
+        if rubbing.is_some() {
+            for (straight, span) in spans.iter_mut().zip(&frame.spans) {
+                let range = span.first..span.first + span.passages.len();
+                straight.tensions = Some(&chain.pulled[range]);
+            }
+        }
+        let straight = StraightCables {
+            spans: &spans,
+            rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
+        };
+        let gain = |compliance: &[f64]| match end {
+            Some(end) => end.noted.holding.gain(compliance),
+            None => Ok(ContactGain::default()),
+        };
+        let holes = model.holes.as_ref().zip(rubbing.as_ref());
+        let sliding = holes.zip(end).map(|((holes, strands), end)| SlidingAnswer {
+            holes,
+            standing: end.standing,
+            carried: end.carried,
+            strands,
+            varying: None,
+            on_way: Some(end.on_way(|s| contact_mesh.node(s), &gain)),
+        });
+        let open = rubbing.as_ref().filter(|_| end.is_none());
+        let base = chain.nodes[0];
+        let mut starts = Vec::new();
+        chain.starts_into(frame, mesh, loads, &mut starts);
+        let solved = Solved {
+            robot,
+            case,
+            cables: Cables {
+                order: &order,
+                rest_lengths: &frame.rest_lengths,
+                straight: Some(straight),
+                rest_changes: None,
+            },
+            grid: &mesh.grid,
+            loads,
+            commands,
+            tensions: if rubbing.is_some() { self.holes.at_base() } else { &chain.tensions },
+            taut,
+            poses: &self.shape.poses,
+            base_wrench: Wrench { force: loads.base_force() + base.force, moment: base.moment },
+            starts: &starts,
+            strains: &[],
+            are_strains_met: false,
+            history: &[],
+            nodes,
+            sliding,
+            open: open.map(|strands| OpenStrands { strands, varying: None }),
+        };
+        Derivatives::of(&solved, parameters).map_err(|error| match error {
+            NoDerivatives::Parameter(error) => error.into(),
+            // The sections of a rod without cables have no equilibrium to miss.
+            NoDerivatives::Critical | NoDerivatives::Fault(_) => SolveError::NoDerivatives,
+        })
+    }
+
+    pub(super) fn linearised(
+        &self,
+        contact_mesh: &ContactMesh,
+        robot: &Robot,
+        case: &Case,
+    ) -> Result<RodResponse, SolveError> {
+        let chain = &self.chain;
+        let (tensions, lengths) = (&chain.tensions, &chain.lengths);
+        let commands = self.workspace.commands();
+        let taut = self.taut(contact_mesh);
+        let mut nodes: Vec<usize> =
+            contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let derivatives =
+            self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[], None)?;
+        let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
+        let gap = |(gap, nodes): (&Gap, &[Node])| {
+            StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment)
+        };
+        let gaps: Vec<StepGap> = ends.map(gap).collect();
+        let lacks = chain.gaps.iter().zip(&chain.nodes).map(|(gap, node)| {
+            let BodyWrench { linear, angular } = gap.residual;
+            let to_base = |x: Vec3| node.rotation.rotate(x);
+            Wrench { force: to_base(linear), moment: to_base(angular) }
+        });
+        if contact_mesh.model.has_friction() {
+            let unbalanced: Vec<Wrench> = lacks.collect();
+            let closing = derivatives.open_closing(&gaps, &unbalanced);
+            return Ok(RodResponse::rubbing(derivatives, closing));
+        }
+        let slackness: Vec<f64> = commands
+            .iter()
+            .enumerate()
+            .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
+            .collect();
+        let unbalanced: Vec<Wrench> = lacks.collect();
+        let closing = derivatives.closing(&gaps, &unbalanced, tensions, &taut, &slackness);
+        Ok(RodResponse::new(derivatives, closing))
+    }
+
+    /// The derivatives at an equilibrium that was noted, and what goes on to the next.
+    pub(super) fn differentiate_there(
+        &mut self,
+        robot: &Robot,
+        end: &NotedEnd<'_, Kept>,
+        parameters: &[Parameter],
+    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+        self.go_back(&end.noted.state);
+        self.holes.put(end.standing);
+        let contact_mesh = self.contact_mesh.clone().ok_or(SolveError::NoDerivatives)?;
+        contact_mesh.model.accept(end.case, &contact_mesh.mesh, &mut self.workspace)?;
+        self.looked(&contact_mesh, false, None)?;
+        let nodes: Option<Vec<usize>> =
+            end.stations.iter().map(|&s| contact_mesh.known_node(s)).collect();
+        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::CosseratDisks))?;
+        let taut = self.taut(&contact_mesh);
+        let at = (&taut[..], &contact_mesh.mesh.grid.stations[..]);
+        let of = (robot, end.case);
+        let derivatives = self.derivatives(&contact_mesh, of, at, parameters, Some(end))?;
+        Ok(end.found(derivatives, nodes))
+    }
+}
