@@ -134,7 +134,7 @@ def test_touches_are_pickled_to_the_last_bit(tmp_path: Path) -> None:
                     assert getattr(again, name) == getattr(touch, name)
                 assert np.array_equal(again.point, touch.point) and np.array_equal(again.normal, touch.normal)
             assert copy.diagnostics == solution.diagnostics
-            assert copy.diagnostics.stability_absent == "touching"
+            assert copy.stable is True and copy.diagnostics.stability_absent is None
             assert copy.report() == solution.report()
     assert answers[0] != answers[1]
     # A pickled answer is as good a start as the answer: nothing is left to do.

@@ -442,7 +442,7 @@ pub fn instability(solution: &Solution) -> Option<String> {
             Some(format!("unstable: the robot leaves this shape (stability {least}){buckles}"))
         }
         (None, Some(load)) => {
-            // Of what obstacles hold, only an odd number of unstable directions would be known.
+            // With friction of obstacles only an odd number of unstable directions would be known.
             let touching = diagnostics.stability_absent == Some(NoStability::Touching);
             let kind = if touching { "one" } else { "a stable one" };
             Some(format!(

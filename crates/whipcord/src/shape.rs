@@ -87,7 +87,7 @@ pub enum NoStability {
     Sliding,
     /// The tangent is singular to rounding, or its least eigenvalue is beyond any stiffness of the robot.
     Undetermined,
-    /// It touches obstacles.
+    /// It touches obstacles, and friction or a movable object is among what holds it.
     Touching,
 }
 
@@ -131,7 +131,7 @@ impl NoStability {
             Self::DeadMoments => "stability not defined: a dead moment has no potential in space",
             Self::Sliding => "stability not computed with friction: a cable slides, or is about to",
             Self::Undetermined => "stability not determined: the tangent is singular",
-            Self::Touching => "stability not computed where obstacles hold it",
+            Self::Touching => "stability not computed where friction or movable objects hold it",
         }
     }
 }

@@ -250,6 +250,17 @@ impl Loads {
             || self.distributed.iter().any(|load| load.follower && load.acts())
     }
 
+    /// Whether a moment keeps its direction in space. Such moments have no energy where their sections can turn.
+    pub(crate) fn has_dead_moment(&self) -> bool {
+        let of_line = |load: &DistributedLoad| {
+            let turns = |piece: Piece| piece.moment.iter().any(|&moment| moment != Vec3::ZERO);
+            !load.follower && load.profile.pieces().any(turns)
+        };
+        (!self.tip_follower && self.tip_moment != Vec3::ZERO)
+            || self.points.iter().any(|p| !p.follower && p.moment != Vec3::ZERO)
+            || self.distributed.iter().any(of_line)
+    }
+
     /// The first of these loads that acts: its path in the terms of the robot file, and what it is.
     pub(crate) fn first(&self) -> Option<(String, &'static str)> {
         if self.gravity.is_some_and(|g| g != Vec3::ZERO) {

@@ -36,6 +36,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     pub(super) fn touch(&mut self, case: &Case, before: &[Vec3]) -> Result<Option<f64>, Stop> {
         let (mut least, mut since) = (f64::INFINITY, 0);
         let mut looked = false;
+        let mut has_stepped = false;
         self.pairs.begin_search();
         for _ in 0..STEPS {
             self.pairs.pushes(&mut self.pushes);
@@ -78,7 +79,11 @@ impl<M: Compliant> PathTracker<'_, M> {
             } else {
                 MET
             };
-            if self.residual <= met && (self.odd.is_some() || !self.is_touching()) {
+            let is_judged = match self.is_without_friction() {
+                true => has_stepped && self.scratch.is_of(&self.pairs),
+                false => self.odd.is_some(),
+            };
+            if self.residual <= met && (is_judged || !self.is_touching()) {
                 return self.arrived();
             }
             if self.residual < 0.5 * least {
@@ -101,6 +106,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                 let Self { pairs, dampers, objects, model, scene, scratch, .. } = &mut *self;
                 scratch.step((pairs, dampers, objects), *model, scene, (length, cap))
             };
+            has_stepped = true;
             match stepped {
                 Ok(stepped) => {
                     self.odd = Some(stepped.odd);
@@ -137,17 +143,40 @@ impl<M: Compliant> PathTracker<'_, M> {
         Ok(())
     }
 
-    /// Whether the contacts hold: eq. (6).
+    /// Whether the contacts hold: eq. (20) where that is defined, else eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
+        self.unstable = None;
         let is_held = self.is_touching() || !self.dampers.all.is_empty();
         if is_held {
             // It is linearised once more.
             self.spent += self.model.effort();
-            if self.odd == Some(self.model.stands_alone()) {
+            self.unstable = self.unstable_directions();
+            let slips = match self.unstable {
+                Some(count) => count > 0,
+                None => self.odd == Some(self.model.stands_alone()),
+            };
+            if slips {
                 return Err(Stop::Slips);
             }
         }
         Ok(None)
+    }
+
+    /// The number of unstable directions that the contacts admit.
+    fn unstable_directions(&mut self) -> Option<usize> {
+        if !self.is_without_friction() || !self.is_touching() {
+            return None;
+        }
+        let alone = self.model.unstable_alone()?;
+        self.scratch.unstable_directions(alone, &self.pairs, self.length)
+    }
+
+    /// Whether nothing holds the robot but contacts without friction with obstacles that stay where they are.
+    pub(super) fn is_without_friction(&self) -> bool {
+        self.objects.count() == 0
+            && self.dampers.all.is_empty()
+            && self.nudge.is_none()
+            && self.pairs.near.iter().all(|pair| pair.grip.is_none())
     }
 
     /// Whether no known contact is open or overlaps by more than is claimed of an answer.

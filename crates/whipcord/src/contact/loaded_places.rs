@@ -14,16 +14,17 @@ pub(crate) struct LoadedPlaces<T> {
 }
 
 impl<T: Copy + PartialOrd> LoadedPlaces<T> {
-    /// The places of these pushes.
-    pub fn set(&mut self, of_pushes: &[T]) {
+    /// The places of these pushes; whether they are others than before.
+    pub fn set(&mut self, of_pushes: &[T]) -> bool {
         let Self { places, of_push } = self;
-        places.clear();
+        let before = core::mem::take(places);
         places.extend_from_slice(of_pushes);
         // Arc lengths are finite, and nodes are counted: all have an order.
         places.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
         places.dedup();
         of_push.clear();
         of_push.extend(of_pushes.iter().map(|place| places.partition_point(|other| other < place)));
+        *places != before
     }
 
     /// Each place once, in order.

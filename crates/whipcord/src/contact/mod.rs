@@ -12,6 +12,7 @@
 //! | `pairs` | the parts of the robot that are near an obstacle |
 //! | `sliding` | contacts that move along the backbone |
 //! | `friction` | stick and slip of a contact |
+//! | `stability` | the directions in which a robot leaves an equilibrium in contact |
 //! | `complementarity` | which contacts touch and which stick |
 //! | `step`, `two_bodies`, `differences` | Newton's method on the conditions of contact |
 //! | `object`, `object_pair`, `object_pairs`, `features` | movable objects, and what of them and of obstacles can touch |
@@ -59,6 +60,7 @@ mod rod;
 mod rod_response;
 mod scene;
 mod sliding;
+mod stability;
 mod start;
 mod step;
 mod step_length;

@@ -92,6 +92,11 @@ pub(crate) trait Compliant {
     /// pushes stay as they are.
     fn stands_alone(&mut self) -> bool;
 
+    /// The number of directions in which it leaves the last equilibrium while the pushes stay as they are, where dead moments count by the
+    /// symmetric part of their tangent: half of one follows. `None` where that is not defined, under loads that have no potential and with
+    /// friction, or not known.
+    fn unstable_alone(&mut self) -> Option<usize>;
+
     /// Whether anything has touched a robot whose cables rub in their holes at an equilibrium that was kept.
     fn has_touched(&self) -> bool {
         true

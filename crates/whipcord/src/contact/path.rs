@@ -21,7 +21,9 @@ use crate::shape::{Solution, Wrench};
 pub(super) const MET: f64 = 1e-9;
 /// A nudge, relative to the force scale.
 const NUDGE: f64 = 2e-2;
-/// The longest step on the way of a robot that touches: eq. (6) misses two directions that turn unstable in one.
+/// The longest step on the way of a robot that touches, where eq. (20) counts all directions that turn unstable in one.
+const COUNTED_STEP: f64 = 0.5;
+/// The same where eq. (6) misses two of them.
 const LONGEST_STEP: f64 = 0.2;
 /// That of a robot whose cables rub in their holes: what sticks at the end of a step has its length beyond the hole from where that began.
 const RUBBING_STEP: f64 = 1.0 / 32.0;
@@ -87,6 +89,9 @@ pub(super) struct PathTracker<'a, M> {
     /// Whether the contacts change an odd number of directions from stable to unstable or back; `None` until a
     /// step has told.
     pub(super) odd: Option<bool>,
+    /// How many directions the contacts leave unstable, eq. (20), where it came to rest last; `None` where that is not known, or
+    /// nothing touches.
+    pub(super) unstable: Option<usize>,
     /// A small force that decides which way a robot slips off.
     pub(super) nudge: Option<Push>,
     /// Whether the equilibrium that is looked for is none but a place on the way to the answer.
@@ -165,6 +170,7 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
             budget,
             residual: 0.0,
             odd: None,
+            unstable: None,
             nudge: None,
             is_on_way: false,
             reached: 0.0,
@@ -223,7 +229,8 @@ impl<M: Noting> PathTracker<'_, M> {
                     }
                     step = (2.0 * step).min(longest_step);
                     if self.is_touching() {
-                        step = step.min(LONGEST_STEP);
+                        let is_counted = self.unstable.is_some();
+                        step = step.min(if is_counted { COUNTED_STEP } else { LONGEST_STEP });
                     }
                     // What would be left for a short last step is taken along.
                     if way + 1.5 * step >= 1.0 {

@@ -146,6 +146,10 @@ pub(crate) trait ContactRod: Default {
     /// Whether an even number of directions, mostly none, is unstable while the loads stay as they are.
     fn stands(&mut self) -> bool;
 
+    /// The number of directions in which it leaves an equilibrium while the loads stay as they are, see
+    /// [`Compliant::unstable_alone`].
+    fn unstable_directions(&mut self) -> Option<usize>;
+
     /// Keeps where it stands, which is in equilibrium.
     fn keep(&mut self, kept: &mut Self::Kept);
 
@@ -194,6 +198,8 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
     /// Whether anything has touched on the way.
     has_touched: bool,
     is_touched: bool,
+    /// Whether dead moments are among the loads of the case that it last looked at.
+    has_moments: bool,
     /// The equilibria on the way, where their derivatives are asked for.
     notes: Option<NotedWay<R::Kept>>,
 }
@@ -227,6 +233,7 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
             rubs: robot.cables().iter().any(Cable::has_friction),
             has_touched: false,
             is_touched: false,
+            has_moments: false,
             notes: None,
         };
         adapter.found.refinement().steps = steps;
@@ -419,6 +426,7 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
 
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         self.is_touched = pushes.iter().any(|push| push.wrench != Wrench::default());
+        self.has_moments = case.loads.has_dead_moment();
         let pushes = by_place(&self.robot.disks().arc_lengths, pushes);
         self.case = with_pushes(case, &pushes);
         let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
@@ -464,6 +472,10 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
             return true;
         }
         self.found.stands()
+    }
+
+    fn unstable_alone(&mut self) -> Option<usize> {
+        (!self.has_moments).then(|| self.found.unstable_directions()).flatten()
     }
 
     fn has_touched(&self) -> bool {

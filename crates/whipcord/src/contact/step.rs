@@ -13,6 +13,7 @@ use super::pair::Pair;
 use super::pairs::Pairs;
 use super::scene::Scene;
 use super::sliding::Slide;
+use super::stability::{ConstrainedStability, Holding};
 use super::two_bodies::{Block, Bodies, Differences, End, Line, TwoBodies, dot};
 use crate::error::SolveError;
 use crate::shape::Wrench;
@@ -35,6 +36,7 @@ pub(super) struct Scratch {
     complementarity: Complementarity,
     /// What the step changes of each push.
     changes: Vec<[f64; 6]>,
+    stability: ConstrainedStability,
 }
 
 /// What came of a step.
@@ -265,6 +267,38 @@ impl Scratch {
             objects.advance(&motion[6 * sections..], part, scene);
         }
         Ok(Stepped { odd, part })
+    }
+
+    /// Whether the last step was one of so many pairs, and of nothing else.
+    pub fn is_of(&self, pairs: &Pairs) -> bool {
+        self.all.len() == 36 * pairs.near.len() * pairs.near.len()
+    }
+
+    /// The number of unstable directions that contacts without friction admit where the last step began, eq. (20), from that of the
+    /// robot `alone`; `None` where it is not defined.
+    pub fn unstable_directions(
+        &mut self,
+        alone: usize,
+        pairs: &Pairs,
+        length: f64,
+    ) -> Option<usize> {
+        let places = pairs.near.len();
+        if !self.is_of(pairs) {
+            return None;
+        }
+        let pushing = pairs.near.iter().enumerate().filter(|(_, pair)| pair.force > 0.0);
+        let holding = pushing.map(|(place, pair)| {
+            let [.., x, y, z] = pair.given;
+            let mut geometric = [[0.0; 6]; 6];
+            for block in self.geometric.iter().filter(|block| block.row == place) {
+                for (sum, row) in geometric.iter_mut().zip(block.matrix) {
+                    sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+                }
+            }
+            Holding { place, moment: Vec3::new(x, y, z), geometric, normal: pair.nearest.push() }
+        });
+        let contacts: Vec<Holding> = holding.collect();
+        self.stability.unstable_directions(alone, (places, &self.all), &contacts, length)
     }
 
     /// Compliance and drift of cross-sections and objects together: a step gives each object a small stiffness, so that the

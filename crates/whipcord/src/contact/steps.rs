@@ -10,7 +10,7 @@ use crate::case::{CableCommand, Case};
 use crate::error::SolveError;
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::shape::{Diagnostics, NoStability, Solution};
 
 /// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
 pub(crate) fn solve(
@@ -153,6 +153,22 @@ fn solve_step(
     let forces = tracker.model.knows_forces();
     solution.contacts = tracker.pairs.contacts(tracker.model, &case.base, forces);
     solution.objects = tracker.objects.states(&tracker.pairs, &case.base);
+    let Diagnostics { stable, stability_absent, .. } = &mut solution.diagnostics;
+    if *stability_absent == Some(NoStability::Touching) {
+        *stable = (tracker.unstable == Some(0)).then_some(true);
+        *stability_absent = match stable {
+            Some(_) => None,
+            None if case.loads.has_follower() => Some(NoStability::Followers),
+            None if case.loads.has_dead_moment() => Some(NoStability::DeadMoments),
+            None if tracker.is_without_friction()
+                && !tracker.rubs
+                && !robot.has_bending_friction() =>
+            {
+                Some(NoStability::Undetermined)
+            }
+            None => Some(NoStability::Touching),
+        };
+    }
     solution.diagnostics.iterations = tracker.iterations;
     solution.diagnostics.stability_lost_at = tracker.slipped_at;
     solution.diagnostics.residual = solution.diagnostics.residual.max(tracker.residual);

@@ -13,11 +13,13 @@ use super::contact_grid::{ContactGrid, carried, near};
 use super::friction::{Friction, ResponseScratch};
 use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
 use super::prepared::{Cosserat, Workspace};
+use super::scratch::Scratch;
+use super::stability::Equilibrium;
 use super::state::{Direction, State};
 use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{ContactRod, DenseOutput, NotedEnd, Refinement, RodHoles, RodResponse};
-use crate::derivatives::{Derivatives, StepGap};
+use crate::derivatives::{Derivatives, Motion, StepGap};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
@@ -50,6 +52,10 @@ pub(super) struct ContactResponse {
     /// What is left of its equations.
     pub(super) gap: f64,
     pub(super) linear: Option<RodResponse>,
+    /// That of where it stood before the last step, and by how much that turned a cross-section at most, in rad.
+    before_step: Option<(RodResponse, f64)>,
+    /// The same, where it has looked around since, on the same grid.
+    reusable: Option<(RodResponse, f64)>,
     pub(super) refinement: Refinement,
     /// Where cables rub.
     pub(super) holes: CondensedHoles,
@@ -144,6 +150,19 @@ impl ContactResponse {
     }
 }
 
+impl ContactResponse {
+    /// Newton's step where it stands while the wrenches stay as they are.
+    fn closing(&self, derivatives: &Derivatives, taut: &[bool]) -> Motion {
+        let tensions = &self.chain.state.tensions;
+        let gaps: Vec<StepGap> = self.chain.gaps().collect();
+        let commands = self.workspace.commands.iter().enumerate();
+        let slackness: Vec<f64> = commands
+            .map(|(i, command)| command.slackness(tensions[i], self.trajectory.lengths[i]))
+            .collect();
+        derivatives.closing(&gaps, &[], tensions, taut, &slackness)
+    }
+}
+
 impl ContactRod for ContactResponse {
     type Kept = Kept;
 
@@ -153,6 +172,7 @@ impl ContactRod for ContactResponse {
 
     fn reset(&mut self) {
         (self.contact_grid, self.linear) = (None, None);
+        (self.before_step, self.reusable) = (None, None);
     }
 
     /// Looks at a case in which wrenches on the places `pushes` are among the loads. Where it is, its steps do
@@ -166,6 +186,7 @@ impl ContactRod for ContactResponse {
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
         self.linear = None;
+        self.reusable = self.before_step.take();
         let Refinement { steps: least, halvings, .. } = self.refinement;
         let stands = |contact_grid: &ContactGrid| {
             contact_grid.halvings == halvings
@@ -189,6 +210,9 @@ impl ContactRod for ContactResponse {
                 Some(before)
             }
         };
+        if before.is_some() || warm.is_some() {
+            self.reusable = None;
+        }
         let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
         let contact_grid = &*contact_grid;
         let rubs = contact_grid.friction.is_some();
@@ -307,20 +331,21 @@ impl ContactRod for ContactResponse {
         let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
         let contact_grid = &*contact_grid;
         let taut = self.taut(contact_grid);
+        if let Some((before, turn)) = self.reusable.take()
+            && let Some(linear) = before.reused(turn, &taut, |of| self.closing(of, &taut))
+        {
+            self.linear = Some(linear);
+            return Ok(());
+        }
         let derivatives = self.derivatives(contact_grid, (robot, case), &taut, &[], None)?;
-        let tensions = &self.chain.state.tensions;
-        let gaps: Vec<StepGap> = self.chain.gaps().collect();
         if contact_grid.friction.is_some() {
+            let gaps: Vec<StepGap> = self.chain.gaps().collect();
             let closing = derivatives.open_closing(&gaps, &[]);
             self.linear = Some(RodResponse::rubbing(derivatives, closing));
             return Ok(());
         }
-        let commands = self.workspace.commands.iter().enumerate();
-        let slackness: Vec<f64> = commands
-            .map(|(i, command)| command.slackness(tensions[i], self.trajectory.lengths[i]))
-            .collect();
-        let closing = derivatives.closing(&gaps, &[], tensions, &taut, &slackness);
-        self.linear = Some(RodResponse::new(derivatives, closing));
+        let closing = self.closing(&derivatives, &taut);
+        self.linear = Some(RodResponse::new(derivatives, taut, closing));
         Ok(())
     }
 
@@ -431,6 +456,7 @@ impl ContactRod for ContactResponse {
         }
         let from = state.clone();
         self.chain.state.step_from(&from, part, &step);
+        self.before_step = self.linear.take().map(|linear| (linear, part * most));
         part
     }
 
@@ -458,6 +484,29 @@ impl ContactRod for ContactResponse {
         !negative.unwrap_or(false)
     }
 
+    fn unstable_directions(&mut self) -> Option<usize> {
+        let contact_grid = self.contact_grid.clone()?;
+        let Workspace { scratch, commands, meter, .. } = &mut self.workspace;
+        let Scratch { stability, applied, .. } = scratch;
+        if contact_grid.friction.is_some() || applied.any_follower() {
+            return None;
+        }
+        let grid = &contact_grid.grid;
+        let task = Task {
+            grid,
+            loads: applied,
+            commands,
+            length: contact_grid.model.robot.backbone().length,
+            tolerance: contact_grid.model.options.greatest_residual(),
+            meter,
+        };
+        self.chain.shoot(&task, &mut self.trajectory).ok()?;
+        let Trajectory { samples, lengths, .. } = &self.trajectory;
+        let tensions = &self.chain.state.tensions;
+        let at = Equilibrium { grid, samples, commands, tensions, lengths, applied, load: 1.0 };
+        Some(stability.unstable_directions(&at))
+    }
+
     fn rubbing_tensions(&self) -> usize {
         if self.has_history() { self.holes.tensions().len() } else { 0 }
     }
@@ -480,7 +529,7 @@ impl ContactRod for ContactResponse {
     }
 
     fn go_back(&mut self, kept: &Kept) {
-        self.linear = None;
+        (self.linear, self.before_step, self.reusable) = (None, None, None);
         self.contact_grid.clone_from(&kept.contact_grid);
         if self.has_history() {
             self.holes.clone_from(&kept.holes);

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
+use super::chain::Chain;
 use super::contact_mesh::ContactMesh;
 use super::contact_response::{ContactResponse, Kept};
 use super::loaded_span::Gap;
@@ -9,8 +10,8 @@ use super::node::Node;
 use crate::case::Case;
 use crate::contact::{ContactRod as _, NotedEnd, RodResponse};
 use crate::derivatives::{
-    Cables, ContactGain, Derivatives, NoDerivatives, OpenStrands, SlidingAnswer, Solved, StepGap,
-    StraightCables,
+    Cables, ContactGain, Derivatives, Motion, NoDerivatives, OpenStrands, SlidingAnswer, Solved,
+    StepGap, StraightCables,
 };
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -102,42 +103,54 @@ impl ContactResponse {
     pub(super) fn linearised(
         &self,
         contact_mesh: &ContactMesh,
+        reusable: Option<(RodResponse, f64)>,
         robot: &Robot,
         case: &Case,
     ) -> Result<RodResponse, SolveError> {
-        let chain = &self.chain;
-        let (tensions, lengths) = (&chain.tensions, &chain.lengths);
-        let commands = self.workspace.commands();
         let taut = self.taut(contact_mesh);
+        if let Some((before, turn)) = reusable
+            && let Some(linear) = before.reused(turn, &taut, |of| self.closing(of, &taut))
+        {
+            return Ok(linear);
+        }
         let mut nodes: Vec<usize> =
             contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let derivatives =
             self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[], None)?;
+        if contact_mesh.model.has_friction() {
+            let (gaps, unbalanced) = self.gaps();
+            let closing = derivatives.open_closing(&gaps, &unbalanced);
+            return Ok(RodResponse::rubbing(derivatives, closing));
+        }
+        let closing = self.closing(&derivatives, &taut);
+        Ok(RodResponse::new(derivatives, taut, closing))
+    }
+
+    /// How the spans end beyond the disks that they should meet, and what is left to act on these.
+    fn gaps(&self) -> (Vec<StepGap>, Vec<Wrench>) {
+        let chain = &self.chain;
         let ends = chain.gaps.iter().zip(chain.nodes.windows(2));
         let gap = |(gap, nodes): (&Gap, &[Node])| {
             StepGap::new(gap.change, nodes[1].rotation, nodes[1].moment)
         };
-        let gaps: Vec<StepGap> = ends.map(gap).collect();
         let lacks = chain.gaps.iter().zip(&chain.nodes).map(|(gap, node)| {
             let BodyWrench { linear, angular } = gap.residual;
             let to_base = |x: Vec3| node.rotation.rotate(x);
             Wrench { force: to_base(linear), moment: to_base(angular) }
         });
-        if contact_mesh.model.has_friction() {
-            let unbalanced: Vec<Wrench> = lacks.collect();
-            let closing = derivatives.open_closing(&gaps, &unbalanced);
-            return Ok(RodResponse::rubbing(derivatives, closing));
-        }
-        let slackness: Vec<f64> = commands
-            .iter()
-            .enumerate()
-            .map(|(i, command)| command.slackness(tensions[i], lengths[i]))
-            .collect();
-        let unbalanced: Vec<Wrench> = lacks.collect();
-        let closing = derivatives.closing(&gaps, &unbalanced, tensions, &taut, &slackness);
-        Ok(RodResponse::new(derivatives, closing))
+        (ends.map(gap).collect(), lacks.collect())
+    }
+
+    /// Newton's step where it stands while the wrenches stay as they are.
+    fn closing(&self, derivatives: &Derivatives, taut: &[bool]) -> Motion {
+        let Chain { tensions, lengths, .. } = &self.chain;
+        let commands = self.workspace.commands().iter().enumerate();
+        let slackness: Vec<f64> =
+            commands.map(|(i, command)| command.slackness(tensions[i], lengths[i])).collect();
+        let (gaps, unbalanced) = self.gaps();
+        derivatives.closing(&gaps, &unbalanced, tensions, taut, &slackness)
     }
 
     /// The derivatives at an equilibrium that was noted, and what goes on to the next.

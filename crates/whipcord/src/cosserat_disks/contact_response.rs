@@ -12,6 +12,7 @@ use super::layout::Mesh;
 use super::loaded_span::Slope;
 use super::model::CosseratDisks;
 use super::node::Node;
+use super::stability_check;
 use super::unloaded::From;
 use super::workspace::Workspace;
 use crate::budget::Budget;
@@ -43,6 +44,10 @@ pub(super) struct ContactResponse {
     /// What is left of its equations.
     pub(super) gap: f64,
     pub(super) linear: Option<RodResponse>,
+    /// That of where it stood before the last step, and by how much that turned a disk at most, in rad.
+    before_step: Option<(RodResponse, f64)>,
+    /// The same, where it has looked around since, on the same mesh.
+    reusable: Option<(RodResponse, f64)>,
     pub(super) refinement: Refinement,
     /// Where cables rub.
     pub(super) holes: CondensedHoles,
@@ -218,6 +223,7 @@ impl ContactRod for ContactResponse {
 
     fn reset(&mut self) {
         (self.contact_mesh, self.linear) = (None, None);
+        (self.before_step, self.reusable) = (None, None);
     }
 
     fn look(
@@ -229,6 +235,7 @@ impl ContactRod for ContactResponse {
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
         self.linear = None;
+        self.reusable = self.before_step.take();
         self.workspace.meter_mut().start(&options.cancel, Budget::UNLIMITED);
         let before = self.contact_mesh.take();
         let is_new = before.is_none();
@@ -240,12 +247,16 @@ impl ContactRod for ContactResponse {
         let contact_mesh = match before.filter(stands) {
             Some(contact_mesh) => contact_mesh,
             None => {
+                self.reusable = None;
                 let Refinement { steps, halvings, .. } = self.refinement;
                 let at = (steps, halvings);
                 Arc::new(ContactMesh::new(robot, options, case, at, stations, pushes)?)
             }
         };
         contact_mesh.model.accept(case, &contact_mesh.mesh, &mut self.workspace)?;
+        if warm.is_some() {
+            self.reusable = None;
+        }
         let looked = self.looked(&contact_mesh, is_new, warm);
         self.contact_mesh = Some(contact_mesh);
         looked
@@ -269,9 +280,10 @@ impl ContactRod for ContactResponse {
 
     fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
         if self.linear.is_none()
-            && let Some(contact_mesh) = &self.contact_mesh
+            && let Some(contact_mesh) = self.contact_mesh.clone()
         {
-            self.linear = Some(self.linearised(contact_mesh, robot, case)?);
+            let reusable = self.reusable.take();
+            self.linear = Some(self.linearised(&contact_mesh, reusable, robot, case)?);
         }
         Ok(())
     }
@@ -377,6 +389,7 @@ impl ContactRod for ContactResponse {
             *tension = (*tension + part * change).max(0.0);
         }
         self.chain.pull(&contact_mesh.groups, &pulled);
+        self.before_step = self.linear.take().map(|linear| (linear, part * most));
         part
     }
 
@@ -386,6 +399,16 @@ impl ContactRod for ContactResponse {
         let task = contact_mesh.task(&self.workspace);
         let negative = self.chain.is_determinant_negative(&task).unwrap_or(false);
         negative == odd
+    }
+
+    fn unstable_directions(&mut self) -> Option<usize> {
+        let contact_mesh = self.contact_mesh.clone()?;
+        let ContactMesh { model, mesh, .. } = &*contact_mesh;
+        if model.has_friction() || self.workspace.loads().any_follower() {
+            return None;
+        }
+        let on_mesh = (model.frame(), mesh);
+        stability_check::unstable_directions_of(on_mesh, &self.chain, &mut self.workspace)
     }
 
     fn rubbing_tensions(&self) -> usize {
@@ -407,7 +430,7 @@ impl ContactRod for ContactResponse {
     }
 
     fn go_back(&mut self, kept: &Kept) {
-        self.linear = None;
+        (self.linear, self.before_step, self.reusable) = (None, None, None);
         self.contact_mesh.clone_from(&kept.contact_mesh);
         self.chain.nodes.clone_from(&kept.nodes);
         self.shape.clone_from(&kept.shape);

@@ -1,16 +1,18 @@
 //! The stability check of an answer: its sampled sections, and the cables that hold it.
 
+use super::chain::Chain;
 use super::chord::Chord;
-use super::layout::Mesh;
+use super::layout::{Frame, Mesh};
 use super::problem::Problem;
 use super::problem::Sampled;
 use super::rod::{self, InSpan};
 use super::scratch::Scratch;
 use super::stability::{Equilibrium, Locked, Stability};
+use super::workspace::Workspace;
 use crate::section::BodyWrench;
 use crate::shape::{Diagnostics, NoStability, Verdict};
 use crate::statics::command::Command;
-use crate::statics::friction::Slides;
+use crate::statics::friction::{Holes, Slides};
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::self_stress::is_idle;
 
@@ -39,7 +41,7 @@ fn verdict(
         return Err(NoStability::Followers);
     }
     let loaded = scratch.applied.any();
-    held_lengths(problem, &scratch.tensions, &scratch.lengths, locked);
+    held_lengths(&Driven::of(problem), &scratch.tensions, &scratch.lengths, locked);
     if let Some(holes) = problem.holes {
         let Scratch { friction, history, .. } = &*scratch;
         let lock = |p: usize, compliance: f64| {
@@ -111,7 +113,7 @@ pub(super) fn is_nearly_stable(problem: &Problem<'_>, scratch: &mut Scratch) -> 
 fn is_above(problem: &Problem<'_>, bound: f64, load: f64, scratch: &mut Scratch) -> Option<bool> {
     let mut locked = core::mem::take(&mut scratch.locked);
     let Scratch { chain, .. } = &*scratch;
-    held_lengths(problem, &chain.tensions, &chain.lengths, &mut locked);
+    held_lengths(&Driven::of(problem), &chain.tensions, &chain.lengths, &mut locked);
     let above = is_above_with(problem, bound, load, scratch, &locked);
     scratch.locked = locked;
     above
@@ -165,7 +167,8 @@ pub(super) fn unstable_directions(
     let scale = problem.frame.compliance(problem.mesh);
     let fine = problem.sampled.fine;
     let mut locked = core::mem::take(&mut scratch.locked);
-    held_lengths(problem, &scratch.chain.tensions, &scratch.chain.lengths, &mut locked);
+    let Chain { tensions, lengths, .. } = &scratch.chain;
+    held_lengths(&Driven::of(problem), tensions, lengths, &mut locked);
     let own_is_fine = mesh.grid.len() >= fine.grid.len();
     if !own_is_fine {
         sample(problem, fine, load, true, scratch);
@@ -177,6 +180,22 @@ pub(super) fn unstable_directions(
     let below = stability.below(-Diagnostics::NEUTRAL, &at, &locked);
     scratch.locked = locked;
     below
+}
+
+/// The same of a chain without friction on a mesh of its own, which was measured under dead loads that the workspace has
+/// gathered. Dead moments count by the symmetric part of their tangent.
+pub(super) fn unstable_directions_of(
+    (frame, mesh): (&Frame, &Mesh),
+    chain: &Chain,
+    workspace: &mut Workspace,
+) -> Option<usize> {
+    let Workspace { scratch, commands, .. } = workspace;
+    let Scratch { stability, locked, .. } = scratch;
+    let Chain { samples, chords, pulled: tensions, .. } = chain;
+    held_lengths(&Driven { frame, commands, holes: None }, &chain.tensions, &chain.lengths, locked);
+    let scale = frame.compliance(mesh);
+    let at = Equilibrium { frame, mesh, samples, chords, tensions, scale, moments: None };
+    stability.below(-Diagnostics::NEUTRAL, &at, locked)
 }
 
 /// Whether the equilibrium without load that was found last is stable, as far as its spans may buckle
@@ -196,7 +215,7 @@ pub(super) fn is_above_without_load(
         tensions[group] = tension;
     }
     let mut locked = Locked::default();
-    held_lengths(problem, &tensions, lengths, &mut locked);
+    held_lengths(&Driven::of(problem), &tensions, lengths, &mut locked);
     is_above_when_held(problem, bound, &locked, scratch)
 }
 
@@ -295,13 +314,27 @@ fn sample(problem: &Problem<'_>, mesh: &Mesh, load: f64, loaded: bool, scratch: 
     }
 }
 
+/// The cables of a robot and what drives them.
+struct Driven<'a> {
+    frame: &'a Frame,
+    commands: &'a [Command],
+    holes: Option<&'a Holes>,
+}
+
+impl<'a> Driven<'a> {
+    fn of(problem: &Problem<'a>) -> Self {
+        let Problem { frame, commands, holes, .. } = *problem;
+        Self { frame, commands, holes }
+    }
+}
+
 /// The cables that are driven by their length, are taut or at that length without tension, and do not rub.
-fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64], locked: &mut Locked) {
-    locked.clear(problem.commands.len());
-    let has_friction =
-        |cable: usize| problem.holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
-    let end = problem.frame.rod.backbone().length;
-    for (cable, (command, &tension)) in problem.commands.iter().zip(tensions).enumerate() {
+fn held_lengths(cables: &Driven<'_>, tensions: &[f64], lengths: &[f64], locked: &mut Locked) {
+    let Driven { frame, commands, holes } = *cables;
+    locked.clear(commands.len());
+    let has_friction = |cable: usize| holes.is_some_and(|holes| holes.coefficients[cable] > 0.0);
+    let end = frame.rod.backbone().length;
+    for (cable, (command, &tension)) in commands.iter().zip(tensions).enumerate() {
         if let Command::Length { compliance, .. } = *command
             && !has_friction(cable)
         {
@@ -314,7 +347,7 @@ fn held_lengths(problem: &Problem<'_>, tensions: &[f64], lengths: &[f64], locked
             }
         }
     }
-    let passages = problem.frame.spans.iter().flat_map(|span| &span.passages);
+    let passages = frame.spans.iter().flat_map(|span| &span.passages);
     let Locked { of_cable, of_passage, .. } = locked;
     of_passage.extend(passages.map(|passage| of_cable[passage.cable]));
 }

@@ -6,14 +6,14 @@ use super::contact_response::{ContactResponse, DrivenCables};
 use super::holes_in_contact::HolesInContact;
 use super::motion::Coordinates;
 use super::statics::{Effort, FEW_ITERATIONS};
-use super::task::Task;
+use super::task::{DeadMoments, Task};
 use super::{Linkage, Workspace};
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::contact::model::{Compliant, Push};
 use crate::contact::{self, Holding, Noted, NotedWay, Noting, OnWay};
 use crate::error::SolveError;
-use crate::shape::{NoStability, Solution, Wrench};
+use crate::shape::{Diagnostics, NoStability, Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::History;
 use crate::statics::options::StabilityAnalysis;
@@ -91,6 +91,8 @@ pub(super) struct ContactAdapter<'a> {
     is_linear: bool,
     /// Whether anything pushes it where it last looked.
     is_touched: bool,
+    /// Whether dead moments are among the loads of the case that it last looked at.
+    has_moments: bool,
     kept: State,
     /// Where cables rub in their holes.
     holes: Option<HolesInContact<'a>>,
@@ -118,6 +120,7 @@ impl<'a> ContactAdapter<'a> {
             found: ContactResponse::default(),
             is_linear: false,
             is_touched: false,
+            has_moments: false,
             kept: State::default(),
             holes: model.friction.as_ref().map(HolesInContact::new),
             notes: None,
@@ -290,6 +293,7 @@ impl Compliant for ContactAdapter<'_> {
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError> {
         self.is_linear = false;
         self.is_touched = pushes.iter().any(|push| push.wrench != Wrench::default());
+        self.has_moments = case.loads.has_dead_moment();
         self.case = contact::with_pushes(case, pushes);
         self.model.accept(&self.case, self.workspace)?;
         let Workspace { commands, tensions, .. } = &mut *self.workspace;
@@ -346,6 +350,25 @@ impl Compliant for ContactAdapter<'_> {
     fn stands_alone(&mut self) -> bool {
         // A tangent that cannot be taken apart is about to change its sign: it has not yet.
         (!self.is_linear && self.linearise(&[]).is_err()) || self.found.stands
+    }
+
+    fn unstable_alone(&mut self) -> Option<usize> {
+        let has_potential = !self.case.loads.has_follower() && !self.has_moments;
+        if !self.knows_forces()
+            || !has_potential
+            || self.holes.is_some()
+            || self.model.keeps_history()
+        {
+            return None;
+        }
+        let Workspace { scratch, loads, commands, tensions, held, hold, meter, .. } =
+            &mut *self.workspace;
+        let moments = DeadMoments::Symmetric { more: 0.0 };
+        let task = Task { moments, ..self.model.task(loads, tensions, meter) };
+        // The tangent of the chain is another then.
+        self.is_linear = false;
+        self.model.hold(scratch, &task, commands, (hold, held))?;
+        scratch.eigenvalues_below(&task, held, -Diagnostics::NEUTRAL)
     }
 
     fn has_touched(&self) -> bool {

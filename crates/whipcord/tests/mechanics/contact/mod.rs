@@ -17,6 +17,7 @@ mod movable;
 mod overlap;
 mod pipe;
 mod sections;
+mod stability;
 
 use whipcord::obstacle::Mesh;
 use whipcord::{
