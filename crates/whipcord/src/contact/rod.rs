@@ -475,7 +475,8 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
     }
 
     fn unstable_alone(&mut self) -> Option<usize> {
-        (!self.has_moments).then(|| self.found.unstable_directions()).flatten()
+        let has_potential = !self.has_moments && !self.robot.has_bending_friction();
+        has_potential.then(|| self.found.unstable_directions()).flatten()
     }
 
     fn has_touched(&self) -> bool {

@@ -357,7 +357,7 @@ impl Compliant for ContactAdapter<'_> {
         if !self.knows_forces()
             || !has_potential
             || self.holes.is_some()
-            || self.model.keeps_history()
+            || self.model.robot.has_bending_friction()
         {
             return None;
         }

@@ -1,9 +1,10 @@
 //! Stability of robots that obstacles hold.
 
-use super::{among, sphere};
+use super::{among, finger, sphere};
+use whipcord::four_bar::{self, LengthRule, Objective};
 use whipcord::{
     Actuation, Backbone, Cable, Case, Disks, Loads, Model, ModelKind, NoStability, Robot, Routing,
-    Solution, SolveError, Stations, Stiffness, Vec3,
+    Shortening, Solution, SolveError, Stations, Stiffness, Vec3,
 };
 
 /// Of the column, in m.
@@ -95,5 +96,31 @@ fn with_friction_and_under_followers_there_is_no_verdict() {
         assert_eq!(answer.contacts.len(), 1);
         assert_eq!(answer.diagnostics.stable, None);
         assert_eq!(answer.diagnostics.stability_absent, Some(why));
+    }
+}
+
+/// A finger that is bent against the flank of a ball is stable by every model, and from its own answer too.
+#[test]
+fn a_finger_that_leans_on_a_ball_is_stable_by_every_model() {
+    let robot = finger(9);
+    let ball = sphere(Vec3::new(0.05, 0.005, 0.12), 0.03);
+    let case = among(Case::with_shortenings(&[Shortening::Length(0.004)]), vec![ball]);
+    for kind in ModelKind::ALL.into_iter().filter(|&kind| kind != ModelKind::ConstantCurvature) {
+        let model = match kind {
+            ModelKind::FourBar => Model::FourBar(four_bar::Options {
+                objective: Objective::StrainEnergy,
+                lengths: LengthRule::Free,
+                ..four_bar::Options::default()
+            }),
+            kind => Model::new(kind, Stations::Disks, Actuation::Natural),
+        };
+        let mut prepared = model.prepare(&robot, &case.loads).unwrap();
+        let cold = prepared.solve(&case, None).unwrap();
+        let warm = prepared.solve(&case, Some(&cold)).unwrap();
+        for answer in [&cold, &warm] {
+            assert!(!answer.contacts.is_empty(), "{kind}");
+            assert_eq!(answer.diagnostics.stable, Some(true), "{kind}");
+            assert_eq!(answer.diagnostics.stability_lost_at, None, "{kind}");
+        }
     }
 }
