@@ -143,7 +143,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         Ok(())
     }
 
-    /// Whether the contacts hold: eq. (20) where that is defined, else eq. (6).
+    /// Whether the equilibrium is stable: by eq. (20) where that is defined, else by eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
         self.unstable = None;
         let is_held = self.is_touching() || !self.dampers.all.is_empty();
@@ -158,6 +158,9 @@ impl<M: Compliant> PathTracker<'_, M> {
             if slips {
                 return Err(Stop::Slips);
             }
+        } else if self.model.unstable_alone().is_some_and(|count| count > 0) {
+            // A step beyond its critical load leads to an equilibrium that it would leave.
+            return Err(Stop::Slips);
         }
         Ok(None)
     }
