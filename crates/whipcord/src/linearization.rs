@@ -12,7 +12,7 @@ use crate::kind::ModelKind;
 use crate::kinematics::{ComplianceUnknown, Local, Matrix6};
 use crate::model::{Model, Prepared};
 use crate::parameter::Parameter;
-use crate::robot::Robot;
+use crate::robot::{Cable, Robot};
 use crate::shape::Solution;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::plastic_steps::PlasticRod as _;
@@ -221,7 +221,9 @@ impl Model {
     #[must_use]
     pub fn has_derivatives(&self, robot: &Robot) -> bool {
         match self {
-            Self::Cosserat(_) | Self::CosseratDisks(_) => true,
+            Self::Cosserat(_) | Self::CosseratDisks(_) => {
+                !(robot.has_bending_friction() && robot.cables().iter().any(Cable::has_friction))
+            }
             Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
                 !robot.has_bending_friction()
             }
@@ -317,14 +319,14 @@ impl Prepared {
         }
         let of_rod = |of: Option<_>| of.map(|of| Linearization::Rod(Box::new(of)));
         match self {
-            Self::Cosserat(model, workspace) if model.keeps_history(case) => {
+            Self::Cosserat(model, workspace) if model.bends_in_steps() => {
                 let mut step = 0;
                 return model.differentiate_steps(case, parameters, workspace, |solution, of| {
                     each(solution, asks(step).then(|| Linearization::Rod(Box::new(of))));
                     step += 1;
                 });
             }
-            Self::CosseratDisks(model, workspace) if model.keeps_history(case) => {
+            Self::CosseratDisks(model, workspace) if model.bends_in_steps() => {
                 let mut step = 0;
                 return model.differentiate_steps(case, parameters, workspace, |solution, of| {
                     each(solution, asks(step).then(|| Linearization::Rod(Box::new(of))));

@@ -561,7 +561,7 @@ impl Model {
         };
         let mut prepared = model.prepare(robot, &case.loads)?;
         let slides = self.has_hole_friction() && robot.cables().iter().any(Cable::has_friction);
-        if slides || (robot.has_bending_friction() && case.obstacles.is_empty()) {
+        if slides || robot.has_bending_friction() {
             // No solution tells the steps before it: all of them are taken anew.
             let (solution, derivatives) = prepared.solve_with_derivatives(case, None, &[])?;
             let local = derivatives.at(crate::derivatives::Place::Station(0))?;

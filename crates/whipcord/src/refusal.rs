@@ -59,26 +59,16 @@ pub(crate) fn bending_friction_of_sections(
     bending_friction(model, robot, what, advice)
 }
 
-/// Refuses friction against bending beside friction of cables.
-pub(crate) fn bending_friction_with_hole_friction(
+/// Refuses derivatives with friction against bending beside friction of cables.
+pub(crate) fn both_frictions_with_derivatives(
     model: ModelKind,
     robot: &Robot,
 ) -> Result<(), SolveError> {
     if !robot.cables().iter().any(Cable::has_friction) {
         return Ok(());
     }
-    let what = "friction against bending of the backbone together with friction of cables";
-    let advice = "remove `yield_moment`, or set the friction of the cables to 0";
-    bending_friction(model, robot, what, advice)
-}
-
-/// Refuses obstacles around a robot with friction against bending.
-pub(crate) fn bending_friction_among_obstacles(
-    model: ModelKind,
-    robot: &Robot,
-) -> Result<(), SolveError> {
-    let what = "friction against bending of the backbone, among obstacles";
-    let advice = "use piecewise-constant-curvature, pseudo-rigid-body or four-bar with its strain energy, or remove `yield_moment` or the obstacles";
+    let what = "friction against bending of the backbone together with friction of cables, for compliance and derivatives";
+    let advice = "take finite differences of solutions, remove `yield_moment`, or set the friction of the cables to 0";
     bending_friction(model, robot, what, advice)
 }
 

@@ -103,11 +103,11 @@ pub(crate) fn solve_free(
 
 /// What came of a solve among obstacles of a robot without history. Where the way ended at no equilibrium, and without obstacles there is no stable one
 /// either, the error says so.
-pub(crate) fn or_none_alone(
-    found: Result<Solution, SolveError>,
+pub(crate) fn or_none_alone<T>(
+    found: Result<T, SolveError>,
     case: &Case,
     solve_alone: impl FnOnce(&Case) -> Result<Solution, SolveError>,
-) -> Result<Solution, SolveError> {
+) -> Result<T, SolveError> {
     let (reached, touching) = match found {
         Err(SolveError::Obstructed {
             reached,

@@ -78,7 +78,7 @@ pub(crate) use noted::{
 };
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{
-    ContactRod, RodAdapter, differentiate_rubbing, on_few_steps_or_more, watched,
+    ContactRod, RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub, watched,
 };
 pub(crate) use rod_response::{RodHoles, RodResponse};
-pub(crate) use steps::{solve, solve_holding, solve_noted, solve_rubbing};
+pub(crate) use steps::{solve, solve_holding, solve_rubbing};

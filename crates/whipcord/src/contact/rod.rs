@@ -7,7 +7,7 @@ use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use super::noted::{Found, Noted, NotedEnd, NotedWay, Noting, OnWay, where_it_counts};
 use super::refinement::Refinement;
-use super::steps::solve_noted;
+use super::steps::solve_rubbing;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::derivatives::Derivatives;
@@ -16,7 +16,9 @@ use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
 use crate::shape::{NoStability, Solution, Wrench};
 use crate::statics::friction::{Carried, Carrying, Standing};
+use crate::statics::grid::Grid;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
+use crate::statics::plastic_curvature::PlasticCurvature;
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
@@ -74,6 +76,12 @@ pub(crate) trait ContactRod: Default {
     /// Forgets where it stands.
     fn reset(&mut self);
 
+    /// Sets the plastic curvature that the steps of actuation before left; all of the way to the next answer has it.
+    fn set_plastic(&mut self, left: &PlasticCurvature);
+
+    /// The plastic curvature that it leaves where it stands, in equilibrium.
+    fn plastic_left(&self, robot: &Robot, case: &Case) -> Result<PlasticCurvature, SolveError>;
+
     /// Looks at a case in which wrenches on the places `pushes`, in m, are among the loads, and stays where it is. It starts from
     /// `warm`, or from the robot without any load or tension.
     fn look(
@@ -115,13 +123,18 @@ pub(crate) trait ContactRod: Default {
     /// The node of a station or place of a push.
     fn node(&self, arc_length: f64) -> usize;
 
-    /// The derivatives where it stands, under these pushes, by these parameters too.
+    /// The derivatives where it stands, under these pushes, by these parameters too; the plastic curvature before changes with each
+    /// of them as `history` says.
     fn differentiate(
         &self,
         robot: &Robot,
         case: &Case,
+        history: &[PlasticCurvature],
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError>;
+
+    /// Its grid.
+    fn grid(&self) -> Option<&Grid>;
 
     /// How the cables stand in their holes where it stands, in equilibrium; `None` where none rubs.
     fn standing(&self) -> Option<Standing>;
@@ -168,6 +181,7 @@ pub(crate) trait ContactRod: Default {
 
     /// The answer to a case in which nothing touches, from a neighbouring one or from rest.
     fn solve_free(
+        &self,
         robot: &Robot,
         options: &Options,
         case: &Case,
@@ -202,6 +216,8 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
     has_moments: bool,
     /// The equilibria on the way, where their derivatives are asked for.
     notes: Option<NotedWay<R::Kept>>,
+    /// What friction against bending holds from the steps of actuation before.
+    plastic: Option<PlasticCurvature>,
 }
 
 impl<'a, R: ContactRod> RodAdapter<'a, R> {
@@ -235,6 +251,7 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
             is_touched: false,
             has_moments: false,
             notes: None,
+            plastic: None,
         };
         adapter.found.refinement().steps = steps;
         if options.stations.arc_lengths(robot).len() <= FEW_STATIONS {
@@ -258,6 +275,24 @@ impl<R: ContactRod> RodAdapter<'_, R> {
     pub fn taking_notes(mut self) -> Self {
         self.notes = Some(NotedWay::default());
         self
+    }
+
+    /// The same whose backbone holds what earlier steps of actuation left.
+    pub fn holding(mut self, plastic: Option<&PlasticCurvature>) -> Self {
+        if let Some(plastic) = plastic {
+            self.set_plastic(plastic.clone());
+        }
+        self
+    }
+
+    fn set_plastic(&mut self, left: PlasticCurvature) {
+        self.found.set_plastic(&left);
+        self.plastic = Some(left);
+    }
+
+    /// The plastic curvature that the answer at which it stands leaves.
+    pub fn plastic_left(&self) -> Result<PlasticCurvature, SolveError> {
+        self.found.plastic_left(self.robot, &self.case)
     }
 
     /// The derivatives of the answer that it stands at, the last equilibrium that it noted in these steps of actuation.
@@ -303,9 +338,10 @@ impl<R: ContactRod> RodAdapter<'_, R> {
     pub fn differentiate(
         &self,
         holding: &Holding,
+        history: &[PlasticCurvature],
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError> {
-        let alone = self.found.differentiate(self.robot, &self.case, parameters)?;
+        let alone = self.found.differentiate(self.robot, &self.case, history, parameters)?;
         let node = |&s: &f64| self.found.node(s);
         let stations = self.options.stations.arc_lengths(self.robot).iter().map(node).collect();
         let places = holding.places.iter().map(node).collect();
@@ -313,6 +349,11 @@ impl<R: ContactRod> RodAdapter<'_, R> {
             .at_stations(stations)
             .touching(places, |compliance| holding.gain(compliance), holding.is_about_to_change)
             .map_err(|_| SolveError::NoDerivatives)
+    }
+
+    /// The grid on which it stands.
+    pub fn grid(&self) -> Option<&Grid> {
+        self.found.grid()
     }
 }
 
@@ -352,6 +393,24 @@ fn sorted(places: &mut Vec<f64>, apart: f64) {
     }
 }
 
+/// The answers to all steps of a case of a rod whose cables rub, from rest on, and whether anything had touched on the way to each.
+pub(crate) fn rub<R: ContactRod>(
+    adapter: &mut RodAdapter<'_, R>,
+    case: &Case,
+    mut each: impl FnMut((Solution, bool)),
+) -> Result<(), (usize, SolveError)> {
+    let robot = adapter.robot;
+    solve_rubbing(adapter, robot, case, |adapter, (mut solution, has_touched)| {
+        if robot.has_bending_friction() {
+            let left = adapter.plastic_left()?;
+            solution.plastic_curvature = left.at_stations(&solution.shape.arc_length);
+            adapter.set_plastic(left);
+        }
+        each((solution, has_touched));
+        Ok(())
+    })
+}
+
 /// The answers to all steps of a case of a rod whose cables rub, from rest on: those that are asked for by their number from 0 with their
 /// derivatives by commands, loads and these parameters.
 pub(crate) fn differentiate_rubbing<R: ContactRod + Clone>(
@@ -363,7 +422,7 @@ pub(crate) fn differentiate_rubbing<R: ContactRod + Clone>(
     found.clear();
     let (robot, steps) = (adapter.robot, case.leading_steps().collect::<Vec<Case>>());
     let mut carrying = Carrying::default();
-    solve_noted(adapter, robot, case, |adapter, (solution, has_touched)| {
+    solve_rubbing(adapter, robot, case, |adapter, (solution, has_touched)| {
         let asked = (&steps[..], parameters);
         let mut differentiate = || adapter.differentiate_notes(asked, &mut carrying);
         let derivatives = asks(found.len()).then(&mut differentiate);
@@ -421,6 +480,9 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
         }
         self.found = R::default();
         self.found.refinement().steps = self.steps;
+        if let Some(plastic) = &self.plastic {
+            self.found.set_plastic(plastic);
+        }
         self.warm = Some(answer.clone());
     }
 
@@ -502,7 +564,7 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
             // What the holes remember of the way would be lost.
             return Err(SolveError::NoDerivatives);
         }
-        R::solve_free(self.robot, self.options, case, None)
+        self.found.solve_free(self.robot, self.options, case, None)
     }
 
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
@@ -510,7 +572,7 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
         if !touching
             && !self.rubs
-            && let Ok(free) = R::solve_free(self.robot, self.options, case, Some(&solution))
+            && let Ok(free) = self.found.solve_free(self.robot, self.options, case, Some(&solution))
             && is_same_shape(&free, &solution)
         {
             return Ok(free);

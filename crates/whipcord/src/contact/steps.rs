@@ -44,24 +44,11 @@ pub(crate) fn solve_holding(
 }
 
 /// The answers to all steps of actuation of a case whose cables rub in their holes, from rest on, and whether anything had touched on
-/// the way to each.
+/// the way to each; `each` gets the model too, at the equilibrium of a step.
 ///
 /// # Errors
 /// The number of the first step without an answer, from 0, and why it has none.
 pub(crate) fn solve_rubbing<M: Noting>(
-    model: &mut M,
-    robot: &Robot,
-    case: &Case,
-    mut each: impl FnMut((Solution, bool)),
-) -> Result<(), (usize, SolveError)> {
-    solve_noted(model, robot, case, |_, answer| {
-        each(answer);
-        Ok(())
-    })
-}
-
-/// The same; `each` gets the model too, at the equilibrium of a step.
-pub(crate) fn solve_noted<M: Noting>(
     model: &mut M,
     robot: &Robot,
     case: &Case,

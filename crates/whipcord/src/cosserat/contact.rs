@@ -10,11 +10,14 @@ use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::shape::Solution;
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::{Differentiated, PlasticRod as _};
 
 /// Steps from base to tip at least where cables rub, whose tension is constant in each.
 const FRICTION_STEPS: usize = 32;
+/// Steps from base to tip at least where friction against bending keeps a history at their ends.
+const BENDING_FRICTION_STEPS: usize = 20;
 
 impl Cosserat {
     /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
@@ -37,6 +40,57 @@ impl Cosserat {
         contact::or_none_alone(found, case, |alone| self.solve(alone, None, workspace))
     }
 
+    /// One step of actuation of a backbone with friction against bending, and the plastic curvature that it leaves.
+    pub(super) fn take_step_among_obstacles(
+        &self,
+        case: &Case,
+        from: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, PlasticCurvature), SolveError> {
+        if self.solve_clear(case, from, workspace)?.is_some() {
+            // Other shapes were looked at since: it is found once more, as without obstacles.
+            let alone = Case { obstacles: Vec::new(), ..case.clone() };
+            let mut solution = Solution::empty(ModelKind::Cosserat);
+            let left = self.take_step(&alone, from, workspace, &mut solution)?;
+            return Ok((solution, left));
+        }
+        let needed = self.strength(case, workspace).steps().max(BENDING_FRICTION_STEPS);
+        let found = contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
+            let mut adapter = self.adapter(steps).holding(self.plastic.as_ref());
+            let solution = contact::solve(&mut adapter, &self.robot, case, from)?;
+            Ok((solution, adapter.plastic_left()?))
+        });
+        contact::or_none_alone(found, case, |alone| self.solve_step(alone, None, workspace))
+    }
+
+    /// The same with its derivatives, where the plastic curvature before changes with each parameter as `history` says, and how that which it
+    /// leaves changes.
+    pub(super) fn differentiate_step_among_obstacles(
+        &self,
+        (case, from): (&Case, Option<&Solution>),
+        (history, parameters): (&[PlasticCurvature], &[Parameter]),
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Differentiated<Derivatives>), SolveError> {
+        if self.solve_clear(case, from, workspace)?.is_some() {
+            let alone = Case { obstacles: Vec::new(), ..case.clone() };
+            let mut solution = Solution::empty(ModelKind::Cosserat);
+            let from = (from, history);
+            let found =
+                self.differentiate_step(&alone, from, parameters, workspace, &mut solution)?;
+            return Ok((solution, found));
+        }
+        let needed = self.strength(case, workspace).steps().max(BENDING_FRICTION_STEPS);
+        contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
+            let mut adapter = self.adapter(steps).holding(self.plastic.as_ref()).with_stations();
+            let (solution, holding) =
+                contact::solve_holding(&mut adapter, &self.robot, case, from)?;
+            let derivatives = adapter.differentiate(&holding, history, parameters)?;
+            let grid = adapter.grid().ok_or(SolveError::NoDerivatives)?;
+            let (left, changes) = derivatives.plastic_left(&self.robot, grid);
+            Ok((solution, (derivatives, left, changes)))
+        })
+    }
+
     /// With friction of the cables: the answers to all steps of actuation, from rest on.
     pub(super) fn rub_among_obstacles(
         &self,
@@ -48,8 +102,7 @@ impl Cosserat {
         let steps = self.strength(case, workspace).steps().max(FRICTION_STEPS);
         let mut found = Vec::new();
         let each_found = |of_step| found.push(of_step);
-        let followed =
-            contact::solve_rubbing(&mut self.adapter(steps), &self.robot, case, each_found);
+        let followed = contact::rub(&mut self.adapter(steps), case, each_found);
         contact::rubbing_or_free(case, found, |of| of, |alone| self.solve(alone, None, workspace))
             .try_for_each(|solution| solution.map(&mut each))?;
         followed
@@ -88,7 +141,7 @@ impl Cosserat {
 
     fn check_among_obstacles(&self, case: &Case) -> Result<(), SolveError> {
         case.check(&self.robot)?;
-        refusal::bending_friction_among_obstacles(ModelKind::Cosserat, &self.robot)
+        Ok(())
     }
 
     /// The same, with the derivatives of the answer and the contacts that hold it.
@@ -114,7 +167,7 @@ impl Cosserat {
             let mut adapter = self.adapter(steps).with_stations();
             let (solution, holding) =
                 contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
-            Ok((solution, adapter.differentiate(&holding, parameters)?))
+            Ok((solution, adapter.differentiate(&holding, &[], parameters)?))
         })
     }
 

@@ -10,27 +10,66 @@ use crate::case::Case;
 use crate::contact::{ContactRod as _, NotedEnd};
 use crate::derivatives::{
     Cables, ContactGain, Derivatives, NoDerivatives, OpenStrands, SlidingAnswer, Solved, Strands,
-    Varying,
+    Varying, plastic_left,
 };
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::Robot;
+use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::friction::Carried;
 use crate::statics::outcome::Failure;
+use crate::statics::plastic_curvature::PlasticCurvature;
 
 impl ContactResponse {
     /// The derivatives where it stands.
     pub(super) fn derivatives(
         &self,
         contact_grid: &ContactGrid,
-        (robot, case): (&Robot, &Case),
+        of: (&Robot, &Case, &[PlasticCurvature]),
         taut: &[bool],
         parameters: &[Parameter],
         end: Option<(&NotedEnd<'_, Kept>, Option<&[Carried]>)>,
     ) -> Result<Derivatives, SolveError> {
+        let found = self
+            .with_answer(contact_grid, of, taut, end, |solved| Derivatives::of(solved, parameters));
+        found.map_err(|error| match error {
+            NoDerivatives::Fault(fault) => self.fault(contact_grid, fault),
+            NoDerivatives::Parameter(error) => error.into(),
+            NoDerivatives::Critical => SolveError::NoDerivatives,
+        })
+    }
+
+    /// The plastic curvature that it leaves where it stands.
+    pub(super) fn plastic_left_there(
+        &self,
+        robot: &Robot,
+        case: &Case,
+    ) -> Result<PlasticCurvature, SolveError> {
+        let contact_grid = self.contact_grid.as_ref().ok_or(SolveError::NoDerivatives)?;
+        let taut = self.taut(contact_grid);
+        let of = (robot, case, &[][..]);
+        let left = self.with_answer(contact_grid, of, &taut, None, plastic_left);
+        left.map_err(|fault| self.fault(contact_grid, fault))
+    }
+
+    /// A section without equilibrium where it stands.
+    fn fault(&self, ContactGrid { model, .. }: &ContactGrid, fault: Fault) -> SolveError {
+        let failure = Failure::of_section(fault, &self.chain.state.tensions, 1.0);
+        model.explain(failure, &self.workspace.commands)
+    }
+
+    /// Where it stands, as it is gone over once more; `history` is how the plastic curvature before changes with each parameter.
+    fn with_answer<T>(
+        &self,
+        contact_grid: &ContactGrid,
+        (robot, case, history): (&Robot, &Case, &[PlasticCurvature]),
+        taut: &[bool],
+        end: Option<(&NotedEnd<'_, Kept>, Option<&[Carried]>)>,
+        act: impl FnOnce(&Solved<'_>) -> T,
+    ) -> T {
         let ContactGrid { model, grid, .. } = contact_grid;
         let Workspace { scratch, commands, .. } = &self.workspace;
         let State { nodes, tensions, .. } = &self.chain.state;
@@ -82,18 +121,12 @@ impl ContactResponse {
             starts: &known,
             strains: self.trajectory.strains(),
             are_strains_met: strands.is_none(),
-            history: &[],
+            history,
             nodes: &grid.stations,
             sliding,
             open,
         };
-        Derivatives::of(&solved, parameters).map_err(|error| match error {
-            NoDerivatives::Fault(fault) => {
-                model.explain(Failure::of_section(fault, tensions, 1.0), commands)
-            }
-            NoDerivatives::Parameter(error) => error.into(),
-            NoDerivatives::Critical => SolveError::NoDerivatives,
-        })
+        act(&solved)
     }
 
     /// The derivatives at an equilibrium that was noted, and what goes on to the next.
@@ -130,7 +163,7 @@ impl ContactResponse {
         let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::Cosserat))?;
         let taut = vec![true; end.standing.base.len()];
         let of_end = Some((end, regridded.as_deref().or(end.carried)));
-        let of = (robot, end.case);
+        let of = (robot, end.case, &[][..]);
         let derivatives = self.derivatives(&contact_grid, of, &taut, parameters, of_end)?;
         Ok(end.found(derivatives, nodes))
     }

@@ -14,6 +14,8 @@ use crate::shape::Solution;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::PlasticRod as _;
 use crate::stations::Stations;
 
 /// Where its nodes are.
@@ -37,8 +39,8 @@ impl ContactGrid {
         options: &Options,
         case: &Case,
         (least, halvings): (usize, usize),
-        stations: &[f64],
-        pushes: &[f64],
+        (stations, pushes): (&[f64], &[f64]),
+        plastic: Option<&PlasticCurvature>,
     ) -> Result<Self, SolveError> {
         let mut places = stations.to_vec();
         places.extend_from_slice(pushes);
@@ -65,7 +67,17 @@ impl ContactGrid {
             .map(|friction| friction.nodes.flat_profile(&grid))
             .unwrap_or_default();
         let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
-        Ok(Self { model, grid, steps, halvings, stations, pushes, friction, profile })
+        let mut made = Self { model, grid, steps, halvings, stations, pushes, friction, profile };
+        if let Some(plastic) = plastic {
+            made.set_plastic(plastic);
+        }
+        Ok(made)
+    }
+
+    /// Sets the plastic curvature that the steps of actuation before left.
+    pub(super) fn set_plastic(&mut self, left: &PlasticCurvature) {
+        self.grid.set_plastic(left);
+        self.model.set_plastic(left.clone());
     }
 
     /// The node of a station or a push.

@@ -33,6 +33,8 @@ use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options};
 use crate::statics::outcome::Failure;
 use crate::statics::outcome::Found;
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::PlasticRod as _;
 use crate::statics::refinement::Coarse;
 use crate::statics::runge_kutta::STAGES;
 use crate::statics::scales::Scales;
@@ -60,6 +62,8 @@ pub(super) struct ContactResponse {
     /// Where cables rub.
     pub(super) holes: CondensedHoles,
     pub(super) response: ResponseScratch,
+    /// What friction against bending holds from the steps of actuation before.
+    plastic: Option<PlasticCurvature>,
 }
 
 /// What it is to be kept for, to go back to.
@@ -111,7 +115,10 @@ impl ContactResponse {
     /// from the base: where that ends elsewhere, and what the rod gives way by under the wrench that it leaves at the tip.
     fn change_on_halved_steps(&self, contact_grid: &ContactGrid, case: &Case) -> Option<f64> {
         let ContactGrid { model, grid, steps, halvings, .. } = contact_grid;
-        let fine = Grid::refined(&model.robot, &model.layout, *steps, halvings + 1).ok()?;
+        let mut fine = Grid::refined(&model.robot, &model.layout, *steps, halvings + 1).ok()?;
+        if let Some(plastic) = &self.plastic {
+            fine.set_plastic(plastic);
+        }
         let mut loads = AppliedLoads::default();
         loads.gather(&fine, &case.loads, case.base.rotation);
         let base = self.chain.state.nodes.first()?;
@@ -175,6 +182,19 @@ impl ContactRod for ContactResponse {
         (self.before_step, self.reusable) = (None, None);
     }
 
+    fn set_plastic(&mut self, left: &PlasticCurvature) {
+        self.linear = None;
+        (self.before_step, self.reusable) = (None, None);
+        if let Some(contact_grid) = &mut self.contact_grid {
+            Arc::make_mut(contact_grid).set_plastic(left);
+        }
+        self.plastic = Some(left.clone());
+    }
+
+    fn plastic_left(&self, robot: &Robot, case: &Case) -> Result<PlasticCurvature, SolveError> {
+        self.plastic_left_there(robot, case)
+    }
+
     /// Looks at a case in which wrenches on the places `pushes` are among the loads. Where it is, its steps do
     /// not meet; it stays there. It starts from `warm`, or the robot without any load or tension.
     fn look(
@@ -204,8 +224,8 @@ impl ContactRod for ContactResponse {
                     options,
                     case,
                     (least, halvings),
-                    stations,
-                    pushes,
+                    (stations, pushes),
+                    self.plastic.as_ref(),
                 )?));
                 Some(before)
             }
@@ -306,13 +326,17 @@ impl ContactRod for ContactResponse {
     }
 
     fn solve_free(
+        &self,
         robot: &Robot,
         options: &Options,
         case: &Case,
         near: Option<&Solution>,
     ) -> Result<Solution, SolveError> {
-        let model = Cosserat::new(robot, &case.loads, options)?;
-        model.solve(case, near, &mut Workspace::default())
+        let mut model = Cosserat::new(robot, &case.loads, options)?;
+        if let Some(left) = &self.plastic {
+            model.set_plastic(left.clone());
+        }
+        model.solve_step(case, near, &mut Workspace::default())
     }
 
     fn steps(&self) -> usize {
@@ -337,7 +361,7 @@ impl ContactRod for ContactResponse {
             self.linear = Some(linear);
             return Ok(());
         }
-        let derivatives = self.derivatives(contact_grid, (robot, case), &taut, &[], None)?;
+        let derivatives = self.derivatives(contact_grid, (robot, case, &[]), &taut, &[], None)?;
         if contact_grid.friction.is_some() {
             let gaps: Vec<StepGap> = self.chain.gaps().collect();
             let closing = derivatives.open_closing(&gaps, &[]);
@@ -357,11 +381,16 @@ impl ContactRod for ContactResponse {
         &self,
         robot: &Robot,
         case: &Case,
+        history: &[PlasticCurvature],
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError> {
         let contact_grid = self.contact_grid.as_ref().ok_or(SolveError::NoDerivatives)?;
         let taut = self.taut(contact_grid);
-        self.derivatives(contact_grid, (robot, case), &taut, parameters, None)
+        self.derivatives(contact_grid, (robot, case, history), &taut, parameters, None)
+    }
+
+    fn grid(&self) -> Option<&Grid> {
+        self.contact_grid.as_ref().map(|contact_grid| &contact_grid.grid)
     }
 
     fn standing(&self) -> Option<Standing> {

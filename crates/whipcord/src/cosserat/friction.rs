@@ -25,6 +25,7 @@ use crate::statics::friction::{
 };
 use crate::statics::grid::Grid;
 use crate::statics::outcome::Failure;
+use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::quadratic_form::Sample;
 use crate::statics::scales::Scales;
 
@@ -120,6 +121,8 @@ pub(super) struct Level {
     pub history: History<State>,
     /// After each step of actuation.
     pub answers: Vec<Answer>,
+    /// What friction against bending held before the last of these steps, and what that left.
+    pub plastic: [Option<PlasticCurvature>; 2],
 }
 
 /// Where a step of actuation ends.

@@ -14,6 +14,7 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
+use crate::refusal;
 use crate::shape::{Solution, Wrench};
 use crate::statics::friction::{
     Carried, Carrying, PassageResponse as _, Passages, Place, SubstepEnd,
@@ -51,6 +52,8 @@ impl Cosserat {
         workspace: &mut Workspace,
         mut each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
+        refusal::both_frictions_with_derivatives(ModelKind::Cosserat, &self.robot)
+            .map_err(|error| (0, error))?;
         if !case.obstacles.is_empty() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             return self.rub_with_derivatives((case, parameters), &asks, workspace, each);

@@ -72,10 +72,10 @@ impl Cosserat {
         let Some(last) = cases.last() else { return Ok(()) };
         let Refined { found, grid, error } = match self.options.accuracy {
             Accuracy::Steps(_) => {
-                let grid = &self.grid;
+                let grid = Cow::Borrowed(&self.grid);
                 workspace.progress.level = 0;
-                let found = self.take_steps(0, grid, cases, false, workspace)?;
-                Refined { found, grid: Cow::Borrowed(grid), error: None }
+                let (found, grid) = self.take_steps(0, grid, cases, false, workspace)?;
+                Refined { found, grid, error: None }
             }
             Accuracy::Tolerance(tolerance) => {
                 self.refine_with_friction(tolerance, cases, workspace)?
@@ -85,9 +85,12 @@ impl Cosserat {
         let verdict = self.stability_with_friction(&grid, last, &friction, workspace)?;
         self.write_answer(&grid, last, workspace, (found, error), verdict, solution);
         let Workspace { friction: memory, progress, .. } = workspace;
-        if let Some(Level { history, .. }) = memory.levels.get(progress.level) {
+        if let Some(Level { history, plastic: [_, left], .. }) = memory.levels.get(progress.level) {
             let holes = (&history.tensions[..], &history.slip_states[..]);
             self.write_friction(&grid, &friction, holes, solution);
+            let stations = self.layout.stations();
+            let left = left.as_ref().map(|left| left.at_stations(stations));
+            solution.plastic_curvature = left.unwrap_or_default();
         }
         Ok(())
     }
@@ -133,7 +136,8 @@ impl Cosserat {
             let grid = self.grid(level)?;
             workspace.progress.level = level;
             let keeps_rest = rest_error.is_some_and(|error| error <= FRONT_TOLERANCE * length);
-            let mut found = match self.take_steps(level, &grid, cases, keeps_rest, workspace) {
+            let taken = self.take_steps(level, grid, cases, keeps_rest, workspace);
+            let (mut found, grid) = match taken {
                 Err(failure) => {
                     let last_level = match failure {
                         SolveError::NotConverged { .. } | SolveError::SectionFolds { .. } => {
@@ -154,7 +158,7 @@ impl Cosserat {
                     (coarser, failed, rest_error) = (None, Some(failure), None);
                     continue;
                 }
-                Ok(found) => found,
+                Ok(taken) => taken,
             };
             if let Some((earlier, _)) = &coarser {
                 found = found.after(earlier);
@@ -198,7 +202,7 @@ impl Cosserat {
         self.accept(case, workspace)?;
         let Workspace { scratch, commands, meter, friction: memory, progress, .. } = workspace;
         let FrictionWorkspace { levels, response, at, .. } = memory;
-        let Some(Level { history, answers }) = levels.get(level) else { return Ok(()) };
+        let Some(Level { history, answers, .. }) = levels.get(level) else { return Ok(()) };
         let Some(Answer { shape, profile, .. }) = answers.last() else { return Ok(()) };
         progress.level = level;
         scratch.applied.gather(grid, &case.loads, case.base.rotation);
@@ -233,26 +237,31 @@ impl Cosserat {
         moved.max(length * pulled)
     }
 
-    /// The answer to the last step of actuation on one grid, which the workspace then holds. It may keep to where the cables come to
-    /// rest on the coarser grid.
-    fn take_steps(
+    /// The answer to the last step of actuation on one grid, which the workspace then holds, and the grid with the plastic curvature
+    /// before that step. It may keep to where the cables come to rest on the coarser grid.
+    fn take_steps<'a>(
         &self,
         level: usize,
-        grid: &Grid,
+        mut grid: Cow<'a, Grid>,
         cases: &[Case],
         keeps_rest: bool,
         workspace: &mut Workspace,
-    ) -> Result<Found, SolveError> {
-        let friction = self.friction_on(grid);
+    ) -> Result<(Found, Cow<'a, Grid>), SolveError> {
+        let friction = self.friction_on(&grid);
         let levels = &mut workspace.friction.levels;
         if levels.len() <= level {
             levels.resize(level + 1, Level::default());
         }
         // Where a step fails the way starts anew.
-        let Level { mut history, mut answers } = core::mem::take(&mut levels[level]);
+        let Level { mut history, mut answers, plastic: [mut before, mut left] } =
+            core::mem::take(&mut levels[level]);
         let coarse = level.checked_sub(1).map(|coarser| levels[coarser].answers.clone());
         if answers.len() > cases.len() {
             (history, answers) = (History::default(), Vec::new());
+            (before, left) = (None, None);
+        }
+        if let (Some(before), true) = (&before, answers.len() == cases.len()) {
+            grid.to_mut().set_plastic(before);
         }
         if answers.is_empty() && workspace.friction.keeps_trail {
             history = History::with_trail();
@@ -260,17 +269,20 @@ impl Cosserat {
         let mut found = Found::default();
         for (n, case) in cases.iter().enumerate().skip(answers.len()) {
             self.accept(case, workspace)?;
+            if let Some(left) = &left {
+                grid.to_mut().set_plastic(left);
+            }
             let Workspace { scratch, commands, meter, friction: memory, .. } = &mut *workspace;
-            scratch.applied.gather(grid, &case.loads, case.base.rotation);
+            scratch.applied.gather(&grid, &case.loads, case.base.rotation);
             scratch.trajectory.steps_left = usize::MAX;
-            let problem = self.problem(grid, case, (commands, meter));
+            let problem = self.problem(&grid, case, (commands, meter));
             let guess = coarse.as_ref().and_then(|answers| answers.get(n));
             let guess = guess.filter(|answer| 2 * (answer.shape.nodes.len() - 1) == grid.len());
             let mut course = core::mem::take(&mut memory.courses[n]);
             course.rest = match guess {
                 // A step that had no way to go on the coarser grid leaves nothing of it.
                 Some(answer) if keeps_rest && course.rest.len() == answer.slip_states.len() => {
-                    friction.nodes.halved_rest(grid, &course.rest, &answer.slip_states)
+                    friction.nodes.halved_rest(&grid, &course.rest, &answer.slip_states)
                 }
                 _ => Vec::new(),
             };
@@ -279,10 +291,14 @@ impl Cosserat {
             memory.courses[n] = course;
             let (taken, answer) = stepped.map_err(|failure| self.explain(failure, commands))?;
             found = taken;
+            if self.robot.has_bending_friction() {
+                let leaves = self.plastic_left(&grid, &friction, (case, &answer), workspace)?;
+                before = left.replace(leaves);
+            }
             answers.push(answer);
         }
-        workspace.friction.levels[level] = Level { history, answers };
-        Ok(found)
+        workspace.friction.levels[level] = Level { history, answers, plastic: [before, left] };
+        Ok((found, grid))
     }
 
     /// Stability of the answer in the workspace: known where no cable with friction pulls.
@@ -352,7 +368,7 @@ impl Cosserat {
         workspace: &mut Workspace,
         mut each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
-        if self.robot.has_bending_friction() && case.obstacles.is_empty() && !case.independent {
+        if self.bends_in_steps() && !case.independent {
             case.check(&self.robot).map_err(|error| (0, error.into()))?;
             return self.solve_steps_with_bending_friction(case, workspace, each);
         }

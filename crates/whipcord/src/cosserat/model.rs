@@ -43,7 +43,6 @@ impl Cosserat {
     /// [`SolveError::Missing`] when the robot's stiffness is not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
-        refusal::bending_friction_with_hole_friction(ModelKind::Cosserat, robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
         let steps = match options.accuracy {
@@ -146,17 +145,19 @@ impl Cosserat {
         solution: &mut Solution,
     ) -> Result<Status, SolveError> {
         workspace.meter.start(&self.options.cancel, self.options.budget);
+        if self.bends_in_steps() {
+            let taken = self.solve_with_bending_friction(case, workspace, solution);
+            return workspace.meter.checked(taken).map(|()| Status::Converged);
+        }
         if !case.obstacles.is_empty() {
             let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);
         }
-        let outcome = if self.robot.has_bending_friction() {
-            let taken = self.solve_with_bending_friction(case, workspace, solution);
-            return workspace.meter.checked(taken).map(|()| Status::Converged);
-        } else if self.has_friction() {
+        let outcome = if self.has_friction() {
             case.check(&self.robot)?;
             let steps: Vec<Case> = case.leading_steps().collect();
+            solution.plastic_curvature.clear();
             self.solve_with_friction(&steps, true, workspace, solution)
         } else {
             self.solve_keeping_grid(case, from, workspace, solution).map(|_| ())
@@ -184,21 +185,22 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
+        refusal::both_frictions_with_derivatives(ModelKind::Cosserat, &self.robot)?;
         if self.has_friction() && case.obstacles.is_empty() {
             return self.solve_sliding_with_derivatives(case, parameters, workspace);
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
-        if !case.obstacles.is_empty() {
-            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
-            return workspace.meter.checked(found);
-        }
-        if self.robot.has_bending_friction() {
+        if self.bends_in_steps() {
             let mut last = None;
             let each = |solution, derivatives| last = Some((solution, derivatives));
             let taken = self.differentiate_with_bending_friction(case, parameters, workspace, each);
             let taken = taken.map_err(|(_, error)| error);
             workspace.meter.checked(taken)?;
             return last.ok_or(SolveError::NoDerivatives);
+        }
+        if !case.obstacles.is_empty() {
+            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+            return workspace.meter.checked(found);
         }
         let mut solution = Solution::empty(ModelKind::Cosserat);
         let solved = self.solve_keeping_grid(case, warm_start.into(), workspace, &mut solution);

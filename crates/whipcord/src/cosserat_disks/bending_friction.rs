@@ -17,9 +17,27 @@ use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::plastic_steps::{Differentiated, PlasticRod};
 
 impl CosseratDisks {
-    /// Whether the answer to a step depends on the steps before it by friction against bending.
-    pub(crate) const fn keeps_history(&self, case: &Case) -> bool {
-        self.robot.has_bending_friction() && case.obstacles.is_empty()
+    /// Whether steps of actuation are taken one by one, each from the plastic curvature that the one before left. Beside friction of
+    /// cables, whose memory belongs to a grid, all of them are taken on each grid instead.
+    pub(crate) fn bends_in_steps(&self) -> bool {
+        self.robot.has_bending_friction() && !self.has_friction()
+    }
+
+    /// The answer to a step without obstacles as a solve of its own, from the plastic curvature that was set where there is one.
+    pub(super) fn solve_step(
+        &self,
+        step: &Case,
+        near: Option<&Solution>,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
+        if !self.bends_in_steps() {
+            return self.solve(step, near, workspace);
+        }
+        self.start_meter(workspace);
+        let mut solution = Solution::empty(ModelKind::CosseratDisks);
+        let taken = self.take_step(step, near, workspace, &mut solution);
+        workspace.meter.checked(taken)?;
+        Ok(solution)
     }
 }
 
@@ -47,6 +65,12 @@ impl PlasticRod for CosseratDisks {
         workspace: &mut Workspace,
         solution: &mut Solution,
     ) -> Result<PlasticCurvature, SolveError> {
+        if !step.obstacles.is_empty() {
+            let (answer, left) = self.take_step_among_obstacles(step, from, workspace)?;
+            *solution = answer;
+            solution.plastic_curvature = left.at_stations(self.stations());
+            return Ok(left);
+        }
         let cases = core::slice::from_ref(step);
         let level = self.solve_from(cases, from.into(), workspace, solution)?;
         let mesh = self.mesh(level)?;
@@ -65,6 +89,14 @@ impl PlasticRod for CosseratDisks {
         workspace: &mut Workspace,
         solution: &mut Solution,
     ) -> Result<Differentiated<Derivatives>, SolveError> {
+        if !step.obstacles.is_empty() {
+            let asked = (history, parameters);
+            let (answer, found) =
+                self.differentiate_step_among_obstacles((step, from), asked, workspace)?;
+            *solution = answer;
+            solution.plastic_curvature = found.1.at_stations(self.stations());
+            return Ok(found);
+        }
         let level =
             self.solve_from(core::slice::from_ref(step), from.into(), workspace, solution)?;
         let mesh = self.mesh(level)?;

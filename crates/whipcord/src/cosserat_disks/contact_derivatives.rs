@@ -11,7 +11,7 @@ use crate::case::Case;
 use crate::contact::{ContactRod as _, NotedEnd, RodResponse};
 use crate::derivatives::{
     Cables, ContactGain, Derivatives, Motion, NoDerivatives, OpenStrands, SlidingAnswer, Solved,
-    StepGap, StraightCables,
+    StepGap, StraightCables, plastic_left,
 };
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -21,17 +21,53 @@ use crate::robot::Robot;
 use crate::section::BodyWrench;
 use crate::shape::Wrench;
 use crate::statics::friction::Carried;
+use crate::statics::plastic_curvature::PlasticCurvature;
 
 impl ContactResponse {
     /// The derivatives where it stands, at these nodes and at the disks.
     pub(super) fn derivatives(
         &self,
         contact_mesh: &ContactMesh,
-        (robot, case): (&Robot, &Case),
-        (taut, nodes): (&[bool], &[usize]),
+        of: (&Robot, &Case, &[PlasticCurvature]),
+        at: (&[bool], &[usize]),
         parameters: &[Parameter],
         end: Option<&NotedEnd<'_, Kept>>,
     ) -> Result<Derivatives, SolveError> {
+        let found = self.with_answer(contact_mesh, of, at, parameters, end, |solved| {
+            Derivatives::of(solved, parameters)
+        })?;
+        found.map_err(|error| match error {
+            NoDerivatives::Parameter(error) => error.into(),
+            // The sections of a rod without cables have no equilibrium to miss.
+            NoDerivatives::Critical | NoDerivatives::Fault(_) => SolveError::NoDerivatives,
+        })
+    }
+
+    /// The plastic curvature that it leaves where it stands.
+    pub(super) fn plastic_left_there(
+        &self,
+        robot: &Robot,
+        case: &Case,
+    ) -> Result<PlasticCurvature, SolveError> {
+        let contact_mesh = self.contact_mesh.as_ref().ok_or(SolveError::NoDerivatives)?;
+        let (taut, nodes) = (self.taut(contact_mesh), contact_mesh.asked_nodes());
+        let (of, at) = ((robot, case, &[][..]), (&taut[..], &nodes[..]));
+        let left = self.with_answer(contact_mesh, of, at, &[], None, plastic_left)?;
+        // The sections of a rod without cables have no equilibrium to miss.
+        left.map_err(|_| SolveError::NoDerivatives)
+    }
+
+    /// Where it stands, as it is gone over once more, for derivatives by these parameters; `history` is how the plastic curvature
+    /// before changes with each.
+    fn with_answer<T>(
+        &self,
+        contact_mesh: &ContactMesh,
+        (robot, case, history): (&Robot, &Case, &[PlasticCurvature]),
+        (taut, nodes): (&[bool], &[usize]),
+        parameters: &[Parameter],
+        end: Option<&NotedEnd<'_, Kept>>,
+        act: impl FnOnce(&Solved<'_>) -> T,
+    ) -> Result<T, SolveError> {
         let ContactMesh { model, mesh, .. } = contact_mesh;
         let (frame, chain) = (model.frame(), &self.chain);
         let (commands, loads) = (self.workspace.commands(), self.workspace.loads());
@@ -88,16 +124,12 @@ impl ContactResponse {
             starts: &starts,
             strains: &[],
             are_strains_met: false,
-            history: &[],
+            history,
             nodes,
             sliding,
             open: open.map(|strands| OpenStrands { strands, varying: None }),
         };
-        Derivatives::of(&solved, parameters).map_err(|error| match error {
-            NoDerivatives::Parameter(error) => error.into(),
-            // The sections of a rod without cables have no equilibrium to miss.
-            NoDerivatives::Critical | NoDerivatives::Fault(_) => SolveError::NoDerivatives,
-        })
+        Ok(act(&solved))
     }
 
     pub(super) fn linearised(
@@ -118,7 +150,7 @@ impl ContactResponse {
         nodes.sort_unstable();
         nodes.dedup();
         let derivatives =
-            self.derivatives(contact_mesh, (robot, case), (&taut, &nodes), &[], None)?;
+            self.derivatives(contact_mesh, (robot, case, &[]), (&taut, &nodes), &[], None)?;
         if contact_mesh.model.has_friction() {
             let (gaps, unbalanced) = self.gaps();
             let closing = derivatives.open_closing(&gaps, &unbalanced);
@@ -170,7 +202,7 @@ impl ContactResponse {
         let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::CosseratDisks))?;
         let taut = self.taut(&contact_mesh);
         let at = (&taut[..], &contact_mesh.mesh.grid.stations[..]);
-        let of = (robot, end.case);
+        let of = (robot, end.case, &[][..]);
         let derivatives = self.derivatives(&contact_mesh, of, at, parameters, Some(end))?;
         Ok(end.found(derivatives, nodes))
     }

@@ -11,6 +11,8 @@ use crate::statics::command::Command;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::passages::Passage;
 use crate::statics::path::Step;
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::PlasticRod as _;
 use crate::stations::Stations;
 
 /// Where its steps end.
@@ -33,8 +35,8 @@ impl ContactMesh {
         options: &Options,
         case: &Case,
         (least, halvings): (usize, usize),
-        stations: &[f64],
-        pushes: &[f64],
+        (stations, pushes): (&[f64], &[f64]),
+        plastic: Option<&PlasticCurvature>,
     ) -> Result<Self, SolveError> {
         let mut places = stations.to_vec();
         places.extend_from_slice(pushes);
@@ -58,7 +60,26 @@ impl ContactMesh {
         let group = |(p, passage): (usize, &Passage)| if rubs { p } else { passage.cable };
         let groups = passages.enumerate().map(group).collect();
         let (stations, pushes) = (stations.to_vec(), pushes.to_vec());
-        Ok(Self { model, mesh, steps, halvings, stations, pushes, groups })
+        let mut made = Self { model, mesh, steps, halvings, stations, pushes, groups };
+        if let Some(plastic) = plastic {
+            made.set_plastic(plastic);
+        }
+        Ok(made)
+    }
+
+    /// Sets the plastic curvature that the steps of actuation before left.
+    pub(super) fn set_plastic(&mut self, left: &PlasticCurvature) {
+        self.model.frame().set_plastic(&mut self.mesh, left);
+        self.model.set_plastic(left.clone());
+    }
+
+    /// The nodes at which an answer is asked for: all where friction against bending keeps its history there.
+    pub(super) fn asked_nodes(&self) -> Vec<usize> {
+        let grid = &self.mesh.grid;
+        match self.model.robot().has_bending_friction() {
+            true => (0..=grid.len()).collect(),
+            false => grid.stations.clone(),
+        }
     }
 
     /// The node of a station or a push.

@@ -26,8 +26,11 @@ use crate::section::Fault;
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::{Carried, CondensedHoles, History, Holes, Passages, Standing};
+use crate::statics::grid::Grid;
 use crate::statics::options::{Accuracy, Options};
 use crate::statics::outcome::{Failure, Found};
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::PlasticRod as _;
 use crate::statics::refinement::Coarse;
 
 /// No disk turns by more in one step, in rad.
@@ -51,6 +54,8 @@ pub(super) struct ContactResponse {
     pub(super) refinement: Refinement,
     /// Where cables rub.
     pub(super) holes: CondensedHoles,
+    /// What friction against bending holds from the steps of actuation before.
+    plastic: Option<PlasticCurvature>,
 }
 
 /// What it is to be kept for, to go back to.
@@ -112,10 +117,11 @@ impl ContactResponse {
     /// steps, and the gaps that they leave.
     fn change_on_halved_steps(&self, contact_mesh: &ContactMesh, case: &Case) -> Option<f64> {
         let ContactMesh { model, mesh, steps, halvings, groups, .. } = contact_mesh;
-        let fine = ContactMesh {
-            mesh: model.frame().mesh(*steps, halvings + 1).ok()?,
-            ..contact_mesh.clone()
-        };
+        let mut finer = model.frame().mesh(*steps, halvings + 1).ok()?;
+        if let Some(plastic) = &self.plastic {
+            model.frame().set_plastic(&mut finer, plastic);
+        }
+        let fine = ContactMesh { mesh: finer, ..contact_mesh.clone() };
         let mut other = Self::default();
         other.workspace.meter_mut().start(&model.options().cancel, Budget::UNLIMITED);
         model.accept(case, &fine.mesh, &mut other.workspace).ok()?;
@@ -226,6 +232,19 @@ impl ContactRod for ContactResponse {
         (self.before_step, self.reusable) = (None, None);
     }
 
+    fn set_plastic(&mut self, left: &PlasticCurvature) {
+        self.linear = None;
+        (self.before_step, self.reusable) = (None, None);
+        if let Some(contact_mesh) = &mut self.contact_mesh {
+            Arc::make_mut(contact_mesh).set_plastic(left);
+        }
+        self.plastic = Some(left.clone());
+    }
+
+    fn plastic_left(&self, robot: &Robot, case: &Case) -> Result<PlasticCurvature, SolveError> {
+        self.plastic_left_there(robot, case)
+    }
+
     fn look(
         &mut self,
         robot: &Robot,
@@ -250,7 +269,8 @@ impl ContactRod for ContactResponse {
                 self.reusable = None;
                 let Refinement { steps, halvings, .. } = self.refinement;
                 let at = (steps, halvings);
-                Arc::new(ContactMesh::new(robot, options, case, at, stations, pushes)?)
+                let plastic = self.plastic.as_ref();
+                Arc::new(ContactMesh::new(robot, options, case, at, (stations, pushes), plastic)?)
             }
         };
         contact_mesh.model.accept(case, &contact_mesh.mesh, &mut self.workspace)?;
@@ -296,11 +316,17 @@ impl ContactRod for ContactResponse {
         &self,
         robot: &Robot,
         case: &Case,
+        history: &[PlasticCurvature],
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError> {
         let contact_mesh = self.contact_mesh.as_ref().ok_or(SolveError::NoDerivatives)?;
-        let (taut, nodes) = (self.taut(contact_mesh), &contact_mesh.mesh.grid.stations);
-        self.derivatives(contact_mesh, (robot, case), (&taut, nodes), parameters, None)
+        let (taut, nodes) = (self.taut(contact_mesh), contact_mesh.asked_nodes());
+        let of = (robot, case, history);
+        self.derivatives(contact_mesh, of, (&taut, &nodes), parameters, None)
+    }
+
+    fn grid(&self) -> Option<&Grid> {
+        self.contact_mesh.as_ref().map(|contact_mesh| &contact_mesh.mesh.grid)
     }
 
     fn standing(&self) -> Option<Standing> {
@@ -478,12 +504,16 @@ impl ContactRod for ContactResponse {
     }
 
     fn solve_free(
+        &self,
         robot: &Robot,
         options: &Options,
         case: &Case,
         near: Option<&Solution>,
     ) -> Result<Solution, SolveError> {
-        let model = CosseratDisks::new(robot, &case.loads, options)?;
-        model.solve(case, near, &mut Workspace::default())
+        let mut model = CosseratDisks::new(robot, &case.loads, options)?;
+        if let Some(left) = &self.plastic {
+            model.set_plastic(left.clone());
+        }
+        model.solve_step(case, near, &mut Workspace::default())
     }
 }

@@ -12,6 +12,7 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
+use crate::refusal;
 use crate::shape::Solution;
 use crate::statics::friction::{Carried, Carrying, Holes, SubstepEnd};
 use crate::warm_start::WarmStart;
@@ -32,6 +33,8 @@ impl CosseratDisks {
         workspace: &mut Workspace,
         each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
+        refusal::both_frictions_with_derivatives(ModelKind::CosseratDisks, &self.robot)
+            .map_err(|error| (0, error))?;
         let Some(holes) = &self.holes else { return Ok(()) };
         if !case.obstacles.is_empty() {
             workspace.meter.start(&self.options.cancel, self.options.budget);

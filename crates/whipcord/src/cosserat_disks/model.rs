@@ -87,7 +87,6 @@ impl CosseratDisks {
     /// [`SolveError::Missing`] when the robot's stiffness or its disks are not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         refusal::without_disks(ModelKind::CosseratDisks, robot)?;
-        refusal::bending_friction_with_hole_friction(ModelKind::CosseratDisks, robot)?;
         let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
         let steps = match options.accuracy {
             Accuracy::Steps(steps) => steps,
@@ -175,14 +174,14 @@ impl CosseratDisks {
         solution: &mut Solution,
     ) -> Result<Status, SolveError> {
         workspace.meter.start(&self.options.cancel, self.options.budget);
+        if self.bends_in_steps() {
+            let taken = self.solve_with_bending_friction(case, workspace, solution);
+            return workspace.meter.checked(taken).map(|()| Status::Converged);
+        }
         if !case.obstacles.is_empty() {
             let outcome = self.solve_among_obstacles(case, from.given(solution), workspace);
             *solution = workspace.meter.checked(outcome)?;
             return Ok(Status::Converged);
-        }
-        if self.robot.has_bending_friction() {
-            let taken = self.solve_with_bending_friction(case, workspace, solution);
-            return workspace.meter.checked(taken).map(|()| Status::Converged);
         }
         let outcome = if self.holes.is_none() {
             self.solve_from(core::slice::from_ref(case), from, workspace, solution)
@@ -192,6 +191,7 @@ impl CosseratDisks {
             workspace.courses.clear();
             let steps = one_by_one(case);
             let leading = if case.independent { steps.len() - 1 } else { 0 };
+            solution.plastic_curvature.clear();
             self.solve_from(&steps[leading..], from, workspace, solution)
         };
         match workspace.meter.checked(outcome) {
@@ -267,6 +267,9 @@ impl CosseratDisks {
             }
             return Ok(());
         }
+        if self.bends_in_steps() {
+            return self.solve_steps_with_bending_friction(case, workspace, each);
+        }
         if !case.obstacles.is_empty() {
             if self.holes.is_some() && !case.independent {
                 workspace.meter.start(&self.options.cancel, self.options.budget);
@@ -279,9 +282,6 @@ impl CosseratDisks {
                 each(last.insert(solution).clone());
             }
             return Ok(());
-        }
-        if self.robot.has_bending_friction() {
-            return self.solve_steps_with_bending_friction(case, workspace, each);
         }
         let steps = one_by_one(case);
         workspace.histories.clear();
@@ -330,21 +330,22 @@ impl CosseratDisks {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
+        refusal::both_frictions_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
         if let Some(holes) = self.holes.as_ref().filter(|_| case.obstacles.is_empty()) {
             return self.solve_sliding_with_derivatives(holes, case, parameters, workspace);
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
-        if !case.obstacles.is_empty() {
-            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
-            return workspace.meter.checked(found);
-        }
-        if self.robot.has_bending_friction() {
+        if self.bends_in_steps() {
             let mut last = None;
             let each = |solution, derivatives| last = Some((solution, derivatives));
             let taken = self.differentiate_with_bending_friction(case, parameters, workspace, each);
             let taken = taken.map_err(|(_, error)| error);
             workspace.meter.checked(taken)?;
             return last.ok_or(SolveError::NoDerivatives);
+        }
+        if !case.obstacles.is_empty() {
+            let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+            return workspace.meter.checked(found);
         }
         let (solution, level) = self.solve_keeping_level(case, warm_start, workspace)?;
         let mesh = self.mesh(level)?;
@@ -389,8 +390,14 @@ impl CosseratDisks {
         let Workspace { scratch, commands, .. } = workspace;
         let spans = |mesh| self.frame.straight_spans(mesh).collect::<Vec<_>>();
         let rest = rest.map(|mesh| (&mesh.grid, spans(mesh)));
+        let mut of_answer = spans(mesh);
+        if self.holes.is_some() {
+            for (straight, span) in of_answer.iter_mut().zip(&self.frame.spans) {
+                straight.tensions = Some(&scratch.pulled[span.first..][..span.passages.len()]);
+            }
+        }
         let straight = StraightCables {
-            spans: &spans(mesh),
+            spans: &of_answer,
             rest: rest.as_ref().map(|(grid, spans)| (*grid, &spans[..])),
         };
         // Friction against bending keeps its history at all nodes.
@@ -496,8 +503,19 @@ impl CosseratDisks {
             }
             Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace)?,
         };
-        let mesh = self.mesh(level)?;
-        self.write(&mesh, cases, workspace, (found, error), solution);
+        let walked = workspace.histories.get(level).filter(|_| self.holes.is_some());
+        let [before, left] = walked.map_or_else(Default::default, |walked| walked.plastic.clone());
+        match before {
+            None => self.write(&*self.mesh(level)?, cases, workspace, (found, error), solution),
+            Some(before) => {
+                // Its stability is that of the last step.
+                let mut bent = self.clone();
+                bent.set_plastic(before);
+                bent.write(&*bent.mesh(level)?, cases, workspace, (found, error), solution);
+            }
+        }
+        let left = left.map(|left| left.at_stations(self.stations()));
+        solution.plastic_curvature = left.unwrap_or_default();
         Ok(level)
     }
 

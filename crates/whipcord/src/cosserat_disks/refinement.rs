@@ -13,6 +13,7 @@ use super::problem::Start;
 use super::statics;
 use super::workspace::{StepHistory, Workspace};
 use crate::case::Case;
+use crate::derivatives::plastic_left;
 use crate::error::SolveError;
 use crate::statics::friction::{Course, History};
 use crate::statics::options::{Accuracy, StabilityAnalysis};
@@ -186,14 +187,20 @@ impl CosseratDisks {
         start: Start<'_>,
         workspace: &mut Workspace,
     ) -> Result<Found, SolveError> {
-        let Workspace { scratch, commands, histories, courses, meter, keeps_trail, .. } = workspace;
+        let Workspace { scratch, histories, courses, keeps_trail, .. } = &mut *workspace;
         courses.resize(cases.len().max(courses.len()), Course::default());
         if histories.len() <= level {
             histories.resize(level + 1, StepHistory::default());
         }
         // Where a step fails the way starts anew.
-        let StepHistory { taken, history } = core::mem::take(&mut histories[level]);
+        let StepHistory { taken, history, plastic: [mut before, mut left] } =
+            core::mem::take(&mut histories[level]);
         let taken = if self.holes.is_some() { taken } else { 0 };
+        let keeps_plastic = self.holes.is_some() && self.robot.has_bending_friction();
+        if taken == 0 {
+            (before, left) = (None, None);
+        }
+        let mut mesh = Cow::Borrowed(mesh);
         scratch.history = match taken {
             0 if *keeps_trail => History::with_trail(),
             0 => History::default(),
@@ -201,17 +208,28 @@ impl CosseratDisks {
         };
         let mut found = Found::default();
         for (n, case) in cases.iter().enumerate().skip(taken) {
+            if let Some(left) = &left {
+                self.frame.set_plastic(mesh.to_mut(), left);
+            }
+            let Workspace { scratch, commands, courses, meter, .. } = &mut *workspace;
             scratch.applied.gather(&mesh.grid, &case.loads, case.base.rotation);
             self.commands(case, commands)?;
-            let problem = self.problem(mesh, (commands, meter), case)?;
+            let problem = self.problem(&mesh, (commands, meter), case)?;
             // What a coarser mesh found is that of the last step.
             let start = if n + 1 == cases.len() { start } else { Start::Cold };
             scratch.course = core::mem::take(&mut courses[n]);
             found = statics::solve(&problem, start, scratch)
                 .map_err(|failure| self.explain(failure, commands))?;
             courses[n] = core::mem::take(&mut scratch.course);
+            if keeps_plastic {
+                let leaves = self.with_answer(case, &mesh, (None, &[]), workspace, plastic_left);
+                // The sections of a rod without cables have no equilibrium to miss.
+                before = left.replace(leaves.map_err(|_| SolveError::NoDerivatives)?);
+            }
         }
-        histories[level] = StepHistory { taken: cases.len(), history: scratch.history.clone() };
+        let history = workspace.scratch.history.clone();
+        workspace.histories[level] =
+            StepHistory { taken: cases.len(), history, plastic: [before, left] };
         Ok(found)
     }
 }

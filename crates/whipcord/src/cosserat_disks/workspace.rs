@@ -14,6 +14,7 @@ use crate::statics::command::Command;
 use crate::statics::friction::{Course, History};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Found;
+use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::refinement::{Coarse, change_of_tensions};
 use crate::statics::scales::Scales;
 
@@ -52,6 +53,8 @@ pub(super) struct Progress {
 pub(super) struct StepHistory {
     pub taken: usize,
     pub history: History<Vec<Node>>,
+    /// What friction against bending held before the last of these steps, and what that left.
+    pub plastic: [Option<PlasticCurvature>; 2],
 }
 
 impl Workspace {

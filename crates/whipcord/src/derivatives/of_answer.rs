@@ -161,7 +161,7 @@ impl Derivatives {
         };
         let ends = robot
             .has_bending_friction()
-            .then(|| StepEnds::new(&linear, grid, tensions, poses))
+            .then(|| StepEnds::new(&linear, &answer, grid))
             .transpose()?;
         let partials = parameters
             .iter()

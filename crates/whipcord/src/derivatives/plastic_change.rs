@@ -19,8 +19,9 @@ use crate::statics::plastic_curvature::PlasticCurvature;
 pub(crate) fn plastic_left(solved: &Solved<'_>) -> Result<PlasticCurvature, Fault> {
     let Solved { grid, cables, .. } = *solved;
     let straight = cables.straight.map(|straight| (straight.spans, solved.nodes));
-    let linear = Linear::of(&solved.answer(), straight)?;
-    let ends = StepEnds::new(&linear, grid, solved.tensions, solved.poses)?;
+    let answer = solved.answer();
+    let linear = Linear::of(&answer, straight)?;
+    let ends = StepEnds::new(&linear, &answer, grid)?;
     Ok(PlasticCurvature::left(grid, &ends.strains(&linear)))
 }
 

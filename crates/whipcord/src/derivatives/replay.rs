@@ -199,7 +199,7 @@ pub(crate) struct Answer<'a> {
 
 impl Answer<'_> {
     /// Tensions of the first `active` cables at a place of a step.
-    fn tensions_at(&self, k: usize, place: usize, active: usize) -> &[f64] {
+    pub(super) fn tensions_at(&self, k: usize, place: usize, active: usize) -> &[f64] {
         match &self.varying {
             Some(varying) => {
                 &varying.tensions[self.tensions.len() * (PLACES * k + place)..][..active]

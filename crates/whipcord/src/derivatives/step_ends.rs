@@ -1,11 +1,9 @@
 //! The sections just in front of the ends of the steps: where friction against bending keeps its history beside those just
 //! behind the nodes.
 
-use whipcord_numerics::Pose;
-
 use super::linear::Linear;
 use super::quadrature::POINTS;
-use super::replay::Stage;
+use super::replay::{Answer, Stage};
 use crate::section::{BodyWrench, Fault, Strain, Tangent, equilibrium};
 use crate::shape::Wrench;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
@@ -24,16 +22,10 @@ pub(super) struct StepEnds {
 }
 
 impl StepEnds {
-    /// Of an answer that is gone over, with these tensions and frames at the ends of all steps.
-    pub fn new(
-        linear: &Linear,
-        grid: &Grid,
-        tensions: &[f64],
-        poses: &[Pose],
-    ) -> Result<Self, Fault> {
+    /// Of an answer that is gone over.
+    pub fn new(linear: &Linear, answer: &Answer<'_>, grid: &Grid) -> Result<Self, Fault> {
         // Cables that run straight are in no section of the rod.
-        let tensions = if linear.spans().is_some() { &[] } else { tensions };
-        let cables = tensions.len();
+        let cables = if linear.spans().is_some() { 0 } else { answer.tensions.len() };
         let mut ends = Self { cables, ..Self::default() };
         ends.pulls.resize(grid.len() * cables, Default::default());
         for (k, step) in grid.steps.iter().enumerate() {
@@ -46,7 +38,11 @@ impl StepEnds {
                 }
             };
             let (at, crossings) = grid.shooting.at(k, LAST_NODE, step.active);
-            let (section, active) = (&at.section, &tensions[..step.active]);
+            let active = match cables {
+                0 => &[],
+                _ => answer.tensions_at(k, LAST_NODE, step.active),
+            };
+            let section = &at.section;
             let fault = |kind| Fault { kind, arc_length: step.start + step.length };
             equilibrium(section, crossings, active, wrench, &mut strain).map_err(fault)?;
             let tangent = Tangent::at(section, crossings, active, &strain).map_err(fault)?;
@@ -55,7 +51,7 @@ impl StepEnds {
             }
             ends.stages.push(Stage {
                 strain,
-                rotation: poses[k + 1].rotation.to_matrix(),
+                rotation: answer.poses[k + 1].rotation.to_matrix(),
                 force: arriving.force,
                 moment: arriving.moment,
                 compliance: tangent.compliance(),

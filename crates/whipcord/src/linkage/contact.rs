@@ -35,7 +35,7 @@ impl Linkage {
             if self.keeps_history() {
                 // Other shapes were looked at since: the joints keep what they hold in this one.
                 let alone = Case { obstacles: Vec::new(), ..case.clone() };
-                self.find(&alone, Some(&solution), workspace)?;
+                return self.solve_alone(&alone, warm_start, workspace);
             }
             return Ok(solution);
         }
@@ -59,15 +59,21 @@ impl Linkage {
         }
         let mut adapter = ContactAdapter::new(self, Watched::new(self), workspace);
         let mut found = Vec::new();
-        let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, |of_step| {
-            found.push(of_step);
-        });
+        let each_found = |adapter: &mut ContactAdapter<'_>, (mut solution, has_touched)| {
+            adapter.keep_plastic(&mut solution);
+            found.push((solution, has_touched));
+            Ok(())
+        };
+        let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, each_found);
         contact::rubbing_or_free(
             case,
             found,
             |of| of,
             |alone| {
                 workspace.forget();
+                if self.keeps_history() {
+                    return contact::last_of(|each| self.bend_in_steps(alone, workspace, each));
+                }
                 self.solve_alone(alone, None, workspace)
             },
         )
@@ -107,7 +113,7 @@ impl Linkage {
         adapter.notes = Some(NotedWay::default());
         let mut carrying = Carrying::default();
         let mut found = Vec::new();
-        let followed = contact::solve_noted(
+        let followed = contact::solve_rubbing(
             &mut adapter,
             &self.robot,
             case,

@@ -1,5 +1,7 @@
 //! The chain of sections among obstacles, as [`crate::contact`] asks it.
 
+use std::borrow::Cow;
+
 use whipcord_numerics::{Pose, Vec3, equally_spaced};
 
 use super::contact_response::{ContactResponse, DrivenCables};
@@ -72,7 +74,8 @@ struct State {
 
 /// The chain among obstacles.
 pub(super) struct ContactAdapter<'a> {
-    model: &'a Linkage,
+    /// One of its own where its joints keep what steps of actuation left.
+    model: Cow<'a, Linkage>,
     /// Its chain and tensions are where the robot stands.
     pub(super) workspace: &'a mut Workspace,
     watched: Watched,
@@ -108,7 +111,7 @@ impl<'a> ContactAdapter<'a> {
         let compliance: f64 = bends.filter(|&&k| k > 0.0).map(|k| 1.0 / k).sum();
         let length = model.robot.backbone().length;
         let mut adapter = Self {
-            model,
+            model: Cow::Borrowed(model),
             workspace,
             watched,
             case: Case::default(),
@@ -127,6 +130,17 @@ impl<'a> ContactAdapter<'a> {
         };
         adapter.reset();
         adapter
+    }
+
+    /// Lets the joints keep what their friction holds where it stands, at this answer.
+    pub(super) fn keep_plastic(&mut self, solution: &mut Solution) {
+        if !self.model.keeps_history() {
+            return;
+        }
+        let model = self.model.to_mut();
+        model.keep_plastic(&self.workspace.scratch.chain.q);
+        solution.plastic_curvature = model.plastic_curvature(&solution.shape.arc_length);
+        self.is_linear = false;
     }
 
     /// Units of tensions and lengths in the conditions of cables.
@@ -149,8 +163,8 @@ impl<'a> ContactAdapter<'a> {
         let Workspace { scratch, loads, commands, tensions, meter, .. } = &mut *self.workspace;
         let pulled = self.holes.as_ref().map(|holes| holes.tensions().to_vec());
         let task = self.model.task(loads, pulled.as_deref().unwrap_or(tensions), meter);
-        let task = match &self.holes {
-            Some(holes) => Task { sections: &holes.rubbing.sections, ..task },
+        let task = match &self.model.friction {
+            Some(rubbing) => Task { sections: &rubbing.sections, ..task },
             None => task,
         };
         let residual = scratch.chain.evaluate(&task);
@@ -204,9 +218,16 @@ impl<'a> ContactAdapter<'a> {
         if let Some(holes) = &mut self.holes {
             let pulled = holes.tensions().to_vec();
             let task = self.model.task(loads, &pulled, meter);
-            let task = Task { sections: &holes.rubbing.sections, ..task };
+            let sections = self.model.friction.as_ref().map_or(task.sections, |of| &of.sections);
+            let task = Task { sections, ..task };
             let at = (&task, &mut scratch.chain);
-            self.found.linearise_rubbing(self.model, at, (holes, commands), &self.disks, pushes)?;
+            self.found.linearise_rubbing(
+                &self.model,
+                at,
+                (holes, commands),
+                &self.disks,
+                pushes,
+            )?;
             self.is_linear = true;
             return Ok(());
         }
@@ -217,7 +238,7 @@ impl<'a> ContactAdapter<'a> {
         let task = self.model.task(loads, tensions, meter);
         let cables = DrivenCables { commands, is_active: &is_active };
         let at = (&task, &mut scratch.chain);
-        self.found.linearise(self.model, at, cables, &self.disks, pushes)?;
+        self.found.linearise(&self.model, at, cables, &self.disks, pushes)?;
         self.is_linear = true;
         Ok(())
     }

@@ -14,6 +14,7 @@ use crate::derivatives::{
 };
 use crate::error::SolveError;
 use crate::parameter::Parameter;
+use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::statics::friction::{Carried, Carrying, History, HoleSource, Standing};
@@ -61,6 +62,8 @@ impl Linkage {
         workspace: &mut Workspace,
         mut each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
     ) -> Result<(), (usize, SolveError)> {
+        refusal::bending_friction_with_derivatives(self.kind, &self.robot)
+            .map_err(|error| (0, error))?;
         let Some(rubbing) = &self.friction else { return Ok(()) };
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
         if !case.obstacles.is_empty() {

@@ -44,7 +44,6 @@ use crate::case::{Actuation, Case};
 use crate::derivatives::TensionRatesMemory;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
@@ -153,7 +152,6 @@ impl Linkage {
         options: Options,
     ) -> Result<Self, SolveError> {
         options.stations.check(robot)?;
-        refusal::bending_friction_with_hole_friction(kind, robot)?;
         let (sections, rest_lengths) = layout::sections(robot, kind, &division)?;
         let friction = Rubbing::new(robot, &division, &sections);
         let stations = options.stations.arc_lengths(robot);

@@ -112,20 +112,49 @@ fn friction_at_holes(kind: ModelKind) -> Result<(), SolveError> {
     Ok(())
 }
 
-fn friction_against_bending(kind: ModelKind) -> Result<(), SolveError> {
-    let plain = finger(9);
+/// The robot with friction of its backbone against bending.
+fn held(plain: &Robot) -> Robot {
     let friction = BendingFriction { yield_moment: [4e-3; 2], yield_stiffness: None };
     let backbone = Backbone { bending_friction: Some(friction), ..plain.backbone().clone() };
-    let rubbing = Robot::new(backbone, plain.disks().clone(), plain.cables().to_vec()).unwrap();
+    Robot::new(backbone, plain.disks().clone(), plain.cables().to_vec()).unwrap()
+}
+
+/// With and without a larger pull before, the tip is not at the same place.
+fn depends_on_the_way(
+    kind: ModelKind,
+    robot: &Robot,
+    obstacles: &[Obstacle],
+) -> Result<(), SolveError> {
     let way = |tensions: &[f64]| {
         let mut steps: Vec<_> =
             tensions.iter().map(|&t| Case::with_tensions(&[t]).commands).collect();
         let commands = steps.pop().unwrap();
-        solve(kind, &rubbing, &Case { commands, before: steps, ..Case::default() })
+        let obstacles = obstacles.to_vec();
+        solve(kind, robot, &Case { commands, before: steps, obstacles, ..Case::default() })
     };
-    let moved = way(&[1.0])?.disks.tip().position.x - way(&[2.0, 1.0])?.disks.tip().position.x;
+    let [direct, back] = [way(&[1.0])?, way(&[2.0, 1.0])?];
+    assert_ne!(direct.plastic_curvature, back.plastic_curvature);
+    let moved = direct.disks.tip().position.x - back.disks.tip().position.x;
     assert!(moved < -1e-3, "{moved}");
     Ok(())
+}
+
+fn friction_against_bending(kind: ModelKind) -> Result<(), SolveError> {
+    depends_on_the_way(kind, &held(&finger(9)), &[])
+}
+
+fn both_frictions(kind: ModelKind) -> Result<(), SolveError> {
+    let rubbing = with_cable(|cable| cable.friction = Some(0.1));
+    depends_on_the_way(kind, &held(&rubbing), &[])
+}
+
+fn contact_with_friction_against_bending(kind: ModelKind) -> Result<(), SolveError> {
+    depends_on_the_way(kind, &held(&finger(9)), &[wall(0.05)])
+}
+
+fn contact_with_both_frictions(kind: ModelKind) -> Result<(), SolveError> {
+    let rubbing = with_cable(|cable| cable.friction = Some(0.1));
+    depends_on_the_way(kind, &held(&rubbing), &[wall(0.05)])
 }
 
 fn stability(kind: ModelKind) -> Result<(), SolveError> {
@@ -193,6 +222,14 @@ fn derivatives_with_friction(kind: ModelKind) -> Result<(), SolveError> {
     derivatives_of(kind, &rubbing, &Case::with_tensions(&[2.0]))
 }
 
+fn derivatives_with_friction_against_bending(kind: ModelKind) -> Result<(), SolveError> {
+    derivatives_of(kind, &held(&finger(9)), &Case::with_tensions(&[2.0]))
+}
+
+fn derivatives_with_friction_against_bending_in_contact(kind: ModelKind) -> Result<(), SolveError> {
+    derivatives_of(kind, &held(&finger(9)), &among(Case::with_tensions(&[4.0]), vec![wall(0.05)]))
+}
+
 fn derivatives_in_contact(kind: ModelKind) -> Result<(), SolveError> {
     derivatives_of(kind, &finger(9), &touching())
 }
@@ -213,7 +250,7 @@ fn batches(kind: ModelKind) -> Result<(), SolveError> {
 
 type Question = fn(ModelKind) -> Result<(), SolveError>;
 
-const QUESTIONS: [(&str, Question); 18] = [
+const QUESTIONS: [(&str, Question); 23] = [
     ("dead loads", dead_loads),
     ("follower loads", follower_loads),
     ("distributed loads", distributed_loads),
@@ -223,6 +260,14 @@ const QUESTIONS: [(&str, Question); 18] = [
     ("cables that end between disks", cables_between_disks),
     ("friction at holes", friction_at_holes),
     ("friction against bending", friction_against_bending),
+    ("friction against bending with friction at holes", both_frictions),
+    ("contact with friction against bending", contact_with_friction_against_bending),
+    ("contact with friction at holes and against bending", contact_with_both_frictions),
+    ("derivatives with friction against bending", derivatives_with_friction_against_bending),
+    (
+        "derivatives with friction against bending in contact",
+        derivatives_with_friction_against_bending_in_contact,
+    ),
     ("stability", stability),
     ("branches and limit points", branches),
     ("contact with friction", contact_with_friction),

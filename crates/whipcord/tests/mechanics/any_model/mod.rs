@@ -3,7 +3,9 @@
 mod base_pose;
 mod batch;
 mod bending_friction;
+mod bending_friction_contact;
 mod beyond_buckling;
+mod both_frictions;
 mod branches;
 mod cancelled;
 mod capabilities;
