@@ -278,7 +278,7 @@ impl<R: ContactRod> RodAdapter<'_, R> {
     }
 
     /// The same whose backbone holds what earlier steps of actuation left.
-    pub fn holding(mut self, plastic: Option<&PlasticCurvature>) -> Self {
+    pub fn with_plastic(mut self, plastic: Option<&PlasticCurvature>) -> Self {
         if let Some(plastic) = plastic {
             self.set_plastic(plastic.clone());
         }

@@ -56,7 +56,7 @@ impl Cosserat {
         }
         let needed = self.strength(case, workspace).steps().max(BENDING_FRICTION_STEPS);
         let found = contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
-            let mut adapter = self.adapter(steps).holding(self.plastic.as_ref());
+            let mut adapter = self.adapter(steps).with_plastic(self.plastic.as_ref());
             let solution = contact::solve(&mut adapter, &self.robot, case, from)?;
             Ok((solution, adapter.plastic_left()?))
         });
@@ -81,7 +81,7 @@ impl Cosserat {
         }
         let needed = self.strength(case, workspace).steps().max(BENDING_FRICTION_STEPS);
         contact::on_few_steps_or_more(self.options.accuracy, needed, |steps| {
-            let mut adapter = self.adapter(steps).holding(self.plastic.as_ref()).with_stations();
+            let mut adapter = self.adapter(steps).with_plastic(self.plastic.as_ref()).with_stations();
             let (solution, holding) =
                 contact::solve_holding(&mut adapter, &self.robot, case, from)?;
             let derivatives = adapter.differentiate(&holding, history, parameters)?;

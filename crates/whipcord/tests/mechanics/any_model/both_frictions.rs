@@ -14,6 +14,8 @@ use crate::common::{model_with_forces, straight};
 use crate::contact::{among, wall};
 
 const MU: f64 = 0.3;
+/// Axial stiffness in N of a cable that stretches.
+const AXIAL: f64 = 2e3;
 
 /// The robot of [`antagonists`] with friction of both cables.
 fn robot(held: Option<BendingFriction>, disks: usize, mu: f64) -> Robot {
@@ -23,12 +25,12 @@ fn robot(held: Option<BendingFriction>, disks: usize, mu: f64) -> Robot {
     Robot::new(plain.backbone().clone(), plain.disks().clone(), cables).unwrap()
 }
 
-/// The same with one cable: antagonists that do not stretch and stick on both sides hold every section as it is, and the force of a contact is then
-/// not determined.
+/// The same with one cable that stretches: one that does not, and sticks, holds every section as it is, and the force of a contact is then not
+/// determined.
 fn finger(held: Option<BendingFriction>, disks: usize, mu: f64) -> Robot {
     let both = robot(held, disks, mu);
-    let one = vec![both.cables()[0].clone()];
-    Robot::new(both.backbone().clone(), both.disks().clone(), one).unwrap()
+    let one = Cable { axial_stiffness: Some(AXIAL), ..both.cables()[0].clone() };
+    Robot::new(both.backbone().clone(), both.disks().clone(), vec![one]).unwrap()
 }
 
 /// The case in which the one cable brings these moments one after another.
@@ -179,12 +181,14 @@ fn a_step_may_be_divided() {
     }
 }
 
-/// The commands that wind the cables to the lengths of these answers, and leave those that are slack a little more.
+/// The commands that wind the one cable up as these answers have it, with what it is stretched by.
 fn by_lengths(solved: &[Solution], case: &Case) -> Case {
     let step = |solution: &Solution| -> Vec<CableCommand> {
         let of = |cable: &whipcord::CableState| {
-            let slack = if cable.tension.unwrap() > 0.0 { 0.0 } else { 5e-4 };
-            let shortening = Shortening::Length(cable.initial_length - cable.length - slack);
+            let tensions = &cable.span_tensions;
+            let mean = tensions.iter().sum::<f64>() / tensions.len() as f64;
+            let stretch = cable.initial_length * mean / AXIAL;
+            let shortening = Shortening::Length(cable.initial_length - cable.length + stretch);
             CableCommand { tension: None, shortening: Some(shortening) }
         };
         solution.cables.iter().map(of).collect()
