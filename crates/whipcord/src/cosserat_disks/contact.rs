@@ -80,7 +80,8 @@ impl CosseratDisks {
         }
         let needed = self.strength(case, workspace).steps().max(BENDING_FRICTION_STEPS);
         contact::on_few_steps_or_more(self.options().accuracy, needed, |steps| {
-            let mut adapter = self.adapter(steps)?.with_plastic(self.plastic.as_ref()).with_stations();
+            let mut adapter =
+                self.adapter(steps)?.with_plastic(self.plastic.as_ref()).with_stations();
             let (solution, holding) =
                 contact::solve_holding(&mut adapter, self.robot(), case, from)?;
             let derivatives = adapter.differentiate(&holding, history, parameters)?;
