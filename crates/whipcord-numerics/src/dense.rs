@@ -80,6 +80,12 @@ impl DenseLu {
         Ok(())
     }
 
+    /// The size of the least pivot: that of a matrix which is all but singular is small, beside its entries.
+    #[must_use]
+    pub fn least_pivot(&self) -> f64 {
+        (0..self.n).map(|k| self.factors[k * self.n + k].abs()).fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether the determinant of the matrix is negative.
     #[must_use]
     pub fn is_determinant_negative(&self) -> bool {

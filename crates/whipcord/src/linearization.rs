@@ -196,8 +196,8 @@ impl Linearization {
         ask!(self.pull_back(cotangent, hold))
     }
 
-    /// Whether a contact of the answer is about to open or to close, to stick or to slide: it has one-sided derivatives there, and these are the
-    /// derivatives of the side that the answer is on.
+    /// Whether a contact of the answer is about to open or to close, to stick or to slide, or was at an equilibrium on the way that the
+    /// answer remembers: it has one-sided derivatives there, and these are the derivatives of the side that the answer is on.
     #[must_use]
     pub const fn is_contact_about_to_change(&self) -> bool {
         ask!(self.is_contact_about_to_change())
@@ -208,6 +208,31 @@ impl Linearization {
     #[must_use]
     pub fn is_hole_about_to_change(&self) -> bool {
         ask!(self.is_hole_about_to_change())
+    }
+
+    /// Whether a cable of given length is about to go slack or to become taut: the answer has one-sided derivatives there, and these are the
+    /// derivatives of the side that the answer is on. Cables that rub in their holes do not count.
+    #[must_use]
+    pub const fn is_cable_about_to_change(&self) -> bool {
+        ask!(self.is_cable_about_to_change())
+    }
+
+    /// Whether the lengths that are held depend on each other, as those of two antagonists do on a backbone that keeps its length. Their
+    /// tensions are then not determined: the least change of them is taken. A change of lengths that contradicts others, such as the command
+    /// of one antagonist alone, counts by the part that does not contradict them; the shape is the one that cables tend to which hardly stretch.
+    /// Cables that rub in their holes do not count.
+    #[must_use]
+    pub fn are_lengths_dependent(&self, hold: Hold) -> bool {
+        ask!(self.are_lengths_dependent(hold))
+    }
+
+    /// Notes what the answer says of its cables.
+    fn noting(mut self, solution: &Solution) -> Self {
+        match &mut self {
+            Self::Rod(derivatives) => derivatives.note_cables(solution),
+            Self::Coordinates(derivatives) => derivatives.note_cables(solution),
+        }
+        self
     }
 }
 
@@ -251,7 +276,7 @@ impl Prepared {
         warm_start: Option<&Solution>,
         parameters: &[Parameter],
     ) -> Result<(Solution, Linearization), SolveError> {
-        match self {
+        let found = match self {
             Self::Cosserat(model, workspace) => model
                 .solve_with_derivatives(case, warm_start, parameters, workspace)
                 .map(|(solution, of)| (solution, Linearization::Rod(Box::new(of)))),
@@ -270,7 +295,11 @@ impl Prepared {
                 what: ComplianceUnknown::NoLoads.reason(),
                 advice: ComplianceUnknown::NoLoads.advice(),
             }),
-        }
+        };
+        found.map(|(solution, of)| {
+            let of = of.noting(&solution);
+            (solution, of)
+        })
     }
 
     /// The answer to the last step of a case, and how it changes with the command of each cable ([`Linearization::command`]): of a Cosserat rod at a

@@ -13,7 +13,7 @@ use whipcord_numerics::{DenseLu, Pose, Vec3};
 
 use super::body::{Nearest, wrench_of};
 use super::friction::Grip;
-use super::held_contact::{Unknown, is_near_change};
+use super::held_contact::{ABOUT_TO_CHANGE, Unknown, is_near_change};
 use super::model::Compliant;
 use super::object::Objects;
 use super::pair::Pair;
@@ -79,7 +79,7 @@ impl Carried {
         }
         for pair in &objects.near {
             let state = (pair.nearest.gap, pair.force, pair.grip);
-            all.is_about_to_change |= is_near_change(state, scale, length);
+            all.is_about_to_change |= is_near_change(state, ABOUT_TO_CHANGE, scale, length);
             if pair.force <= 0.0 {
                 continue;
             }

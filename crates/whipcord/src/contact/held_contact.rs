@@ -4,7 +4,9 @@ use super::friction::Grip;
 use super::pair::OVERLAP;
 
 /// A contact that is so near to another state, as a part of what its force, gap, grip or slip can be, is about to change it.
-const ABOUT_TO_CHANGE: f64 = 1e-6;
+pub(super) const ABOUT_TO_CHANGE: f64 = 1e-6;
+/// On the way it is between two states where it is as near as this.
+pub(super) const BETWEEN: f64 = 1e-8;
 
 /// A force along a line that holds, or a way along the backbone.
 #[derive(Clone, Copy, Debug)]
@@ -29,22 +31,23 @@ impl Unknown {
     }
 }
 
-/// Whether a contact with this gap, force and grip is about to touch or to open, to stick or to slide.
+/// Whether a contact with this gap, force and grip is so near to touching or to opening, to sticking or to sliding.
 pub(super) fn is_near_change(
     (gap, force, grip): (f64, f64, Option<Grip>),
+    near: f64,
     force_scale: f64,
     length: f64,
 ) -> bool {
     if force <= 0.0 {
-        return gap <= ABOUT_TO_CHANGE * length;
+        return gap <= near * length;
     }
     let of_grip = grip.is_some_and(|grip| {
         let most = grip.coefficient * force;
         if grip.sticks {
-            grip.traction.norm() >= (1.0 - ABOUT_TO_CHANGE) * most
+            grip.traction.norm() >= (1.0 - near) * most
         } else {
-            grip.slip.norm() <= OVERLAP * length
+            grip.slip.norm() <= OVERLAP.min(near) * length
         }
     });
-    of_grip || force <= ABOUT_TO_CHANGE * force_scale
+    of_grip || force <= near * force_scale
 }

@@ -25,7 +25,7 @@ use super::body::{tangents, wrench_of};
 use super::carried::Carried;
 use super::differences::differences;
 use super::friction::Grip;
-use super::held_contact::{Unknown, is_near_change};
+use super::held_contact::{ABOUT_TO_CHANGE, BETWEEN, Unknown, is_near_change};
 use super::model::Compliant;
 use super::object::Objects;
 use super::pair::{OVERLAP, Pair};
@@ -49,10 +49,14 @@ pub(crate) struct Holding {
     pub places: Vec<f64>,
     /// Whether a contact is about to open or to close, to stick or to slide: the answer has one-sided derivatives there.
     pub is_about_to_change: bool,
+    /// Whether one neither touches nor is open, or neither sticks nor slides.
+    pub is_between: bool,
     /// `G` of each contact.
     geometric: Vec<[[f64; 6]; 6]>,
     unknowns: Vec<Unknown>,
     carried: Carried,
+    /// Whether slips are to count from the equilibrium before, and count from here on: where a movable object was is not kept.
+    pub forgets: bool,
     /// Where it counts slips from the equilibrium before: the contacts that rub, and `G₋` of each.
     before: Vec<(usize, [[f64; 6]; 6])>,
 }
@@ -69,10 +73,17 @@ impl Holding {
         let mut holding = Self::default();
         let scale = model.force_scale();
         for pair in &pairs.near {
-            holding.is_about_to_change |= is_about_to_change(pair, scale, length);
+            let is_near = |near: f64| {
+                is_near_change((pair.nearest.gap, pair.force, pair.grip), near, scale, length)
+            };
+            holding.is_about_to_change |= is_near(ABOUT_TO_CHANGE);
+            holding.is_between |= is_near(BETWEEN);
         }
         let mut touching = merged(pairs, length);
         // Where a movable object was before is not known.
+        let rubs = touching.iter().any(|pair| pair.grip.is_some())
+            || objects.near.iter().any(|pair| pair.force > 0.0 && pair.grip.is_some());
+        holding.forgets = remembers && objects.count() > 0 && rubs;
         let remembers = remembers && objects.count() == 0;
         for pair in &mut touching {
             if let Some(grip) = &mut pair.grip {
@@ -374,11 +385,6 @@ fn merged(pairs: &Pairs, length: f64) -> Vec<Pair> {
     touching
 }
 
-/// Whether a pair is about to touch or to open, to stick or to slide.
-fn is_about_to_change(pair: &Pair, force_scale: f64, length: f64) -> bool {
-    is_near_change((pair.nearest.gap, pair.force, pair.grip), force_scale, length)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -390,9 +396,11 @@ mod tests {
         let holding = Holding {
             places: vec![0.1],
             is_about_to_change: false,
+            is_between: false,
             geometric: vec![[[0.0; 6]; 6]],
             unknowns: vec![Unknown::new(0, unit, unit)],
             carried: Carried::default(),
+            forgets: false,
             before: Vec::new(),
         };
         let compliance: Vec<f64> = (0..36).map(|i| if i % 7 == 0 { 2.0 } else { 0.0 }).collect();

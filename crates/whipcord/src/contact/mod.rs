@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `model` | the interface to a model |
 //! | `loaded_places` | the cross-sections that are pushed, and their compliance |
-//! | `rod`, `rod_response`, `refinement`, `dense_output` | what both Cosserat rods have of it |
+//! | `rod`, `rod_response`, `rod_solves`, `refinement`, `dense_output` | what both Cosserat rods have of it |
 //! | `member` | the parts of the robot that can touch |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
@@ -58,6 +58,7 @@ mod relaxation;
 mod rim_places;
 mod rod;
 mod rod_response;
+mod rod_solves;
 mod scene;
 mod sliding;
 mod stability;
@@ -77,8 +78,7 @@ pub(crate) use noted::{
     with_derivatives_or_free,
 };
 pub(crate) use refinement::{Refinement, centres};
-pub(crate) use rod::{
-    ContactRod, RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub, watched,
-};
+pub(crate) use rod::{ContactRod, RodAdapter, watched};
 pub(crate) use rod_response::{RodHoles, RodResponse};
+pub(crate) use rod_solves::RodSolves;
 pub(crate) use steps::{solve, solve_holding, solve_rubbing};

@@ -154,6 +154,11 @@ impl<S> NotedEnd<'_, S> {
 pub(crate) type NotedWay<S> = Trail<Noted<S>>;
 
 impl<S> NotedWay<S> {
+    /// Whether a contact was between two cases at any of them: what is remembered of it has one-sided derivatives.
+    pub fn was_between(&self) -> bool {
+        self.ends.iter().any(|end| end.shape.holding.is_between)
+    }
+
     /// Takes note of an equilibrium whose cables stand so in their holes, in place of the last note where that is of the same place of the way.
     pub fn note(&mut self, standing: Standing, noted: Noted<S>) {
         if self.ends.last().is_some_and(|last| last.shape.at == noted.at) {

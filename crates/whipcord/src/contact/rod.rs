@@ -34,7 +34,7 @@ const RUBBING_BUDGET: f64 = 2000.0;
 
 /// What `solve` finds on few steps, no fewer than the loads need, or on more where that is no answer; it is given how many there
 /// are.
-pub(crate) fn on_few_steps_or_more<T>(
+pub(super) fn on_few_steps_or_more<T>(
     accuracy: Accuracy,
     needed: usize,
     mut solve: impl FnMut(usize) -> Result<T, SolveError>,
@@ -325,6 +325,10 @@ impl<R: ContactRod> RodAdapter<'_, R> {
             };
             self.found.differentiate_noted(self.robot, &end, parameters)
         });
+        let found = found.map(|mut derivatives| {
+            derivatives.remember_change(way.was_between());
+            derivatives
+        });
         (self.notes, self.found) = (Some(way), stands);
         found
     }
@@ -413,7 +417,7 @@ pub(crate) fn rub<R: ContactRod>(
 
 /// The answers to all steps of a case of a rod whose cables rub, from rest on: those that are asked for by their number from 0 with their
 /// derivatives by commands, loads and these parameters.
-pub(crate) fn differentiate_rubbing<R: ContactRod + Clone>(
+pub(super) fn differentiate_rubbing<R: ContactRod + Clone>(
     adapter: &mut RodAdapter<'_, R>,
     (case, parameters): (&Case, &[Parameter]),
     asks: impl Fn(usize) -> bool,

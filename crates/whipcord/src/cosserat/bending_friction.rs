@@ -8,6 +8,7 @@ use super::state::Node;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::Case;
+use crate::contact::RodSolves as _;
 use crate::derivatives::{
     Cables, Derivatives, OpenStrands, Solved, Strands, Varying, plastic_left,
 };

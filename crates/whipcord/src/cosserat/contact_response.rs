@@ -44,7 +44,7 @@ const LONGEST: f64 = 0.5;
 
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ContactResponse {
+pub(crate) struct ContactResponse {
     pub(super) contact_grid: Option<Arc<ContactGrid>>,
     pub(super) chain: Chain,
     pub(super) trajectory: Trajectory,
@@ -68,7 +68,7 @@ pub(super) struct ContactResponse {
 
 /// What it is to be kept for, to go back to.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Kept {
+pub(crate) struct Kept {
     pub(super) contact_grid: Option<Arc<ContactGrid>>,
     pub(super) state: State,
     pub(super) trajectory: Trajectory,

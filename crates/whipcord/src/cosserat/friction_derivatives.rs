@@ -8,6 +8,7 @@ use super::prepared::{Cosserat, Workspace};
 use super::scratch::Scratch;
 use super::state::{Node, State};
 use crate::case::Case;
+use crate::contact::RodSolves as _;
 use crate::derivatives::{
     Cables, Derivatives, NoDerivatives, SlidingAnswer, Solved, Strands, Varying,
 };

@@ -9,6 +9,7 @@ use super::scratch::Scratch;
 use super::state::State;
 use super::verdict;
 use crate::case::Case;
+use crate::contact::RodSolves as _;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Cable;

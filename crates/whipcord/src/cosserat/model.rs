@@ -16,6 +16,7 @@ use super::without_load::set_tensions;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Actuation, Case, Loads};
+use crate::contact::RodSolves as _;
 use crate::derivatives::{AnswerLists, Cables, Derivatives, NoDerivatives, Solved};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -219,7 +220,8 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &Workspace,
     ) -> Result<Derivatives, SolveError> {
-        let of = |solved: &Solved<'_>| Derivatives::of(solved, parameters);
+        let of =
+            |solved: &Solved<'_>| Derivatives::of(solved, parameters).map(Derivatives::settled);
         let found = self.with_answer(case, grid, history, workspace, of);
         found.map_err(|none| self.no_derivatives(none, workspace))
     }

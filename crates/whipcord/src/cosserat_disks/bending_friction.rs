@@ -7,6 +7,7 @@ use super::workspace::Workspace;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::Case;
+use crate::contact::RodSolves as _;
 use crate::derivatives::{Derivatives, plastic_left};
 use crate::error::SolveError;
 use crate::kind::ModelKind;

@@ -38,7 +38,7 @@ const LONGEST: f64 = 0.5;
 
 /// The rod where it stands, and its equations there.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ContactResponse {
+pub(crate) struct ContactResponse {
     pub(super) contact_mesh: Option<Arc<ContactMesh>>,
     pub(super) chain: Chain,
     pub(super) workspace: Workspace,
@@ -60,7 +60,7 @@ pub(super) struct ContactResponse {
 
 /// What it is to be kept for, to go back to.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Kept {
+pub(crate) struct Kept {
     pub(super) contact_mesh: Option<Arc<ContactMesh>>,
     pub(super) nodes: Vec<Node>,
     pub(super) tensions: Vec<f64>,

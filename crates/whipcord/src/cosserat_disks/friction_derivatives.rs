@@ -6,6 +6,7 @@ use super::layout::Mesh;
 use super::node::Node;
 use super::{CosseratDisks, Workspace};
 use crate::case::Case;
+use crate::contact::RodSolves as _;
 use crate::derivatives::{
     Cables, Derivatives, NoDerivatives, SlidingAnswer, Solved, StraightCables,
 };

@@ -8,6 +8,7 @@ use super::workspace::{Progress, Workspace};
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Case, Loads};
+use crate::contact::RodSolves as _;
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, RestChanges, Solved, StraightCables};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -366,7 +367,8 @@ impl CosseratDisks {
         // Lengths before actuation hang on parameters alone.
         let is_known = self.rest_changes.know(parameters);
         let rest = (!is_known).then(|| self.frame.rest_mesh()).transpose()?;
-        let of = |solved: &Solved<'_>| Derivatives::of(solved, parameters);
+        let of =
+            |solved: &Solved<'_>| Derivatives::of(solved, parameters).map(Derivatives::settled);
         match self.with_answer(case, mesh, (rest.as_ref(), history), workspace, of) {
             Ok(derivatives) => Ok(derivatives),
             Err(NoDerivatives::Parameter(error)) => Err(error.into()),

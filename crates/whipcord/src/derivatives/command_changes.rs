@@ -90,13 +90,14 @@ impl TensionChanges {
         order: &[usize],
     ) -> Result<Vec<Change>, Critical> {
         let n = self.cables;
-        let held = HeldCables::new(
+        let mut held = HeldCables::new(
             n,
             |i, j| self.lengths[j * n + i],
             |place| cables[place].compliance,
             |place| cables[place].is_taut,
             |place| matches!(cables[place].command, Command::Length { .. }),
         )?;
+        held.settle(0.0);
         let places = Places {
             stations: (0..grid.stations.len()).collect(),
             disks: (grid.stations.len()..grid.stations.len() + grid.disks.len()).collect(),

@@ -28,7 +28,7 @@ use super::sliding_holes::{AnswerHoles, Cause, SlidingHoles};
 use super::touching::{ContactGain, Remembered, components};
 use crate::error::SolveError;
 use crate::kinematics::{Local, Matrix6};
-use crate::shape::Wrench;
+use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::Carried;
 use crate::statics::hold::{Critical, HeldCables, Hold};
@@ -88,6 +88,7 @@ pub struct CoordinateDerivatives {
     sliding: Option<Box<SlidingHoles>>,
     contacts: Contacts,
     length: f64,
+    are_cables_about_to_change: bool,
 }
 
 impl CoordinateDerivatives {
@@ -167,6 +168,11 @@ impl CoordinateDerivatives {
             sliding: None,
             contacts: Contacts { are_about_to_change, ..Contacts::default() },
             length,
+            are_cables_about_to_change: false,
+        };
+        let alone = match holes {
+            None => derivatives.length_scale(),
+            Some(_) => 0.0,
         };
         if !touching.is_empty() {
             let gain = gain(&derivatives.compliance_of(&touching))?;
@@ -192,10 +198,17 @@ impl CoordinateDerivatives {
                     |i| cables[i].is_taut,
                     |i| cables[i].command.is_length(),
                 )?;
+                derivatives.held.settle(alone);
             }
         }
         let finite = derivatives.by_tension.iter().all(Response::is_finite);
         if finite { Ok(derivatives) } else { Err(Critical) }
+    }
+
+    /// The most that a cable gets longer by under its own tension, in m/N, without contacts.
+    fn length_scale(&self) -> f64 {
+        let rows = self.system.lengths.chunks_exact(self.system.coordinates.max(1));
+        rows.map(|row| dot(row, &self.system.solve(row)).abs()).fold(0.0, f64::max)
     }
 
     /// How the places at these numbers move with each component of a wrench on each of them, by rows, without contacts.
@@ -453,6 +466,30 @@ impl CoordinateDerivatives {
     #[must_use]
     pub const fn is_contact_about_to_change(&self) -> bool {
         self.contacts.are_about_to_change
+    }
+
+    /// Notes whether a contact was between two cases on the way, of which something is remembered.
+    pub(crate) const fn remember_change(&mut self, was_between: bool) {
+        self.contacts.are_about_to_change |= was_between;
+    }
+
+    /// Notes which cables are about to go slack or to become taut in the answer.
+    pub(crate) fn note_cables(&mut self, solution: &Solution) {
+        let commands = self.cables.iter().map(|cable| &cable.command);
+        self.are_cables_about_to_change = self.sliding.is_none()
+            && Command::are_about_to_change(commands, &solution.cables, self.length);
+    }
+
+    /// As [`super::Derivatives::is_cable_about_to_change`].
+    #[must_use]
+    pub const fn is_cable_about_to_change(&self) -> bool {
+        self.are_cables_about_to_change
+    }
+
+    /// As [`crate::Linearization::are_lengths_dependent`].
+    #[must_use]
+    pub fn are_lengths_dependent(&self, hold: Hold) -> bool {
+        self.held.are_dependent(hold)
     }
 
     /// As [`super::Derivatives::is_hole_about_to_change`].

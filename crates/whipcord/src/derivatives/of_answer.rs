@@ -22,7 +22,7 @@ use crate::case::{Case, Loads};
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::section::Strain;
-use crate::shape::Wrench;
+use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::{Carried, Holes, Standing};
 use crate::statics::grid::Grid;
@@ -208,6 +208,7 @@ impl Derivatives {
             touching: Touching::default(),
             ends,
             length: robot.backbone().length,
+            are_cables_about_to_change: false,
         };
         let mut contact_gain = ContactGain::default();
         if let Some(AnswerOnWay { contacts, .. }) = on_way {
@@ -308,17 +309,47 @@ impl Derivatives {
     ) -> Result<Self, NoDerivatives> {
         self.touching.is_about_to_change = is_about_to_change;
         if nodes.is_empty() {
-            return Ok(self);
+            return Ok(self.settled());
         }
+        let alone = (self.by_tension.iter().enumerate())
+            .map(|(place, column)| column.lengths[place].abs())
+            .fold(0.0, f64::max);
         self.touch(nodes, gain)?;
         let cables = self.place_of.len();
         self.by_tension = (0..cables).map(|place| self.raw(Source::Tension(place))).collect();
         self.hold()?;
+        self.held.settle(alone);
         if self.by_tension.iter().all(Raw::is_finite) {
             Ok(self)
         } else {
             Err(NoDerivatives::Critical)
         }
+    }
+
+    /// The same, whose cables are taken as those of an answer ([`HeldCables::settle`]).
+    pub(crate) fn settled(mut self) -> Self {
+        self.held.settle(0.0);
+        self
+    }
+
+    /// Notes which cables are about to go slack or to become taut in the answer.
+    pub(crate) fn note_cables(&mut self, solution: &Solution) {
+        let commands = self.place_of.iter().map(|&place| &self.commands[place]);
+        self.are_cables_about_to_change = self.sliding.is_none()
+            && Command::are_about_to_change(commands, &solution.cables, self.length);
+    }
+
+    /// Whether a cable of given length is about to go slack or to become taut: the answer has one-sided derivatives there, and these are the
+    /// derivatives of the side that the answer is on.
+    #[must_use]
+    pub const fn is_cable_about_to_change(&self) -> bool {
+        self.are_cables_about_to_change
+    }
+
+    /// As [`crate::Linearization::are_lengths_dependent`].
+    #[must_use]
+    pub fn are_lengths_dependent(&self, hold: Hold) -> bool {
+        self.held.are_dependent(hold)
     }
 
     /// Adds contacts at these nodes to a robot that has none.
@@ -352,6 +383,11 @@ impl Derivatives {
     pub(crate) fn at_stations(mut self, nodes: Vec<usize>) -> Self {
         self.places.stations = nodes;
         self
+    }
+
+    /// Notes whether a contact was between two cases on the way, of which something is remembered.
+    pub(crate) const fn remember_change(&mut self, was_between: bool) {
+        self.touching.is_about_to_change |= was_between;
     }
 
     /// How the state that the holes remember changes, as [`AnswerHoles::carried`] has it.

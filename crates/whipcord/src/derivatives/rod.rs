@@ -80,6 +80,7 @@ pub struct Derivatives {
     pub(super) ends: Option<StepEnds>,
     /// Length of the backbone in m.
     pub(super) length: f64,
+    pub(super) are_cables_about_to_change: bool,
 }
 
 /// A cable as what holds it has it.

@@ -73,6 +73,7 @@ impl TensionRates {
             |place| taut[place],
             |place| commands[place].is_length(),
         )?;
+        held.settle(0.0);
         out.clear();
         out.resize(cables, Twist::default());
         for (place, &cable) in order.iter().enumerate() {

@@ -136,6 +136,9 @@ impl Linkage {
         let stands = workspace.scratch.chain.q.clone();
         let found = carrying.go(way, kept, |end, carried, place| {
             let noted = &end.shape;
+            if noted.holding.forgets {
+                return Err(refusal::rubbing_objects(self.kind));
+            }
             let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
             let case = noted.case_by_fractions(&cases);
             self.accept(&case, workspace)?;
@@ -150,7 +153,10 @@ impl Linkage {
             self.differentiate_sliding((rubbing, &at), (&case, parameters), workspace)
         });
         workspace.scratch.chain.q = stands;
-        found
+        found.map(|mut derivatives| {
+            derivatives.remember_change(way.was_between());
+            derivatives
+        })
     }
 
     /// The derivatives at an end, and what goes on to the next.

@@ -9,6 +9,9 @@ use crate::shape::CableState;
 /// Of a cable's own compliance: keeps a Newton step defined where more cables are taut than lengths are independent.
 pub(crate) const LENGTH_REGULARISATION: f64 = 1e-8;
 
+/// A cable whose tension is this part of the greatest, or that is slack by this part of the length of the backbone, is about to change.
+const ABOUT_TO_CHANGE: f64 = 1e-6;
+
 /// What drives one cable; in the order of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Command {
@@ -62,6 +65,20 @@ impl Command {
     pub fn is_active(&self, i: usize, tensions: &[f64], lengths: &[f64], units: [f64; 2]) -> bool {
         matches!(self, Self::Length { .. })
             && tensions[i] / units[0] > self.slackness(tensions[i], lengths[i]) / units[1]
+    }
+
+    /// Whether a cable of given length is about to go slack or to become taut in an answer, on a backbone of this length in m.
+    pub fn are_about_to_change<'a>(
+        commands: impl Iterator<Item = &'a Self>,
+        cables: &[CableState],
+        backbone: f64,
+    ) -> bool {
+        let most = cables.iter().filter_map(|cable| cable.tension).fold(0.0, f64::max);
+        let mut driven = commands.zip(cables).filter(|(command, _)| command.is_length());
+        driven.any(|(command, cable)| match cable.tension {
+            Some(tension) if tension > 0.0 => tension <= ABOUT_TO_CHANGE * most,
+            _ => command.slackness(0.0, cable.length).abs() <= ABOUT_TO_CHANGE * backbone,
+        })
     }
 
     /// What a tension in cable `j` adds to how much cable `i` is too long, by stretching the cable: in m/N,

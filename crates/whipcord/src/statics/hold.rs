@@ -8,10 +8,19 @@
 //! ```
 //!
 //! Where more cables are taut than lengths are independent, as with four straight cables, `D` is
-//! singular: the least change of tensions is taken. It is found by iterated regularisation, which
-//! leaves nothing to choose between what is small and what is zero.
+//! singular. Iterations take the least change of tensions by iterated regularisation, which
+//! leaves nothing to choose between what is small and what is zero. For derivatives the singular values `σ` of `D − diag c` decide
+//! ([`HeldCables::settle`]): with its singular vectors `uₖ` and `vₖ`
+//!
+//! ```text
+//! δτ = Σ vₖ (uₖ·δ)/σₖ   over σₖ > ε σ₀                                                  (d10)
+//! ```
+//!
+//! Changes of lengths that contradict each other, such as that of one of two antagonists on a backbone that keeps its length, count by
+//! the part that does not: that is the limit of cables which all stretch by the same `c` under 1 N, for `c → 0`, but for the tension
+//! `1/c` by which the antagonists pull against each other.
 
-use whipcord_numerics::DenseLu;
+use whipcord_numerics::{DenseLu, SingularValues};
 
 /// What is held while something else changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +74,16 @@ pub(crate) struct LeastSystem {
     regular: Vec<f64>,
     lu: DenseLu,
     transposed_lu: DenseLu,
+    /// Where it is all but singular, for derivatives: `vₖ` and `uₖ/σₖ` of eq. (d10), one after the other.
+    modes: Vec<[Vec<f64>; 2]>,
+    is_settled: bool,
+    is_dependent: bool,
 }
+
+/// A system whose pivots are all greater than this part of its entries is solved by iterated regularisation.
+const HARDLY_SINGULAR: f64 = 1e-4;
+/// Singular values below this part of the greatest count as zero: rounding leaves about 10⁻¹⁴ of it.
+const DEPENDENT: f64 = 1e-9;
 
 /// Of the greatest entry of the diagonal.
 pub(crate) const REGULARISATION: f64 = 1e-8;
@@ -102,6 +120,19 @@ impl HeldCables {
         self.cables = cables;
         self.driven.renew((0..cables).filter(|&i| taut(i) && driven(i)), entry)?;
         self.taut.renew((0..cables).filter(|&i| taut(i)), entry)
+    }
+
+    /// Takes the cables as those of an answer whose derivatives are asked for, eq. (d10), where so much length with a tension, in m/N, is
+    /// none to speak of: that of the robot without what holds it besides.
+    pub fn settle(&mut self, scale: f64) {
+        for set in [&mut self.driven, &mut self.taut] {
+            set.system.settle(set.members.len(), scale);
+        }
+    }
+
+    /// Whether the lengths that are held depend on each other, so that the tensions are not determined.
+    pub fn are_dependent(&self, hold: Hold) -> bool {
+        self.set(hold).is_some_and(|set| set.system.is_dependent)
     }
 
     fn set(&self, hold: Hold) -> Option<&Set> {
@@ -155,7 +186,7 @@ impl HeldCables {
         {
             of_members.clear();
             of_members.extend(set.members.iter().map(|&i| right[i]));
-            least((&set.system.transposed, &set.system.lu), of_members, solution, rest);
+            set.system.solve_into(of_members, solution, rest);
             for (&i, x) in set.members.iter().zip(&*solution) {
                 tensions[i] = *x;
             }
@@ -219,7 +250,8 @@ impl LeastSystem {
     }
 
     fn factor(&mut self, n: usize, regular: impl Fn(usize) -> f64) -> Result<(), Critical> {
-        let Self { matrix, transposed, regular: with, lu, transposed_lu } = self;
+        (self.is_settled, self.is_dependent) = (false, false);
+        let Self { matrix, transposed, regular: with, lu, transposed_lu, .. } = self;
         transposed.clear();
         transposed.extend((0..n * n).map(|k| matrix[(k % n) * n + k / n]));
         for (matrix, lu) in [(&*matrix, lu), (&*transposed, transposed_lu)] {
@@ -232,19 +264,64 @@ impl LeastSystem {
         Ok(())
     }
 
+    /// Finds the singular values of a system of so many unknowns that is all but singular beside its entries and this scale.
+    fn settle(&mut self, n: usize, scale: f64) {
+        let Self { matrix, lu, modes, is_settled, is_dependent, .. } = self;
+        let greatest = (0..n).map(|i| matrix[i * n + i].abs()).fold(scale, f64::max);
+        if n == 0 || lu.least_pivot() > HARDLY_SINGULAR * greatest {
+            return;
+        }
+        let singular = SingularValues::of(n, matrix);
+        let least = DEPENDENT * singular.values[0].max(scale);
+        modes.clear();
+        for (k, &value) in singular.values.iter().enumerate().filter(|(_, value)| **value > least) {
+            let direction = singular.direction(k);
+            let image = matrix.chunks_exact(n).map(|row| dot(row, direction) / (value * value));
+            modes.push([direction.to_vec(), image.collect()]);
+        }
+        (*is_settled, *is_dependent) = (true, modes.len() < n);
+    }
+
     pub fn solve(&self, right: &[f64]) -> Vec<f64> {
-        solved((&self.transposed, &self.lu), right)
+        let mut x = Vec::new();
+        self.solve_into(right, &mut x, &mut Vec::new());
+        x
+    }
+
+    /// [`Self::solve`] in memory that is kept.
+    fn solve_into(&self, right: &[f64], x: &mut Vec<f64>, rest: &mut Vec<f64>) {
+        match self.is_settled {
+            true => self.by_modes(right, x, |[direction, image]| (direction, image)),
+            false => least((&self.transposed, &self.lu), right, x, rest),
+        }
     }
 
     pub fn solve_transposed(&self, right: &[f64]) -> Vec<f64> {
-        solved((&self.matrix, &self.transposed_lu), right)
+        let mut x = Vec::new();
+        match self.is_settled {
+            true => self.by_modes(right, &mut x, |[direction, image]| (image, direction)),
+            false => least((&self.matrix, &self.transposed_lu), right, &mut x, &mut Vec::new()),
+        }
+        x
+    }
+
+    fn by_modes<'a>(
+        &'a self,
+        right: &[f64],
+        x: &mut Vec<f64>,
+        of: impl Fn(&'a [Vec<f64>; 2]) -> (&'a Vec<f64>, &'a Vec<f64>),
+    ) {
+        x.clear();
+        x.resize(right.len(), 0.0);
+        for (into, by) in self.modes.iter().map(of) {
+            let part = dot(by, right);
+            x.iter_mut().zip(into).for_each(|(x, into)| *x += part * into);
+        }
     }
 }
 
-fn solved(system: (&[f64], &DenseLu), right: &[f64]) -> Vec<f64> {
-    let mut x = Vec::new();
-    least(system, right, &mut x, &mut Vec::new());
-    x
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The least solution of a system whose matrix, given by columns, may be singular, by iterated regularisation.
@@ -264,5 +341,56 @@ fn least((columns, lu): (&[f64], &DenseLu), right: &[f64], x: &mut Vec<f64>, res
         for (x, change) in x.iter_mut().zip(&*rest) {
             *x += change;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two antagonists whose lengths depend on each other to this.
+    fn antagonists(apart: f64, scale: f64) -> HeldCables {
+        let entry = |i: usize, j: usize| match i == j {
+            true => -2.0 * scale * (1.0 + apart),
+            false => 2.0 * scale,
+        };
+        let mut held = HeldCables::new(2, entry, |_| 0.0, |_| true, |_| true).unwrap();
+        held.settle(scale);
+        held
+    }
+
+    fn assert_near(found: &[f64], expected: [f64; 2], tolerance: f64) {
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() <= tolerance, "{found:e} {expected:e}");
+        }
+    }
+
+    #[test]
+    fn lengths_that_contradict_each_other_count_by_what_does_not() {
+        let held = antagonists(0.0, 1e-3);
+        assert!(held.are_dependent(Hold::Lengths) && !held.are_dependent(Hold::Tensions));
+        // Half of it lengthens the one and shortens the other.
+        assert_near(&held.tensions(Hold::Lengths, &[1.0, 0.0]), [-125.0, 125.0], 1e-10);
+        assert_near(&held.tensions(Hold::Lengths, &[1.0, 1.0]), [0.0, 0.0], 1e-10);
+        assert_near(&held.commanded(Hold::Commands, 0, false, &[]), [125.0, -125.0], 1e-10);
+        assert_near(&held.pull_back(Hold::Lengths, &[1.0, -1.0]), [-250.0, 250.0], 1e-10);
+    }
+
+    #[test]
+    fn lengths_that_nearly_depend_on_each_other_are_solved_for() {
+        let held = antagonists(1e-7, 1e-3);
+        assert!(!held.are_dependent(Hold::Lengths));
+        // The determinant is 4e-6 · (2e-7 + 1e-14).
+        let most = -2e-3 / (4e-6 * (2e-7 + 1e-14));
+        assert_near(&held.tensions(Hold::Lengths, &[1.0, 0.0]), [most, most], 1e-5 * most.abs());
+    }
+
+    #[test]
+    fn what_else_holds_the_robot_leaves_rounding() {
+        let mut held = antagonists(0.3, 1e-18);
+        assert!(!held.are_dependent(Hold::Lengths));
+        held.settle(1e-3);
+        assert!(held.are_dependent(Hold::Lengths));
+        assert_near(&held.tensions(Hold::Lengths, &[1.0, 0.5]), [0.0; 2], 0.0);
     }
 }

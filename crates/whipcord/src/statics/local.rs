@@ -28,7 +28,7 @@ pub(crate) fn local_of(
 ) -> Result<Local, SolveError> {
     let cables = commands.len();
     let driven_by: Vec<DrivenBy> = commands.iter().map(driven_by).collect();
-    let held = HeldCables::new(
+    let mut held = HeldCables::new(
         cables,
         |i, j| by_tension[j].lengths[i],
         compliance,
@@ -36,6 +36,7 @@ pub(crate) fn local_of(
         |i| driven_by[i] == DrivenBy::Shortening,
     )
     .map_err(|_| SolveError::NoDerivatives)?;
+    held.settle(0.0);
     // The motion that goes with changes of the tensions.
     let pulled = |tensions: &[f64]| {
         by_tension

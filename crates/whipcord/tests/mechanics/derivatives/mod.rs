@@ -47,6 +47,7 @@ mod four_bar;
 mod friction_in_contact;
 mod hole_friction;
 mod kinds_of_load;
+mod locked_in_contact;
 mod segments;
 
 use crate::common;

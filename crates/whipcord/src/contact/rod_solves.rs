@@ -1,0 +1,245 @@
+//! The solves of both Cosserat rods among obstacles.
+
+use super::free_path::{last_of, or_none_alone, rubbing_or_free};
+use super::noted::{last_with_derivatives, with_derivatives_or_free};
+use super::rod::{ContactRod, RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
+use super::steps::{solve, solve_holding};
+use crate::case::Case;
+use crate::derivatives::Derivatives;
+use crate::error::SolveError;
+use crate::parameter::Parameter;
+use crate::robot::Cable;
+use crate::shape::Solution;
+use crate::statics::options::Accuracy;
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::{Differentiated, PlasticRod};
+
+/// Steps from base to tip at least where friction against bending keeps a history at their ends.
+const BENDING_FRICTION_STEPS: usize = 20;
+
+/// What it takes of a rod.
+pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
+    type Rod: ContactRod + Clone;
+
+    /// Steps from base to tip at least where cables rub, on which alone it is then solved; `None` where few steps come first.
+    const RUBBING_STEPS: Option<usize>;
+
+    fn accuracy(&self) -> Accuracy;
+
+    /// How many steps the loads of a case need.
+    fn needed_steps(&self, case: &Case, memory: &mut Self::Workspace) -> usize;
+
+    /// The rod with so many steps at least.
+    fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, Self::Rod>, SolveError>;
+
+    /// The shape of a robot that keeps clear of the obstacles of a checked case; `None` where it might not.
+    fn find_clear(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        memory: &mut Self::Workspace,
+    ) -> Result<Option<Solution>, SolveError>;
+
+    /// The answer to a case without obstacles.
+    fn solve_alone(
+        &self,
+        case: &Case,
+        memory: &mut Self::Workspace,
+    ) -> Result<Solution, SolveError>;
+
+    /// The plastic curvature that was set.
+    fn plastic(&self) -> Option<&PlasticCurvature>;
+
+    /// The answer to a step of actuation without obstacles from that plastic curvature.
+    fn solve_step_alone(
+        &self,
+        step: &Case,
+        memory: &mut Self::Workspace,
+    ) -> Result<Solution, SolveError>;
+
+    /// The answer to a case without obstacles with its derivatives, from a neighbouring answer when given.
+    fn differentiate_alone(
+        &self,
+        case: &Case,
+        near: Option<&Solution>,
+        parameters: &[Parameter],
+        memory: &mut Self::Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError>;
+
+    /// The shape among the obstacles of a case: without them where the robot keeps clear of them.
+    fn solve_among_obstacles(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        memory: &mut Self::Workspace,
+    ) -> Result<Solution, SolveError> {
+        if self.rubs() {
+            return last_of(|each| self.rub_among_obstacles(case, memory, each));
+        }
+        self.check_among_obstacles(case)?;
+        if let Some(solution) = self.find_clear(case, warm_start, memory)? {
+            return Ok(solution);
+        }
+        let needed = self.needed_steps(case, memory);
+        let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
+            solve(&mut self.adapter(steps)?, self.robot(), case, warm_start)
+        });
+        or_none_alone(found, case, |alone| self.solve_alone(alone, memory))
+    }
+
+    /// With friction of the cables: the answers to all steps of actuation, from rest on.
+    fn rub_among_obstacles(
+        &self,
+        case: &Case,
+        memory: &mut Self::Workspace,
+        mut each: impl FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        self.check_among_obstacles(case).map_err(|error| (0, error))?;
+        let mut found = Vec::new();
+        let followed = self.on_steps(case, memory, |steps| {
+            found.clear();
+            let mut adapter = self.adapter(steps).map_err(|error| (0, error))?;
+            rub(&mut adapter, case, |of_step| found.push(of_step))
+        });
+        rubbing_or_free(case, found, |of| of, |alone| self.solve_alone(alone, memory))
+            .try_for_each(|solution| solution.map(&mut each))?;
+        followed
+    }
+
+    /// The same, those that are asked for by their number from 0 with their derivatives.
+    fn rub_with_derivatives(
+        &self,
+        (case, parameters): (&Case, &[Parameter]),
+        asks: &dyn Fn(usize) -> bool,
+        memory: &mut Self::Workspace,
+        each: impl FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        self.check_among_obstacles(case).map_err(|error| (0, error))?;
+        let mut found = Vec::new();
+        let followed = self.on_steps(case, memory, |steps| {
+            let adapter = self.adapter(steps).map_err(|error| (0, error))?;
+            let mut adapter = adapter.with_stations().taking_notes();
+            differentiate_rubbing(&mut adapter, (case, parameters), asks, &mut found)
+        });
+        let asked = (case, asks, parameters);
+        with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
+            Some(parameters) => {
+                let (solution, of) = self.differentiate_alone(alone, None, parameters, memory)?;
+                Ok((solution, Some(of)))
+            }
+            None => Ok((self.solve_alone(alone, memory)?, None)),
+        })?;
+        followed
+    }
+
+    /// The answer to a case among obstacles, with its derivatives and the contacts that hold it.
+    fn differentiate_among_obstacles(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+        memory: &mut Self::Workspace,
+    ) -> Result<(Solution, Derivatives), SolveError> {
+        if self.rubs() {
+            let of = (case, parameters);
+            return last_with_derivatives(case, |asks, each| {
+                self.rub_with_derivatives(of, asks, memory, each)
+            });
+        }
+        self.check_among_obstacles(case)?;
+        if let Some(solution) = self.find_clear(case, warm_start, memory)? {
+            let alone = Case { obstacles: Vec::new(), ..case.clone() };
+            return self.differentiate_alone(&alone, Some(&solution), parameters, memory);
+        }
+        let needed = self.needed_steps(case, memory);
+        on_few_steps_or_more(self.accuracy(), needed, |steps| {
+            let mut adapter = self.adapter(steps)?.with_stations();
+            let (solution, holding) = solve_holding(&mut adapter, self.robot(), case, warm_start)?;
+            Ok((solution, adapter.differentiate(&holding, &[], parameters)?))
+        })
+    }
+
+    /// One step of actuation of a backbone with friction against bending, and the plastic curvature that it leaves.
+    fn take_step_among_obstacles(
+        &self,
+        step: &Case,
+        from: Option<&Solution>,
+        memory: &mut Self::Workspace,
+    ) -> Result<(Solution, PlasticCurvature), SolveError> {
+        self.check_among_obstacles(step)?;
+        if self.find_clear(step, from, memory)?.is_some() {
+            // Other shapes were looked at since: it is found once more, as without obstacles.
+            let alone = Case { obstacles: Vec::new(), ..step.clone() };
+            let mut solution = Solution::empty(Self::KIND);
+            let left = self.take_step(&alone, from, memory, &mut solution)?;
+            return Ok((solution, left));
+        }
+        let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
+        let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
+            let mut adapter = self.adapter(steps)?.with_plastic(self.plastic());
+            let solution = solve(&mut adapter, self.robot(), step, from)?;
+            Ok((solution, adapter.plastic_left()?))
+        });
+        or_none_alone(found, step, |alone| self.solve_step_alone(alone, memory))
+    }
+
+    /// The same with its derivatives, where the plastic curvature before changes with each parameter as `history` says, and how that which it
+    /// leaves changes.
+    fn differentiate_step_among_obstacles(
+        &self,
+        (step, from): (&Case, Option<&Solution>),
+        (history, parameters): (&[PlasticCurvature], &[Parameter]),
+        memory: &mut Self::Workspace,
+    ) -> Result<(Solution, Differentiated<Derivatives>), SolveError> {
+        self.check_among_obstacles(step)?;
+        if self.find_clear(step, from, memory)?.is_some() {
+            let alone = Case { obstacles: Vec::new(), ..step.clone() };
+            let mut solution = Solution::empty(Self::KIND);
+            let from = (from, history);
+            let found = self.differentiate_step(&alone, from, parameters, memory, &mut solution)?;
+            return Ok((solution, found));
+        }
+        let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
+        on_few_steps_or_more(self.accuracy(), needed, |steps| {
+            let mut adapter = self.adapter(steps)?.with_plastic(self.plastic()).with_stations();
+            let (solution, holding) = solve_holding(&mut adapter, self.robot(), step, from)?;
+            let derivatives = adapter.differentiate(&holding, history, parameters)?;
+            let grid = adapter.grid().ok_or(SolveError::NoDerivatives)?;
+            let (left, changes) = derivatives.plastic_left(self.robot(), grid);
+            Ok((solution, (derivatives, left, changes)))
+        })
+    }
+
+    /// Whether a cable rubs.
+    fn rubs(&self) -> bool {
+        self.robot().cables().iter().any(Cable::has_friction)
+    }
+
+    fn check_among_obstacles(&self, case: &Case) -> Result<(), SolveError> {
+        case.check(self.robot())?;
+        Ok(())
+    }
+
+    /// Follows the steps of actuation of a robot whose cables rub, on as many steps as it takes. The error is that of the step of
+    /// actuation with this number.
+    fn on_steps(
+        &self,
+        case: &Case,
+        memory: &mut Self::Workspace,
+        mut follow: impl FnMut(usize) -> Result<(), (usize, SolveError)>,
+    ) -> Result<(), (usize, SolveError)> {
+        let least = if self.robot().has_bending_friction() { BENDING_FRICTION_STEPS } else { 0 };
+        let needed = self.needed_steps(case, memory).max(least);
+        if let Some(least) = Self::RUBBING_STEPS {
+            return follow(needed.max(least));
+        }
+        let mut number = 0;
+        let followed = on_few_steps_or_more(self.accuracy(), needed, |steps| {
+            follow(steps).map_err(|(n, error)| {
+                number = n;
+                error
+            })
+        });
+        followed.map_err(|error| (number, error))
+    }
+}
