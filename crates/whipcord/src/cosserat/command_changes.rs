@@ -8,7 +8,7 @@
 //! ∂W/∂z δz + ∂W/∂τ δτ = 0,   δg = ∂g/∂z δz + ∂g/∂τ δτ,   δℓ = ∂ℓ/∂z δz + ∂ℓ/∂τ δτ
 //! ```
 
-use whipcord_numerics::{DenseLu, Twist, Vec3};
+use whipcord_numerics::{DenseLu, Twist, UnitQuaternion, Vec3};
 
 use super::prepared::{Cosserat, Workspace};
 use super::scratch::Scratch;
@@ -20,6 +20,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::shape::{Solution, Wrench};
 use crate::statics::grid::Grid;
+use crate::statics::options::{Accuracy, StabilityAnalysis};
 
 impl Cosserat {
     /// [`Self::solve`], with how the answer changes with the command of each cable of the robot, at a fraction of the cost of
@@ -41,14 +42,18 @@ impl Cosserat {
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
         let mut solution = Solution::empty(ModelKind::Cosserat);
+        // On a grid of its own there is no answer on another one that it is compared with.
+        workspace.scratch.is_corrected = matches!(self.options.accuracy, Accuracy::Steps(_))
+            && self.options.stability == StabilityAnalysis::Off;
         let solved = self.solve_keeping_grid(case, warm_start.into(), workspace, &mut solution);
+        workspace.scratch.is_corrected = false;
         let grid = workspace.meter.checked(solved)?;
         if workspace.scratch.on_chain {
             return self.with_all_derivatives(case, Some(&solution), workspace);
         }
         let mut changes = core::mem::take(&mut workspace.tension_changes);
         let found = if workspace.scratch.applied.any() {
-            self.under_loads(case, &grid, workspace, &mut changes)
+            self.under_loads(case, &grid, workspace, &mut changes, &mut solution)
         } else {
             let without_load = |solved: &Solved<'_>| changes.without_load(solved);
             self.with_answer(case, &grid, &[], workspace, without_load)
@@ -110,65 +115,103 @@ impl Cosserat {
         Ok((solution, derivatives.commands()))
     }
 
-    /// The changes with the tensions of an answer of single shooting.
+    /// The changes with the tensions of an answer of single shooting, which is corrected by what it left of the residual.
     fn under_loads(
         &self,
         case: &Case,
         grid: &Grid,
         workspace: &mut Workspace,
         changes: &mut TensionChanges,
+        solution: &mut Solution,
     ) -> Result<(), SolveError> {
         let Workspace { scratch, commands, meter, .. } = &mut *workspace;
         let sampled = sample(&self.problem(grid, case, (commands, meter)), scratch);
         sampled.map_err(|fault| self.fault(fault, workspace))?;
         let Workspace { scratch, motions, .. } = workspace;
-        let Scratch { applied, trajectory, poses, tensions, .. } = scratch;
+        let Scratch { applied, trajectory, poses, tensions, lengths, base_wrench, .. } = scratch;
         let cables = tensions.len();
         motions.follows_motions = true;
         motions.compute(grid, applied, 1.0, &trajectory.samples, poses, cables);
-        close(motions, grid.len() + 1, cables, changes).ok_or(SolveError::NoDerivatives)
+        let base = motions.excess.len() - cables;
+        let lu = at_base(motions, base).ok_or(SolveError::NoDerivatives)?;
+        let mut left = [0.0; 6];
+        (0..base).for_each(|i| left[i] = -component(&trajectory.excess, i));
+        let left = &mut left[..base];
+        lu.solve(left);
+        close(motions, (&lu, base), grid.len() + 1, cables, changes);
+        let unknowns = base + cables;
+        for (pose, by) in poses.iter_mut().zip(motions.motions.chunks_exact(unknowns)) {
+            let mut moved = Twist::default();
+            for (by, z) in by.iter().zip(&*left) {
+                moved.linear += *z * by.linear;
+                moved.angular += *z * by.angular;
+            }
+            pose.position += moved.linear;
+            pose.rotation = UnitQuaternion::exp(moved.angular) * pose.rotation;
+        }
+        for (length, by) in lengths.iter_mut().zip(motions.lengths.chunks_exact(unknowns)) {
+            *length += by.iter().zip(&*left).map(|(by, z)| z * by).sum::<f64>();
+        }
+        let by_base = wrench_of(left);
+        base_wrench.moment += by_base.moment;
+        base_wrench.force += by_base.force;
+        self.write_shape(grid, case, workspace, solution);
+        Ok(())
     }
 }
 
-/// The changes with the tensions at which the tip bears what it bore. `None` where a small load changes the answer without bound.
+/// A number of what the base or the tip bears: the moment, and the followers' force where there is one.
+fn component(wrench: &Wrench, i: usize) -> f64 {
+    if i < 3 { wrench.moment[i] } else { wrench.force[i - 3] }
+}
+
+/// The wrench of such numbers.
+fn wrench_of(numbers: &[f64]) -> Wrench {
+    let vector = |first: usize| {
+        let of = |i: usize| numbers.get(first + i).copied().unwrap_or(0.0);
+        Vec3::new(of(0), of(1), of(2))
+    };
+    Wrench { moment: vector(0), force: vector(3) }
+}
+
+/// How what the tip bears changes with what the base does, factored. `None` where a small load changes the answer without bound.
+fn at_base(of: &Sensitivity, base: usize) -> Option<DenseLu> {
+    let mut matrix = [0.0; 36];
+    for (at, entry) in matrix[..base * base].iter_mut().enumerate() {
+        *entry = component(&of.excess[at % base], at / base);
+    }
+    let mut lu = DenseLu::default();
+    lu.factor(base, &matrix[..base * base]).ok()?;
+    Some(lu)
+}
+
+/// The changes with the tensions at which the tip bears what it bore.
 fn close(
     of: &Sensitivity,
+    (lu, base): (&DenseLu, usize),
     nodes: usize,
     cables: usize,
     changes: &mut TensionChanges,
-) -> Option<()> {
-    let unknowns = of.excess.len();
-    // The moment at the base, and the followers' force where there is one.
-    let base = unknowns - cables;
-    let component = |wrench: &Wrench, i: usize| match i {
-        0..3 => wrench.moment[i],
-        _ => wrench.force[i - 3],
-    };
-    let matrix: Vec<f64> =
-        (0..base * base).map(|at| component(&of.excess[at % base], at / base)).collect();
-    let mut lu = DenseLu::default();
-    lu.factor(base, &matrix).ok()?;
+) {
+    let unknowns = base + cables;
     changes.prepare(cables, nodes);
     for cable in 0..cables {
         let column = base + cable;
-        let mut at_base: Vec<f64> = (0..base).map(|i| -component(&of.excess[column], i)).collect();
-        lu.solve(&mut at_base);
+        let mut numbers = [0.0; 6];
+        (0..base).for_each(|i| numbers[i] = -component(&of.excess[column], i));
+        let at_base = &mut numbers[..base];
+        lu.solve(at_base);
         let (motions, lengths, wrench) = changes.of(cable);
         for (motion, by) in motions.iter_mut().zip(of.motions.chunks_exact(unknowns)) {
             *motion = by[column];
-            for (by, z) in by.iter().zip(&at_base) {
+            for (by, z) in by.iter().zip(&*at_base) {
                 motion.linear += *z * by.linear;
                 motion.angular += *z * by.angular;
             }
         }
         for (length, by) in lengths.iter_mut().zip(of.lengths.chunks_exact(unknowns)) {
-            *length = by[column] + by.iter().zip(&at_base).map(|(by, z)| z * by).sum::<f64>();
+            *length = by[column] + by.iter().zip(&*at_base).map(|(by, z)| z * by).sum::<f64>();
         }
-        let vector = |first: usize| {
-            let of = |i: usize| at_base.get(first + i).copied().unwrap_or(0.0);
-            Vec3::new(of(0), of(1), of(2))
-        };
-        *wrench = Wrench { moment: vector(0), force: vector(3) };
+        *wrench = wrench_of(at_base);
     }
-    Some(())
 }

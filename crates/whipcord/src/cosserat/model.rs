@@ -470,6 +470,19 @@ impl Cosserat {
         verdict: Result<Verdict, NoStability>,
         solution: &mut Solution,
     ) {
+        self.write_shape(grid, case, workspace, solution);
+        solution.diagnostics =
+            found.diagnostics(grid.len(), discretization_error).with_stability(verdict);
+    }
+
+    /// Writes the answer that the workspace holds, but not how it was found.
+    pub(super) fn write_shape(
+        &self,
+        grid: &Grid,
+        case: &Case,
+        workspace: &Workspace,
+        solution: &mut Solution,
+    ) {
         let scratch = &workspace.scratch;
         let at = |k: &usize| scratch.poses[*k];
         solution.shape.set(self.layout.stations(), grid.stations.iter().map(at), case.base);
@@ -478,8 +491,6 @@ impl Cosserat {
         let Scratch { tensions, lengths, base_wrench, .. } = scratch;
         self.write_cables(&workspace.commands, tensions, lengths, solution);
         solution.base_wrench = Some(*base_wrench);
-        solution.diagnostics =
-            found.diagnostics(grid.len(), discretization_error).with_stability(verdict);
     }
 
     /// Writes what became of the cables, from tensions and lengths in the order of the grid; and that nothing touches.

@@ -21,6 +21,9 @@ const EXPECTED_RATIO: f64 = 1e-3;
 const KEEP_RATIO: f64 = 0.1;
 /// The line search gives up here.
 const LEAST_FRACTION: f64 = 1.0 / 256.0;
+/// What a correction by derivatives of order 4 takes of a residual, and the greatest residual that is so corrected: its square is left, too.
+const CORRECTED: f64 = 1e3;
+const GREATEST_CORRECTED: f64 = 1e-4;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e-9;
 
@@ -41,9 +44,15 @@ pub(super) fn shoot(
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
     let tensions = if lengths_driven { commands.len() } else { 0 };
     let scales = Scales::of(problem.grid, problem.length);
+    let is_corrected = scratch.is_corrected && load == 1.0;
     let Scratch { trajectory, applied, newton, trace, differentiated, .. } = scratch;
     // Where the stability of the answer is asked for, its last shot is sampled.
     let is_checked = problem.is_checked(applied, &newton.point.tensions);
+    // Only what the base bears is corrected, no tensions.
+    let enough = match is_corrected && !lengths_driven {
+        true => (CORRECTED * problem.tolerance).min(GREATEST_CORRECTED).max(problem.tolerance),
+        false => problem.tolerance,
+    };
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
     let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
         problem.meter.integrate(problem.grid.len());
@@ -79,7 +88,7 @@ pub(super) fn shoot(
         }
     }
     while effort.iterations < MAX_ITERATIONS {
-        if effort.residual <= problem.tolerance {
+        if effort.residual <= enough {
             *differentiated = known;
             return Ok(effort);
         }
@@ -111,7 +120,7 @@ pub(super) fn shoot(
         }
         let small = newton.relative_step(&scales) < KEEP_BELOW;
         let expected = effort.residual * if fresh { effort.residual } else { EXPECTED_RATIO };
-        let sampled = !small || is_checked && expected <= problem.tolerance;
+        let sampled = !small || (is_checked || is_corrected) && expected <= enough;
         let mut fraction = 1.0;
         loop {
             newton.set_trial(fraction);
@@ -120,7 +129,7 @@ pub(super) fn shoot(
                 if now < (1.0 - 1e-4 * fraction) * effort.residual {
                     core::mem::swap(&mut newton.point, &mut newton.trial);
                     fresh = !small;
-                    if small && now > KEEP_RATIO * effort.residual && now > problem.tolerance {
+                    if small && now > KEEP_RATIO * effort.residual && now > enough {
                         // The kept derivatives no longer serve.
                         fresh = true;
                         if !sampled && shoot(trajectory, &newton.point, true).is_err() {

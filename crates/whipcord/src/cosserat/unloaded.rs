@@ -176,6 +176,11 @@ impl Unloaded {
         }
         let mut least = f64::INFINITY;
         for (k, step) in grid.steps.iter().enumerate() {
+            // The middle of a step where nothing differs from that of the step before.
+            let repeats = |k: usize, j: usize| grid.gauss.repeats(k, j);
+            if k > 0 && repeats(k - 1, 2) && repeats(k, 0) && repeats(k, 1) {
+                continue;
+            }
             let (node, crossings) = grid.gauss.at(k, 1, step.active);
             let (section, strain) = (&node.section, &self.strains[3 * k + 1]);
             let tangent = Tangent::at(section, crossings, &tensions[..step.active], strain)

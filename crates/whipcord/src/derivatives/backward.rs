@@ -1,5 +1,7 @@
 //! The way back: from the sensitivity of a scalar to the answer to its gradient.
 
+use std::sync::Arc;
+
 use whipcord_numerics::{Twist, Vec3};
 
 use super::change::{Place, Places};
@@ -37,7 +39,7 @@ pub struct Gradient {
     pub parameters: Vec<f64>,
     /// To a dead force and moment at each place, base frame, by [`Gradient::wrench`].
     pub(super) wrenches: Vec<Wrench>,
-    pub(super) places: Places,
+    pub(super) places: Arc<Places>,
 }
 
 impl Derivatives {

@@ -1,5 +1,7 @@
 //! How an answer changes with one number.
 
+use std::sync::Arc;
+
 use whipcord_numerics::Twist;
 
 use crate::section::Strain;
@@ -8,7 +10,7 @@ use crate::shape::Wrench;
 /// How an answer changes with one number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
-    pub(super) places: Places,
+    pub(super) places: Arc<Places>,
     /// Of the places.
     pub(super) twists: Vec<Twist>,
     /// Of the places; empty where the model has no strains.

@@ -1,5 +1,7 @@
 //! How an answer changes with the commands of its cables, and with nothing else: what the inverse problems ask for at every trial.
 
+use std::sync::Arc;
+
 use whipcord_numerics::{Twist, Vec3};
 
 use super::change::{Change, Places};
@@ -10,7 +12,7 @@ use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::grid::Grid;
-use crate::statics::hold::{Critical, HeldCables, Hold};
+use crate::statics::hold::{Critical, HeldCables, Hold, HoldScratch};
 
 /// How the nodes of a grid, the lengths of the cables and what the base bears change with the tension of each cable at constant other
 /// tensions; cables in the order of the grid.
@@ -22,6 +24,8 @@ pub(crate) struct TensionChanges {
     /// Of cable i by the tension of cable j in m/N at `[j * cables + i]`.
     lengths: Vec<f64>,
     base: Vec<Wrench>,
+    /// Memory of [`Self::without_load`].
+    quadrature: Quadrature,
 }
 
 /// A cable as a command sees it.
@@ -57,28 +61,11 @@ impl TensionChanges {
 
     /// Of an answer without load: sections move by themselves, and what is beyond them is carried along.
     pub fn without_load(&mut self, solved: &Solved<'_>) -> Result<(), Fault> {
-        let mut quadrature = Quadrature::default();
         let answer = solved.answer();
-        quadrature.linearize_points(&answer)?;
+        self.quadrature.linearize_points(&answer)?;
         let Answer { grid, tensions, poses, .. } = answer;
-        let cables = tensions.len();
-        self.prepare(cables, grid.len() + 1);
-        for cable in 0..cables {
-            let (motions, lengths, _) = self.of(cable);
-            let mut motion = Twist::default();
-            for (k, step) in grid.steps.iter().enumerate() {
-                let arm = poses[k + 1].position - poses[k].position;
-                motion.linear += motion.angular.cross(arm);
-                if cable < step.active {
-                    let of_step = (k, step.active, cables);
-                    let moved =
-                        quadrature.by_tension(of_step, cable, |other, by| lengths[other] += by);
-                    motion.linear += moved.linear;
-                    motion.angular += moved.angular;
-                }
-                motions[k + 1] = motion;
-            }
-        }
+        self.prepare(tensions.len(), grid.len() + 1);
+        self.quadrature.by_tensions(poses, &mut self.motions, &mut self.lengths);
         Ok(())
     }
 
@@ -90,28 +77,41 @@ impl TensionChanges {
         order: &[usize],
     ) -> Result<Vec<Change>, Critical> {
         let n = self.cables;
-        let mut held = HeldCables::new(
-            n,
-            |i, j| self.lengths[j * n + i],
-            |place| cables[place].compliance,
-            |place| cables[place].is_taut,
-            |place| matches!(cables[place].command, Command::Length { .. }),
-        )?;
-        held.settle(0.0);
-        let places = Places {
+        // Nothing else is asked for than the commands: none but the cables of given length are held.
+        let is_held =
+            |i: usize| cables[i].is_taut && matches!(cables[i].command, Command::Length { .. });
+        let held = match (0..n).any(is_held) {
+            true => {
+                let compliance = |place: usize| cables[place].compliance;
+                let by_tension = |i: usize, j: usize| self.lengths[j * n + i];
+                let mut held = HeldCables::new(n, by_tension, compliance, is_held, is_held)?;
+                held.settle(0.0);
+                Some(held)
+            }
+            false => None,
+        };
+        let places = Arc::new(Places {
             stations: (0..grid.stations.len()).collect(),
             disks: (grid.stations.len()..grid.stations.len() + grid.disks.len()).collect(),
             tip: grid.stations.len() + grid.disks.len(),
-        };
+        });
         let nodes: Vec<usize> =
             grid.stations.iter().chain(&grid.disks).copied().chain([grid.len()]).collect();
         let mut place_of = vec![0; n];
         order.iter().enumerate().for_each(|(place, &cable)| place_of[cable] = place);
         let mut changes = Vec::with_capacity(n);
+        let mut scratch = HoldScratch::default();
+        let mut tensions = vec![0.0; n];
         for &place in &place_of {
             let is_tension = matches!(cables[place].command, Command::Tension(_));
             let lengths = &self.lengths[place * n..(place + 1) * n];
-            let tensions = held.commanded(Hold::Commands, place, is_tension, lengths);
+            if let Some(held) = &held {
+                let of = (place, is_tension, lengths);
+                held.commanded_into(Hold::Commands, of, &mut scratch, &mut tensions);
+            } else {
+                tensions.fill(0.0);
+                tensions[place] = if is_tension { 1.0 } else { 0.0 };
+            }
             changes.push(self.change(&nodes, &places, &tensions, &place_of));
         }
         if changes.iter().all(Change::is_finite) { Ok(changes) } else { Err(Critical) }
@@ -121,14 +121,13 @@ impl TensionChanges {
     fn change(
         &self,
         nodes: &[usize],
-        places: &Places,
+        places: &Arc<Places>,
         tensions: &[f64],
         place_of: &[usize],
     ) -> Change {
         let n = self.cables;
         let all = self.motions.len() / n;
         let mut twists = vec![Twist::default(); nodes.len()];
-        let mut lengths = vec![0.0; n];
         let mut base = Wrench::default();
         for (place, &tension) in tensions.iter().enumerate().filter(|(_, tension)| **tension != 0.0)
         {
@@ -137,20 +136,18 @@ impl TensionChanges {
                 twist.linear += tension * motions[node].linear;
                 twist.angular += tension * motions[node].angular;
             }
-            for (length, by) in lengths.iter_mut().zip(&self.lengths[place * n..]) {
-                *length += tension * by;
-            }
             base.force += tension * self.base[place].force;
             base.moment += tension * self.base[place].moment;
         }
-        let of_robot = |values: &[f64]| place_of.iter().map(|&place| values[place]).collect();
+        let moving = || tensions.iter().enumerate().filter(|(_, tension)| **tension != 0.0);
+        let length = |cable: usize| moving().map(|(by, t)| t * self.lengths[by * n + cable]).sum();
         Change {
             places: places.clone(),
             twists,
             strains: Vec::new(),
             base,
-            lengths: of_robot(&lengths),
-            tensions: of_robot(tensions),
+            lengths: place_of.iter().map(|&place| length(place)).collect(),
+            tensions: place_of.iter().map(|&place| tensions[place]).collect(),
         }
     }
 }

@@ -18,6 +18,8 @@
 //! passage has a tension, and the outputs that the holes' equations take ([`crate::statics::friction`]) are lengths and angles of all
 //! passages; else they are the lengths of the cables.
 
+use std::sync::Arc;
+
 use whipcord_numerics::{Twist, Vec3};
 
 use super::backward::{Cotangent, Gradient};
@@ -78,7 +80,7 @@ struct Response {
 #[derive(Clone, Debug)]
 pub struct CoordinateDerivatives {
     system: LinearSystem,
-    places: Places,
+    places: Arc<Places>,
     cables: Vec<CoordinateCable>,
     parameters: Vec<ParameterChange>,
     /// By the tension of each cable, or of each passage.
@@ -160,7 +162,7 @@ impl CoordinateDerivatives {
         let tip = disks.last().copied().unwrap_or(0);
         let mut derivatives = Self {
             system,
-            places: Places { stations, disks, tip },
+            places: Arc::new(Places { stations, disks, tip }),
             cables,
             parameters,
             by_tension: Vec::new(),

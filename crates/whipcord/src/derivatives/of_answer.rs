@@ -1,5 +1,7 @@
 //! From an answer, as the solver left it, to its derivatives.
 
+use std::sync::Arc;
+
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3, magnus_6};
 
 use super::cables::Cables;
@@ -188,11 +190,11 @@ impl Derivatives {
             place_of[cable] = place;
         }
         let mut derivatives = Self {
-            places: Places {
+            places: Arc::new(Places {
                 stations: grid.stations.clone(),
                 disks: grid.disks.clone(),
                 tip: grid.len(),
-            },
+            }),
             steps: grid.steps.clone(),
             linear,
             maps,
@@ -381,7 +383,7 @@ impl Derivatives {
 
     /// The same with other stations, by their nodes.
     pub(crate) fn at_stations(mut self, nodes: Vec<usize>) -> Self {
-        self.places.stations = nodes;
+        Arc::make_mut(&mut self.places).stations = nodes;
         self
     }
 

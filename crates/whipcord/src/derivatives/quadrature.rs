@@ -21,7 +21,7 @@ use super::forward::{Maps, StepMap};
 use super::magnus::{LaneTwist, end_by_twists};
 use super::replay::{Answer, Stage};
 use crate::section::Fault;
-use crate::section::lanes::{LANES, Lane, LaneMat};
+use crate::section::lanes::{LANES, Lane, LaneMat, LaneVec, cross, times, transpose_times};
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::statics::grid::{Grid, SHOOTING_NODES, Step};
 
@@ -49,6 +49,8 @@ pub(super) struct Point {
     shift: Mat3,
     /// `hb`.
     weight: f64,
+    /// Whether section and strain are those at the point before.
+    repeats: bool,
 }
 
 /// All sections of a rod without load.
@@ -98,7 +100,7 @@ impl Quadrature {
                 let before = self.points.last().filter(|last| last.strain == strain);
                 if let Some(&before) = before.filter(|_| grid.gauss.repeats(k, j)) {
                     self.pulls.copy_within((at - 1) * cables..at * cables, at * cables);
-                    self.points.push(Point { weight, ..before });
+                    self.points.push(Point { weight, repeats: true, ..before });
                     continue;
                 }
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
@@ -117,29 +119,11 @@ impl Quadrature {
         Ok(())
     }
 
-    /// How the end of step `k` turns and is displaced against its start with the tension of a cable that reaches through it, base
-    /// frame: eq. (d5). `lengthen` gets the rate of the length of each cable within the step.
-    #[inline]
-    pub fn by_tension(
-        &self,
-        (k, active, cables): (usize, usize, usize),
-        cable: usize,
-        mut lengthen: impl FnMut(usize, f64),
-    ) -> Twist {
-        let mut moved = Twist::default();
-        for at in POINTS * k..POINTS * (k + 1) {
-            let point = &self.points[at];
-            let pulls = &self.pulls[at * cables..][..active];
-            let pull = &pulls[cable].0;
-            let Strain { linear: v, angular: u } = point.yielding(pull.linear, pull.angular);
-            moved.angular -= point.turn * u;
-            moved.linear -= point.shift * u + point.turn * v;
-            for (other, (pull, _)) in pulls.iter().enumerate() {
-                let work = pull.linear.dot(v) + pull.angular.dot(u);
-                lengthen(other, -point.weight * work);
-            }
-        }
-        moved
+    /// How the ends of all steps move, base frame, and the lengths of all cables change with the tension of each cable: eq. (d5), and what
+    /// is beyond a section is carried along. `motions` has those of a cable one after the other, `lengths` the rate of cable i by the tension of
+    /// cable j at `[j * cables + i]`; both are zero before.
+    pub fn by_tensions(&self, poses: &[Pose], motions: &mut [Twist], lengths: &mut [f64]) {
+        Arch::new().dispatch(ByTensions { rod: self, poses, motions, lengths });
     }
 
     /// The sections at the nodes, from the strains next to them.
@@ -374,6 +358,73 @@ impl WithSimd for AllPoints<'_> {
                     point.turn = motion.turn.get(lane);
                     point.shift = motion.shift.get(lane);
                 }
+            }
+        }
+    }
+}
+
+/// [`Quadrature::by_tensions`] likewise, a few cables at a time.
+struct ByTensions<'a> {
+    rod: &'a Quadrature,
+    poses: &'a [Pose],
+    motions: &'a mut [Twist],
+    lengths: &'a mut [f64],
+}
+
+impl WithSimd for ByTensions<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { rod, poses, motions, lengths } = self;
+        let nodes = poses.len();
+        let cables = motions.len() / nodes;
+        for first in (0..cables).step_by(LANES) {
+            let count = LANES.min(cables - first);
+            let mut motion = LaneTwist::default();
+            // Of the section at hand, which may be that at several points, with their weights together.
+            let (mut v, mut u) = (LaneVec::default(), LaneVec::default());
+            for (k, ends) in poses.windows(2).enumerate() {
+                let arm = ends[1].position - ends[0].position;
+                motion.linear = motion.linear - cross(arm, &motion.angular);
+                for at in POINTS * k..POINTS * (k + 1) {
+                    let point = &rod.points[at];
+                    if !point.repeats {
+                        let (mut n, mut m) = (LaneVec::default(), LaneVec::default());
+                        for lane in 0..count {
+                            let pull = &rod.pulls[at * cables + first + lane].0;
+                            n.set(lane, pull.linear);
+                            m.set(lane, pull.angular);
+                        }
+                        let [vn, vm, um] = &point.compliance;
+                        v = times(vn, &n) + times(vm, &m);
+                        u = transpose_times(vm, &n) + times(um, &m);
+                        let same = rod.points[at + 1..].iter().take_while(|next| next.repeats);
+                        let weight = same.fold(point.weight, |sum, next| sum + next.weight);
+                        // Symmetric: of the cables behind this one it is known from theirs.
+                        for other in 0..first + count {
+                            let pull = &rod.pulls[at * cables + other].0;
+                            let work = v.dot(pull.linear) + u.dot(pull.angular);
+                            for lane in other.saturating_sub(first)..count {
+                                lengths[(first + lane) * cables + other] -= weight * work.0[lane];
+                            }
+                        }
+                    }
+                    motion.angular = motion.angular - times(&point.turn, &u);
+                    let shifted = times(&point.shift, &u) + times(&point.turn, &v);
+                    motion.linear = motion.linear - shifted;
+                }
+                for lane in 0..count {
+                    motions[(first + lane) * nodes + k + 1] = Twist {
+                        linear: motion.linear.get(lane),
+                        angular: motion.angular.get(lane),
+                    };
+                }
+            }
+        }
+        for cable in 0..cables {
+            for other in 0..cable {
+                lengths[other * cables + cable] = lengths[cable * cables + other];
             }
         }
     }

@@ -1,5 +1,7 @@
 //! The derivatives of an answer of a rod: what they consist of.
 
+use std::sync::Arc;
+
 use super::change::Places;
 use super::column::Raw;
 use super::elimination::Elimination;
@@ -58,7 +60,7 @@ use crate::statics::hold::{Critical, HeldCables};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Derivatives {
-    pub(super) places: Places,
+    pub(super) places: Arc<Places>,
     pub(super) steps: Vec<Step>,
     pub(super) linear: Linear,
     pub(super) maps: Maps,
