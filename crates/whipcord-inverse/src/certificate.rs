@@ -166,7 +166,12 @@ pub(crate) fn least_distance(
                         let tangent = Tangent {
                             center: node.center.clone(),
                             miss: place_of(&evaluation.solution, goal.place) - goal.point,
-                            motions: evaluation.motions.iter().map(|of| of[0].linear).collect(),
+                            motions: evaluation
+                                .rates
+                                .motions
+                                .iter()
+                                .map(|of| of[0].linear)
+                                .collect(),
                             remainder,
                         };
                         let own = solver.bound(&tangent, &node.center, &node.half);

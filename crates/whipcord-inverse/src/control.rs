@@ -195,6 +195,7 @@ impl Controller {
         {
             let mut linear = Linear::default();
             let of: Vec<Vec<Twist>> = evaluation
+                .rates
                 .motions
                 .iter()
                 .chain(&forces)
@@ -210,7 +211,7 @@ impl Controller {
         }
 
         let mut linear = Linear::default();
-        target.linearize(&evaluation.solution, &evaluation.motions, lever, &mut linear);
+        target.linearize(&evaluation.solution, &evaluation.rates.motions, lever, &mut linear);
         let mut before = Vec::new();
         let earlier = self.last_target.as_ref().filter(|earlier| earlier.is_like(target));
         earlier.unwrap_or(target).residual(&evaluation.solution, lever, &mut before);
@@ -262,10 +263,10 @@ impl Controller {
         Ok(Cycle {
             commands,
             miss,
-            jacobian: evaluation.motions.iter().map(|motions| motions[tip]).collect(),
+            jacobian: evaluation.rates.motions.iter().map(|motions| motions[tip]).collect(),
             compliance: forces.map(|motions| motions[tip]),
             length_rates: self.length_rates(&evaluation),
-            tension_rates: evaluation.tension_rates,
+            tension_rates: evaluation.rates.tension_rates.clone(),
             solution: evaluation.solution,
             bias,
             force,
@@ -303,7 +304,8 @@ impl Controller {
     /// Of each cable by each actuator: its stretch less the shortening that is commanded.
     fn length_rates(&self, evaluation: &Evaluation) -> Vec<Vec<f64>> {
         let robot = self.forward.robot();
-        let all = evaluation.tension_rates.iter().zip(&evaluation.shortening_rates);
+        let rates = &evaluation.rates;
+        let all = rates.tension_rates.iter().zip(&rates.shortening_rates);
         all.map(|(tensions, shortenings)| {
             let states = evaluation.solution.cables.iter().zip(tensions).zip(shortenings);
             let of =

@@ -304,7 +304,7 @@ pub(crate) struct Workspace {
     jacobian: Vec<f64>,
     /// In scales of the unknowns; the relaxation behind them where there are constraints.
     step: Vec<f64>,
-    /// `‖r + J d‖` behind the last step, and the violation that is left there in the linear problem.
+    /// As [`Self::left`] says.
     distance: f64,
     violation: f64,
 }
@@ -313,6 +313,11 @@ impl Workspace {
     /// The last step, in scales of the unknowns.
     pub fn last_step(&self) -> &[f64] {
         &self.step
+    }
+
+    /// `‖r + J d‖` behind the last step, and the violation that is left there in the linear problem.
+    pub const fn left(&self) -> (f64, f64) {
+        (self.distance, self.violation)
     }
 
     /// Writes the step and returns by how much it promises to lower the merit. `second` is the second-order part in scales by rows, or nothing.

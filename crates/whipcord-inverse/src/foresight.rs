@@ -13,10 +13,40 @@ pub(crate) struct Passed {
     learned: Learned,
 }
 
+/// Where the derivatives at a point of a path lead for the next one.
+pub(crate) struct Foreseen {
+    pub unknowns: Vec<f64>,
+    /// The size of the step, and how far the point before is from that of its derivatives, in scales.
+    sizes: [f64; 2],
+    /// What the residuals of the linear problem leave, where no constraint is violated.
+    distance: Option<f64>,
+}
+
+impl Foreseen {
+    /// The square of sizes that the curvature of the residuals goes with.
+    fn square(&self) -> f64 {
+        let [size, stale] = self.sizes;
+        size * (size + 2.0 * stale)
+    }
+
+    /// Whether with this curvature the residuals there are within a distance.
+    pub fn is_within(&self, curvature: Option<f64>, distance: f64) -> bool {
+        let left = self.distance.zip(curvature).map(|(left, of)| left + of * self.square());
+        left.is_some_and(|left| left <= distance)
+    }
+
+    /// The curvature that these residuals there show, where it was taken for another.
+    pub fn curvature(&self, known: Option<f64>, distance: f64) -> Option<f64> {
+        let seen = distance / self.square().max(f64::MIN_POSITIVE);
+        // One point may lie where the curvatures of its residuals cancel.
+        known.map(|known| seen.clamp(0.5 * known, 2.0 * known))
+    }
+}
+
 impl Passed {
-    /// What the next point of a path goes on from.
-    pub fn new(search: &Search<'_>, at: Candidate) -> Self {
-        Self { at, target: search.target.clone(), learned: search.learned() }
+    /// What the next point of a path goes on from, with what the search for this one has learned.
+    pub fn new(at: Candidate, target: &Target, learned: Learned) -> Self {
+        Self { at, target: target.clone(), learned }
     }
 
     /// Goes on to the target of a search, where that is of the same kind: gives it what is known from here, and returns where the derivatives lead, with one step along
@@ -26,10 +56,11 @@ impl Passed {
         search: &mut Search<'_>,
         task: &Task<'_>,
         workspace: &mut Workspace,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<Foreseen> {
         let Self { at, target, learned } = self;
         let is_known = search.is_smooth() && target.is_like(search.target);
-        if !is_known || at.evaluation.motions.is_empty() {
+        let rates = &at.evaluation.rates;
+        if !is_known || rates.motions.is_empty() {
             return None;
         }
         // Of the answer, not of a trial: nothing is to be corrected.
@@ -38,12 +69,13 @@ impl Passed {
         let penalty = 1e2 * linear.cost().max(1e-30);
         let region = Region { damping: FIRST_DAMPING, radius: FIRST_RADIUS };
         workspace.step(&linear, &[], &at.unknowns, control, region, penalty).ok()?;
+        let (left, violation) = workspace.left();
         let mut moved = at.unknowns.clone();
         for ((x, d), scale) in moved.iter_mut().zip(workspace.last_step()).zip(control.scales) {
             *x += d * scale;
         }
         let changes = moved.iter().zip(&at.unknowns).map(|(moved, x)| moved - x);
-        let near = at.evaluation.extrapolated(changes);
+        let near = at.evaluation.extrapolated(changes, search.forward.is_on_few_steps());
         let mut there = at.clone();
         there.evaluation.tensions = near.cables.iter().map(|cable| cable.tension).collect();
         there.unknowns.clone_from(&moved);
@@ -51,6 +83,14 @@ impl Passed {
             moved.iter_mut().zip(along).for_each(|(x, d)| *x += d);
         }
         search.take(learned.clone());
-        Some(moved)
+        let size = |a: &[f64], b: &[f64]| {
+            let steps = a.iter().zip(b).zip(control.scales);
+            steps.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
+        };
+        Some(Foreseen {
+            sizes: [size(&moved, &at.unknowns), size(&at.unknowns, &rates.at)],
+            distance: (violation == 0.0).then_some(left),
+            unknowns: moved,
+        })
     }
 }

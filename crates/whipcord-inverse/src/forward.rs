@@ -1,11 +1,13 @@
 //! The forward problem of a robot with its derivatives, as an inverse problem sees it.
 
+use std::sync::Arc;
+
 use whipcord::cosserat::{self, Accuracy};
 use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
-    CableCommand, Cancel, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
-    SolveError, StabilityAnalysis, Twist, Wrench,
+    CableCommand, CableState, Cancel, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot,
+    Solution, SolveError, StabilityAnalysis, Twist, Wrench,
 };
 
 use crate::actuator::{Actuator, Actuators, commanded_shortening, write_commands};
@@ -59,12 +61,21 @@ pub(crate) struct Standing {
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluation {
     pub solution: Solution,
-    /// Motions of the places that were asked for in the world, of each unknown.
-    pub motions: Vec<Vec<Twist>>,
     /// Tension of each cable in N, where the model knows it.
     pub tensions: Vec<Option<f64>>,
     /// Command of each cable as a shortening in m.
     pub shortenings: Vec<f64>,
+    /// Its derivatives, which the answers near it share.
+    pub rates: Arc<Rates>,
+}
+
+/// The derivatives of an answer by the unknowns.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rates {
+    /// The unknowns that they belong to.
+    pub at: Vec<f64>,
+    /// Motions of the places that were asked for in the world, of each unknown.
+    pub motions: Vec<Vec<Twist>>,
     /// Rates of the tensions by the unknowns: of cable i by unknown k at `[k][i]`.
     pub tension_rates: Vec<Vec<f64>>,
     /// Rates of the commands as shortenings, likewise.
@@ -75,15 +86,36 @@ pub(crate) struct Evaluation {
 
 impl Evaluation {
     /// Where a solve for commands that differ by these changes starts from: the solution, with the wrench at the base and the tensions
-    /// extrapolated.
-    pub fn extrapolated(&self, changes: impl Iterator<Item = f64>) -> Solution {
-        let mut near = self.solution.clone();
+    /// extrapolated. That of a rod on few steps, which starts from these alone, has no shape.
+    pub fn extrapolated(
+        &self,
+        changes: impl Iterator<Item = f64>,
+        is_on_few_steps: bool,
+    ) -> Solution {
+        let Solution { model, cables, base_wrench, diagnostics, .. } = &self.solution;
+        let mut near = match is_on_few_steps {
+            true => {
+                let of = |cable: &CableState| CableState {
+                    tension: cable.tension,
+                    ..CableState::default()
+                };
+                Solution {
+                    cables: cables.iter().map(of).collect(),
+                    base_wrench: *base_wrench,
+                    diagnostics: diagnostics.clone(),
+                    ..Solution::empty(*model)
+                }
+            }
+            false => self.solution.clone(),
+        };
         for (k, change) in changes.enumerate() {
-            if let (Some(wrench), Some(rate)) = (&mut near.base_wrench, self.base_rates.get(k)) {
+            if let (Some(wrench), Some(rate)) =
+                (&mut near.base_wrench, self.rates.base_rates.get(k))
+            {
                 wrench.force += rate.force * change;
                 wrench.moment += rate.moment * change;
             }
-            let rates = self.tension_rates.get(k).into_iter().flatten();
+            let rates = self.rates.tension_rates.get(k).into_iter().flatten();
             for (cable, rate) in near.cables.iter_mut().zip(rates) {
                 cable.tension = cable.tension.map(|tension| tension + rate * change);
             }
@@ -94,19 +126,19 @@ impl Evaluation {
         near
     }
 
-    /// Its rates with the solution that the model of the answers has.
-    pub fn of_answer(&self, solution: Solution, forward: &Forward) -> Self {
-        let mut evaluation = self.clone();
-        evaluation.tensions = solution.cables.iter().map(|cable| cable.tension).collect();
-        evaluation.shortenings = forward.shortenings(&solution);
-        evaluation.solution = solution;
-        evaluation
+    /// The commands as shortenings for unknowns that differ by these changes, to first order.
+    pub fn shortenings_after(&self, changes: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut shortenings = self.shortenings.clone();
+        for (rates, change) in self.rates.shortening_rates.iter().zip(changes) {
+            shortenings.iter_mut().zip(rates).for_each(|(of, rate)| *of += rate * change);
+        }
+        shortenings
     }
 
-    /// With the rates of another evaluation of the same unknowns.
-    pub fn with_rates_of(self, other: Self) -> Self {
-        let Self { solution, tensions, shortenings, .. } = self;
-        Self { solution, tensions, shortenings, ..other }
+    /// Its rates with the solution that the model of the answers has.
+    pub fn of_answer(&self, solution: Solution, forward: &Forward) -> Self {
+        let rates = Arc::clone(&self.rates);
+        Self { rates, ..forward.without_rates(solution) }
     }
 }
 
@@ -123,6 +155,21 @@ pub(crate) fn on_few_steps(model: &Model) -> Option<Model> {
             let residual = options.residual.max(RESIDUAL);
             Some(Model::Cosserat(cosserat::Options { accuracy, residual, ..options.clone() }))
         }
+        _ => None,
+    }
+}
+
+/// Residual of the shapes of an atlas, which say where an answer is looked for but not what it is.
+const RESIDUAL_OF_ATLAS: f64 = 1e-4;
+
+/// A Cosserat rod for the shapes of an atlas: with few steps and without their stability. `None` for other models.
+pub(crate) fn for_atlas(model: &Model) -> Option<Model> {
+    match on_few_steps(model)? {
+        Model::Cosserat(options) => Some(Model::Cosserat(cosserat::Options {
+            residual: options.residual.max(RESIDUAL_OF_ATLAS),
+            stability: StabilityAnalysis::Off,
+            ..options
+        })),
         _ => None,
     }
 }
@@ -219,7 +266,7 @@ impl Forward {
                 fallback(actuator)
             }
         };
-        list.iter().zip(&evaluation.motions).map(of).collect()
+        list.iter().zip(&evaluation.rates.motions).map(of).collect()
     }
 
     fn command(&mut self, unknowns: &[f64]) {
@@ -233,11 +280,16 @@ impl Forward {
     }
 
     /// The answer as a solve of these commands gives it, with its stability: through the steps before and from rest, or from
-    /// the point before of a path, or from the shape that was found near it.
-    pub fn verify(&mut self, unknowns: &[f64], near: &Solution) -> Result<Solution, SolveError> {
+    /// the point before of a path, or from the shape that was found near it. `shortenings` are the commands of the cables as such.
+    pub fn verify(
+        &mut self,
+        unknowns: &[f64],
+        shortenings: &[f64],
+        near: &Solution,
+    ) -> Result<Solution, SolveError> {
         self.solves += 1;
-        let values = self.values(unknowns, near);
         let robot = self.model.robot();
+        let values = self.actuators.values(robot, unknowns, shortenings);
         write_commands(&self.actuators.asked, robot, &values, &mut self.case.commands);
         let mut is_only = || self.verifier.has_one_equilibrium(&self.case).unwrap_or(false);
         let from = match self.memory {
@@ -333,7 +385,7 @@ impl Forward {
                 forward.solves += 1;
                 let (solution, changes) =
                     forward.model.solve_with_command_changes(&forward.case, from)?;
-                Ok(forward.with_rates(solution, &changes, places))
+                Ok(forward.with_rates(unknowns, solution, &changes, places))
             }
             false => forward.by_differences(unknowns, places, from),
         })
@@ -396,7 +448,7 @@ impl Forward {
         self.solves += 1;
         let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
         let changes = rates.commands();
-        Ok((self.with_rates(solution, &changes, places), rates))
+        Ok((self.with_rates(unknowns, solution, &changes, places), rates))
     }
 
     /// Motions of the places in the world with a force on the tip along x, y and z of the base, in m/N, the commands held.
@@ -413,9 +465,16 @@ impl Forward {
     }
 
     /// A solution with its rates by the unknowns, from its changes with the command of each cable.
-    fn with_rates(&self, solution: Solution, by_cable: &[Change], places: &[Place]) -> Evaluation {
+    fn with_rates(
+        &self,
+        unknowns: &[f64],
+        solution: Solution,
+        by_cable: &[Change],
+        places: &[Place],
+    ) -> Evaluation {
         let turn = self.case.base.rotation;
         let mut evaluation = self.without_rates(solution);
+        let mut rates = Rates { at: unknowns.to_vec(), ..Rates::default() };
         for actuator in &self.actuators.list {
             let mut motions = vec![Twist::default(); places.len()];
             let mut tensions = vec![0.0; by_cable.len()];
@@ -437,10 +496,44 @@ impl Forward {
                     *sum += rate * of;
                 }
             }
-            self.push_rates(&mut evaluation, motions, tensions, &lengths);
-            evaluation.base_rates.push(base);
+            self.push_rates(&evaluation.solution, &mut rates, motions, tensions, lengths);
+            rates.base_rates.push(base);
         }
+        evaluation.rates = Arc::new(rates);
         evaluation
+    }
+
+    /// The exact motions of the tip with the unknowns at an answer, beside other rates of it that are nearly its own; `None` where the answers have more than these to
+    /// be exact in, or depend on more than tensions.
+    pub fn with_exact_tip(
+        &mut self,
+        unknowns: &[f64],
+        places: &[Place],
+        Evaluation { solution, rates, .. }: &Evaluation,
+    ) -> Result<Option<Rates>, SolveError> {
+        let cable = |actuator: &Actuator| match *actuator {
+            Actuator::Tension(cable) => Some(cable),
+            Actuator::Shortening(_) | Actuator::Motor(_) => None,
+        };
+        let cables: Option<Vec<usize>> = self.actuators.list.iter().map(cable).collect();
+        let is_tip = places == [Place::Tip] && self.is_on_few_steps && self.actuators.are_direct();
+        let Some(cables) = cables.filter(|_| is_tip) else { return Ok(None) };
+        self.command(unknowns);
+        self.solves += 1;
+        let mut motions = Vec::new();
+        self.model.tip_by_commands(&self.case, solution, &mut motions)?;
+        let turn = self.case.base.rotation;
+        let motion = |&cable: &usize| {
+            let Twist { linear, angular } = motions[cable];
+            vec![Twist { linear: turn.rotate(linear), angular: turn.rotate(angular) }]
+        };
+        Ok(Some(Rates {
+            at: unknowns.to_vec(),
+            motions: cables.iter().map(motion).collect(),
+            tension_rates: rates.tension_rates.clone(),
+            shortening_rates: rates.shortening_rates.clone(),
+            base_rates: rates.base_rates.clone(),
+        }))
     }
 
     /// The translational compliance of the tip in m/N in the world, with the commands held; `None` where the robot is about to buckle.
@@ -467,8 +560,9 @@ impl Forward {
         &mut self,
         unknowns: &[f64],
         places: &[Place],
+        from: Option<&Solution>,
     ) -> Result<(Evaluation, Option<Linearization>), SolveError> {
-        self.by_verifier(|forward| forward.evaluate_with_rates(unknowns, places, None))
+        self.by_verifier(|forward| forward.evaluate_with_rates(unknowns, places, from))
     }
 
     fn by_verifier<T>(&mut self, ask: impl FnOnce(&mut Self) -> T) -> T {
@@ -488,7 +582,7 @@ impl Forward {
         self.command(unknowns);
         self.solves += 1;
         let solution = self.model.solve(&self.case, from)?;
-        let mut evaluation = self.without_rates(solution.clone());
+        let mut all = Rates { at: unknowns.to_vec(), ..Rates::default() };
         let mut moved = unknowns.to_vec();
         for k in 0..unknowns.len() {
             let step = 1e-4 * self.scales[k];
@@ -509,8 +603,10 @@ impl Forward {
             let motions =
                 places.iter().map(|place| at(place).copied().unwrap_or_default()).collect();
             let none = vec![0.0; solution.cables.len()];
-            self.push_rates(&mut evaluation, motions, none, &rates.lengths);
+            self.push_rates(&solution, &mut all, motions, none, rates.lengths);
         }
+        let mut evaluation = self.without_rates(solution);
+        evaluation.rates = Arc::new(all);
         Ok(evaluation)
     }
 
@@ -523,31 +619,29 @@ impl Forward {
     /// Of a solution whose rates are not known.
     pub fn without_rates(&self, solution: Solution) -> Evaluation {
         Evaluation {
-            motions: Vec::new(),
             tensions: solution.cables.iter().map(|cable| cable.tension).collect(),
             shortenings: self.shortenings(&solution),
-            tension_rates: Vec::new(),
-            shortening_rates: Vec::new(),
-            base_rates: Vec::new(),
+            rates: Arc::default(),
             solution,
         }
     }
 
     fn push_rates(
         &self,
-        evaluation: &mut Evaluation,
+        solution: &Solution,
+        rates: &mut Rates,
         motions: Vec<Twist>,
         tensions: Vec<f64>,
-        lengths: &[f64],
+        mut lengths: Vec<f64>,
     ) {
         let robot = self.model.robot();
-        let states = evaluation.solution.cables.iter().zip(&tensions).zip(lengths).enumerate();
-        let shortenings = states.map(|(cable, ((state, tension), length))| {
-            robot.cable_compliance(cable, state.initial_length) * tension - length
-        });
-        evaluation.shortening_rates.push(shortenings.collect());
-        evaluation.motions.push(motions);
-        evaluation.tension_rates.push(tensions);
+        let states = solution.cables.iter().zip(&tensions).enumerate();
+        for ((cable, (state, tension)), length) in states.zip(&mut lengths) {
+            *length = robot.cable_compliance(cable, state.initial_length) * tension - *length;
+        }
+        rates.shortening_rates.push(lengths);
+        rates.motions.push(motions);
+        rates.tension_rates.push(tensions);
     }
 
     /// The shortening in m that each cable is commanded to in a solution.

@@ -41,10 +41,16 @@ struct Known {
     motions: Vec<Vec3>,
 }
 
-/// An answer of the model, with all its derivatives where it has exact ones.
+/// An answer of the model, with all its derivatives where it has exact ones that are not computed later, for what is kept.
 struct Answer {
     evaluation: Evaluation,
     rates: Option<Linearization>,
+}
+
+impl Answer {
+    fn tip(&self) -> Vec3 {
+        self.evaluation.solution.disks.poses.last().copied().unwrap_or_default().position
+    }
 }
 
 /// What is looked for, and by what.
@@ -117,7 +123,9 @@ impl<'a> Growth<'a> {
             let mut findings = Findings::default();
             let way = Way { index: *index, next: unknowns, back: unknowns };
             let found = self.question.go(solver, way, &self.found, &mut findings, |_| true)?;
-            findings.found.extend(found);
+            if let Some(answer) = found {
+                findings.found.push(self.question.known(solver, unknowns, answer)?);
+            }
             Ok(findings)
         };
         let marked: Vec<(Index, Vec<f64>)> = marked.into_iter().collect();
@@ -293,7 +301,7 @@ impl Question<'_> {
         }
         let next = self.step_to(solver, from, known);
         let way = Way { index: from, next: &next, back: &known.unknowns };
-        let is_at_centre = |(_, there): &(Index, Known)| self.is_at_centre(from, there.cell.tip);
+        let is_at_centre = |tip: Vec3| self.is_at_centre(from, tip);
         findings.is_full |= self.go(solver, way, found, &mut findings, is_at_centre)?.is_some();
         Ok(findings)
     }
@@ -309,8 +317,10 @@ impl Question<'_> {
     ) -> Result<(), SolveError> {
         let next = self.step_to(solver, index, known);
         let way = Way { index, next: &next, back: &known.unknowns };
-        let there = self.go(solver, way, found, findings, |(at, _)| *at == index)?;
-        findings.found.extend(there);
+        let is_in_voxel = |tip: Vec3| self.index(tip) == index;
+        if let Some(answer) = self.go(solver, way, found, findings, is_in_voxel)? {
+            findings.found.push(self.known(solver, &next, answer)?);
+        }
         Ok(())
     }
 
@@ -321,17 +331,20 @@ impl Question<'_> {
         Way { index, next, back }: Way<'_>,
         found: &BTreeMap<Index, Known>,
         findings: &mut Findings,
-        is_wanted: impl Fn(&(Index, Known)) -> bool,
-    ) -> Result<Option<(Index, Known)>, SolveError> {
+        is_wanted: impl Fn(Vec3) -> bool,
+    ) -> Result<Option<Answer>, SolveError> {
         let answer = self.answer(solver, next)?;
-        let start = match &answer {
+        let is_there = match &answer {
             Some(answer) => {
-                let there = self.kept(solver, next, answer)?.filter(is_wanted);
-                if there.is_some() {
-                    return Ok(there);
-                }
-                Start::Known(next, &answer.evaluation)
+                is_wanted(answer.tip()) && self.is_allowed(solver, next, &answer.evaluation)?
             }
+            None => false,
+        };
+        if is_there {
+            return Ok(answer);
+        }
+        let start = match &answer {
+            Some(answer) => Start::Known(next, &answer.evaluation),
             None => Start::At(back),
         };
         self.ask(solver, index, start, found, findings)?;
@@ -374,42 +387,47 @@ impl Question<'_> {
         solver: &mut InverseSolver,
         unknowns: &[f64],
     ) -> Result<Option<Answer>, SolveError> {
-        let places: Vec<Place> =
-            [Place::Tip].into_iter().chain(self.constraints.places()).collect();
-        match solver.forward_mut().answer_with_rates(unknowns, &places) {
+        let forward = solver.forward_mut();
+        let found = match forward.is_on_few_steps() {
+            true => forward.evaluate_answer(unknowns, &self.places()).map(|of| (of, None)),
+            false => forward.answer_with_rates(unknowns, &self.places(), None),
+        };
+        match found {
             Ok((evaluation, rates)) => Ok(Some(Answer { evaluation, rates })),
             Err(error @ SolveError::Cancelled { .. }) => Err(error),
             Err(_) => Ok(None),
         }
     }
 
-    /// The voxel of the tip of an answer and what is known of it; `None` where the answer does not keep the limits or is not stable.
-    fn kept(
+    fn places(&self) -> Vec<Place> {
+        [Place::Tip].into_iter().chain(self.constraints.places()).collect()
+    }
+
+    /// Whether an answer keeps the limits and is stable.
+    fn is_allowed(
         &self,
         solver: &mut InverseSolver,
         unknowns: &[f64],
-        answer: &Answer,
-    ) -> Result<Option<(Index, Known)>, SolveError> {
+        evaluation: &Evaluation,
+    ) -> Result<bool, SolveError> {
         let forward = solver.forward_mut();
-        let (_, is_exceeded) = self.constraints.active(forward.robot(), &answer.evaluation);
-        let solution = &answer.evaluation.solution;
+        let (_, is_exceeded) = self.constraints.active(forward.robot(), evaluation);
+        let solution = &evaluation.solution;
         let touches = self.reach.clearance.is_some() && !solution.contacts.is_empty();
         if is_exceeded || touches {
-            return Ok(None);
+            return Ok(false);
         }
         if solution.diagnostics.is_unstable() {
             // At the lengths that are commanded it may be stable where at the tensions that are searched it is not.
             let is_stable = !forward.actuators.are_direct()
-                && match forward.verify(unknowns, solution) {
+                && match forward.verify(unknowns, &evaluation.shortenings, solution) {
                     Ok(answer) => !answer.diagnostics.is_unstable(),
                     Err(error @ SolveError::Cancelled { .. }) => return Err(error),
                     Err(_) => false,
                 };
-            if !is_stable {
-                return Ok(None);
-            }
+            return Ok(is_stable);
         }
-        Ok(Some(self.known(solver, unknowns, answer)))
+        Ok(true)
     }
 
     /// Looks for commands that bring the tip to the centre of a voxel, from a place near it.
@@ -451,7 +469,8 @@ impl Question<'_> {
         }
         let unknowns = &candidate.unknowns;
         let Some(answer) = self.answer(solver, unknowns)? else { return Ok(()) };
-        if let Some((at, mut known)) = self.kept(solver, unknowns, &answer)? {
+        if self.is_allowed(solver, unknowns, &answer.evaluation)? {
+            let (at, mut known) = self.known(solver, unknowns, answer)?;
             known.cell.is_full |= is_full && at == index;
             findings.found.push((at, known));
         }
@@ -461,15 +480,24 @@ impl Question<'_> {
     /// The voxel of an answer, and what is known of it there.
     fn known(
         &self,
-        solver: &InverseSolver,
+        solver: &mut InverseSolver,
         unknowns: &[f64],
-        Answer { evaluation, rates }: &Answer,
-    ) -> (Index, Known) {
-        let forward = solver.forward();
+        Answer { mut evaluation, mut rates }: Answer,
+    ) -> Result<(Index, Known), SolveError> {
+        let forward = solver.forward_mut();
+        let is_open = self.has_stiffness || forward.has_approximate_rates();
+        if rates.is_none() && forward.is_on_few_steps() && is_open {
+            let near = Some(&evaluation.solution);
+            match forward.answer_with_rates(unknowns, &self.places(), near) {
+                Ok(exact) => (evaluation, rates) = exact,
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                Err(_) => {}
+            }
+        }
         let rates = rates.as_ref().filter(|_| self.has_stiffness);
         let compliance = rates.and_then(|rates| forward.tip_compliance(rates));
         let of_tip = |motions: &Vec<Twist>| motions.first().copied().unwrap_or_default();
-        let motions: Vec<Twist> = evaluation.motions.iter().map(of_tip).collect();
+        let motions: Vec<Twist> = evaluation.rates.motions.iter().map(of_tip).collect();
         let columns = motions.iter().zip(&forward.scales).map(|(motion, scale)| Twist {
             linear: motion.linear * *scale,
             angular: motion.angular * *scale,
@@ -491,7 +519,7 @@ impl Question<'_> {
             stiffness: stiffness.filter(|of| of.iter().all(|k| k.is_finite() && *k > 0.0)),
         };
         let motions = motions.iter().map(|motion| motion.linear).collect();
-        (index, Known { cell, unknowns: unknowns.to_vec(), motions })
+        Ok((index, Known { cell, unknowns: unknowns.to_vec(), motions }))
     }
 }
 

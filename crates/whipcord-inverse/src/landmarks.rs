@@ -58,7 +58,8 @@ impl Landmark {
         let evaluation = forward.evaluate(&unknowns, places, None)?;
         let answer = match has_answer && forward.is_on_few_steps() {
             true => {
-                let solution = forward.verify(&unknowns, &evaluation.solution)?;
+                let Evaluation { shortenings, solution, .. } = &evaluation;
+                let solution = forward.verify(&unknowns, shortenings, solution)?;
                 Some(evaluation.of_answer(solution, forward))
             }
             false => None,

@@ -152,13 +152,13 @@ impl Constraints {
             let Some(slack) = constraint.slack(robot, evaluation) else { continue };
             into.slack.push(slack - INSIDE);
             let rates =
-                (0..evaluation.motions.len()).map(|k| constraint.rate(robot, evaluation, k));
+                (0..evaluation.rates.motions.len()).map(|k| constraint.rate(robot, evaluation, k));
             into.rows.extend(rates);
         }
         let Some(clearance) = &self.clearance else { return };
         for (station, _, distance, normal) in clearance.nearest(&evaluation.solution) {
             into.slack.push(distance / clearance.range - INSIDE);
-            for motions in &evaluation.motions {
+            for motions in &evaluation.rates.motions {
                 let rate = normal.dot(motions[first + station].linear);
                 into.rows.push(-rate / clearance.range);
             }
@@ -262,10 +262,10 @@ impl Constraint {
 
     /// The rate at which an unknown uses it up.
     fn rate(&self, robot: &Robot, evaluation: &Evaluation, unknown: usize) -> f64 {
-        let tensions = &evaluation.tension_rates[unknown];
+        let tensions = &evaluation.rates.tension_rates[unknown];
         let rate = match self.quantity {
             Quantity::Tension(cable) => tensions[cable],
-            Quantity::Shortening(cable) => evaluation.shortening_rates[unknown][cable],
+            Quantity::Shortening(cable) => evaluation.rates.shortening_rates[unknown][cable],
             Quantity::Effort(motor) => {
                 robot.motors()[motor].effort(|cable| Some(tensions[cable])).unwrap_or(0.0)
             }

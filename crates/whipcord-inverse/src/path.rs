@@ -188,7 +188,7 @@ impl InverseSolver {
         let mut off = 0.0_f64;
         for disk in 0..places.len() {
             let mut difference = moved(disk);
-            for (motions, (x, y)) in evaluation.motions.iter().zip(after.iter().zip(before)) {
+            for (motions, (x, y)) in evaluation.rates.motions.iter().zip(after.iter().zip(before)) {
                 difference -= motions[disk].linear * (x - y);
             }
             off = off.max(difference.norm());

@@ -1,5 +1,8 @@
 //! Commands that bring a robot to a target.
 
+use std::sync::Arc;
+
+use whipcord::derivatives::Place;
 use whipcord::{Case, Robot, Shortening, Solution, SolveError};
 
 use crate::actuator::{Actuator, commanded_shortening, write_commands};
@@ -72,9 +75,11 @@ impl Reached {
 
 /// Starts from an atlas of a robot that remembers the steps before.
 const STARTS_WITH_HISTORY: usize = 6;
-/// Steps along the null space to the preferred commands, and at a point of a path, where the points before have led near to them.
+/// Steps along the null space to the preferred commands.
 const STEPS: usize = 40;
-const STEPS_ON_PATH: usize = 2;
+/// A gain of less than this part of what is to be small is the last; and at a point of a path, whose next one goes on from it.
+const LEAST_GAIN: f64 = 1e-8;
+const LEAST_GAIN_ON_PATH: f64 = 1e-4;
 /// A step between points of a path of less than this, in changes that bend the robot by half a turn, is small.
 const NEAR: f64 = 0.02;
 /// Evaluations of one start.
@@ -129,7 +134,9 @@ impl InverseSolver {
             curvature: None,
         };
         let foreseen = from.and_then(|passed| {
-            let task = redundancy::Task { prefer, start, control: &control(0), steps: 1 };
+            let control = &control(0);
+            let task =
+                redundancy::Task { prefer, start, control, steps: 1, least_gain: LEAST_GAIN };
             passed.foreseen(&mut search, &task, &mut self.workspace)
         });
         let wanted = match options.prefer {
@@ -157,9 +164,18 @@ impl InverseSolver {
                 break;
             }
             starts += 1;
+            if starts == 1
+                && let Some((from, foreseen)) = from.zip(foreseen.as_ref())
+            {
+                let before = (from.at.unknowns.as_slice(), &from.at.evaluation);
+                best = search.foretold(foreseen, before, options)?;
+                if best.is_some() {
+                    break;
+                }
+            }
             let at = match (starts, from, known) {
                 (1, Some(from), _) => {
-                    let moved = foreseen.as_deref().unwrap_or(&unknowns);
+                    let moved = foreseen.as_ref().map_or(&unknowns, |of| &of.unknowns);
                     Start::From(moved, (&unknowns, &from.at.evaluation))
                 }
                 (1, None, Some(known)) => Start::Known(&known.unknowns, &known.evaluation),
@@ -214,38 +230,38 @@ impl InverseSolver {
         };
         // Along a path of small steps that along the null space is already made.
         let is_near = foreseen.as_ref().is_some_and(|moved| {
-            let steps = moved.iter().zip(start).zip(&scales);
+            let steps = moved.unknowns.iter().zip(start).zip(&scales);
             starts == 1 && steps.into_iter().all(|((a, b), scale)| (a - b).abs() < NEAR * scale)
         });
         if best.is_reached && options.prefer != Preference::First && !is_near {
-            let steps = if from.is_some() { STEPS_ON_PATH } else { STEPS };
-            let control = control(0);
-            let task = redundancy::Task { prefer, start, control: &control, steps };
+            let least_gain = if from.is_some() { LEAST_GAIN_ON_PATH } else { LEAST_GAIN };
+            let control = &control(0);
+            let task = redundancy::Task { prefer, start, control, steps: STEPS, least_gain };
             if let Some(better) = search.improve(&best, &task, &mut self.workspace, options)? {
                 best = better;
             }
         }
-        let passed = Passed::new(&search, best.clone());
-        let unknowns = best.unknowns.clone();
+        let learned = search.learned();
+        let places = search.places().to_vec();
         let null_space = match options.null_space {
-            true => self.exact_null_space(&best, target, lever)?,
+            true => self.exact_null_space(&mut best, target, lever, &places)?,
             false => Vec::new(),
         };
         let active_limits =
-            constraints.met(&self.forward, &best.evaluation, &unknowns, &ranges.unknowns);
+            constraints.met(&self.forward, &best.evaluation, &best.unknowns, &ranges.unknowns);
         let spent = [starts, self.forward.solves - first_solve];
-        let mut answer = self.answer(best, active_limits, null_space, spent);
+        let mut answer = self.answer(&best, active_limits, null_space, spent);
         if let Some(boxes) = options.proof
             && answer.status != ReachStatus::Reached
         {
             self.prove(&mut answer, target, tolerance, options, boxes)?;
         }
-        Ok((answer, passed))
+        Ok((answer, Passed::new(best, target, learned)))
     }
 
     fn answer(
         &self,
-        best: Candidate,
+        best: &Candidate,
         active_limits: Vec<Limit>,
         null_space: Vec<Vec<f64>>,
         [starts, solves]: [usize; 2],
@@ -262,7 +278,7 @@ impl InverseSolver {
             status,
             case: self.case_with(&commands, &values),
             commands,
-            solution: best.evaluation.solution,
+            solution: best.evaluation.solution.clone(),
             miss: best.miss,
             lower_bound: None,
             no_proof: None,
@@ -273,15 +289,17 @@ impl InverseSolver {
         }
     }
 
-    /// The null space of an answer, from exact rates where the model has them: of the answer's own rates where those cannot be had.
+    /// The null space of an answer, from exact rates where the model has them: of the answer's own rates where those cannot be had. The answer has
+    /// the exact ones from then on.
     ///
     /// # Errors
     /// [`SolveError::Cancelled`].
     fn exact_null_space(
         &mut self,
-        best: &Candidate,
+        best: &mut Candidate,
         target: &Target,
         lever: f64,
+        places: &[Place],
     ) -> Result<Vec<Vec<f64>>, SolveError> {
         let scales = &self.forward.scales;
         let Some(redundancy) = Redundancy::of(&best.evaluation, target, lever, scales) else {
@@ -294,17 +312,24 @@ impl InverseSolver {
         let near = Some(&best.evaluation.solution);
         let exact = match is_approximate {
             true => {
-                let found =
-                    self.forward.evaluate_with_rates(&best.unknowns, &target.places(), near);
-                found.map(|(evaluation, _)| evaluation)
+                let tip = self.forward.with_exact_tip(&best.unknowns, places, &best.evaluation);
+                tip.and_then(|tip| match tip {
+                    Some(rates) => Ok(Arc::new(rates)),
+                    None => {
+                        let found = self.forward.evaluate_with_rates(&best.unknowns, places, near);
+                        found.map(|(evaluation, _)| evaluation.rates)
+                    }
+                })
             }
-            false => self.forward.evaluate(&best.unknowns, &target.places(), near),
+            false => self.forward.evaluate(&best.unknowns, places, near).map(|of| of.rates),
         };
         match exact {
-            Ok(exact) => {
-                let exact = best.evaluation.clone().with_rates_of(exact);
-                let redundancy = Redundancy::of(&exact, target, lever, &self.forward.scales);
-                Ok(redundancy.map(|of| self.null_space(&of, &exact)).unwrap_or_default())
+            Ok(rates) => {
+                best.evaluation.rates = rates;
+                best.has_own_rates = true;
+                let exact = &best.evaluation;
+                let redundancy = Redundancy::of(exact, target, lever, &self.forward.scales);
+                Ok(redundancy.map(|of| self.null_space(&of, exact)).unwrap_or_default())
             }
             Err(error @ SolveError::Cancelled { .. }) => Err(error),
             Err(_) => Ok(self.null_space(&redundancy, &best.evaluation)),
@@ -335,7 +360,7 @@ impl InverseSolver {
         let command = |direction: Vec<f64>| {
             let rates: Vec<f64> = (0..robot.cables().len())
                 .map(|cable| {
-                    let rates = evaluation.shortening_rates.iter().zip(&direction);
+                    let rates = evaluation.rates.shortening_rates.iter().zip(&direction);
                     rates.map(|(rate, change)| rate[cable] * change).sum()
                 })
                 .collect();

@@ -31,7 +31,7 @@ impl Redundancy {
         scales: &[f64],
     ) -> Option<Self> {
         let mut linear = Linear::default();
-        target.linearize(&evaluation.solution, &evaluation.motions, lever, &mut linear);
+        target.linearize(&evaluation.solution, &evaluation.rates.motions, lever, &mut linear);
         let n = scales.len();
         for row in linear.jacobian.chunks_exact_mut(n) {
             row.iter_mut().zip(scales).for_each(|(j, scale)| *j *= scale);
@@ -60,12 +60,12 @@ pub(crate) struct Task<'a> {
     pub control: &'a Control<'a>,
     /// Steps along the null space.
     pub steps: usize,
+    /// A gain of less than this part of what is to be small is the last.
+    pub least_gain: f64,
 }
 
 /// A step of this size in scaled unknowns is none.
 const LEAST_STEP: f64 = 1e-7;
-/// A gain of less than this part of what is to be small is the last.
-const LEAST_GAIN: f64 = 1e-8;
 
 impl Search<'_> {
     /// A better one of the commands that reach the target: steps of a quadratic programme in the null space of the target, each followed
@@ -150,7 +150,7 @@ impl Search<'_> {
                 best = next;
                 is_better = true;
                 radius = (2.0 * radius).min(2.0);
-                if gain < LEAST_GAIN * before.abs() {
+                if gain < task.least_gain * before.abs() {
                     break;
                 }
             } else {
@@ -234,10 +234,10 @@ impl Search<'_> {
             Preference::LeastTension => {
                 for (cable, tension) in evaluation.tensions.iter().enumerate() {
                     squares.push(match tension {
-                        Some(tension) => (*tension, rates(&evaluation.tension_rates, cable)),
+                        Some(tension) => (*tension, rates(&evaluation.rates.tension_rates, cable)),
                         None => (
                             evaluation.shortenings[cable],
-                            rates(&evaluation.shortening_rates, cable),
+                            rates(&evaluation.rates.shortening_rates, cable),
                         ),
                     });
                 }

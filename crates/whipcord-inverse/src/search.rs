@@ -4,6 +4,7 @@ use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
 use crate::descent::{Control, Descent, Ending, Problem, Start, Workspace, descend};
+use crate::foresight::Foreseen;
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
 use crate::linear::Linear;
@@ -64,7 +65,8 @@ impl Problem for Search<'_> {
         from: Option<(&[f64], &Evaluation)>,
     ) -> Result<Evaluation, SolveError> {
         let near = from.map(|(before, evaluation)| {
-            evaluation.extrapolated(unknowns.iter().zip(before).map(|(x, before)| x - before))
+            let changes = unknowns.iter().zip(before).map(|(x, before)| x - before);
+            evaluation.extrapolated(changes, self.forward.is_on_few_steps())
         });
         self.forward.evaluate(unknowns, &self.places, near.as_ref())
     }
@@ -75,13 +77,19 @@ impl Problem for Search<'_> {
         (before, evaluation): (&[f64], &Evaluation),
     ) -> Result<Evaluation, SolveError> {
         let changes = unknowns.iter().zip(before).map(|(x, before)| x - before);
-        let solution = self.forward.trial(unknowns, &evaluation.extrapolated(changes))?;
+        let near = evaluation.extrapolated(changes, self.forward.is_on_few_steps());
+        let solution = self.forward.trial(unknowns, &near)?;
         Ok(evaluation.of_answer(solution, self.forward))
     }
 
     fn linearize(&self, evaluation: &Evaluation) -> Linear {
         let mut linear = Linear::default();
-        self.target.linearize(&evaluation.solution, &evaluation.motions, self.lever, &mut linear);
+        self.target.linearize(
+            &evaluation.solution,
+            &evaluation.rates.motions,
+            self.lever,
+            &mut linear,
+        );
         let first = self.target.places().len();
         self.constraints.linearize(self.forward.robot(), evaluation, first, &mut linear);
         linear.residual.iter_mut().zip(&self.correction.residual).for_each(|(r, more)| *r += more);
@@ -116,6 +124,8 @@ impl<'a> Search<'a> {
 
 /// How often the difference of the model on few steps from the model of the answers is measured for one start.
 const CORRECTIONS: usize = 4;
+/// A point of a path is not tried but solved at once where it is foretold to be within this part of the tolerance.
+const FORETOLD: f64 = 0.5;
 /// A difference that changes by less than this part of the tolerance is known.
 const KNOWN: f64 = 0.1;
 
@@ -195,6 +205,34 @@ impl Search<'_> {
         }
     }
 
+    /// The answer where the derivatives at the point before of a path lead, without a trial, where their curvature foretells that it reaches the target; `None` where
+    /// it does not.
+    pub fn foretold(
+        &mut self,
+        foreseen: &Foreseen,
+        (before, evaluation): (&[f64], &Evaluation),
+        options: &ReachOptions,
+    ) -> Result<Option<Candidate>, SolveError> {
+        if !foreseen.is_within(self.curvature, FORETOLD * self.tolerance.position) {
+            return Ok(None);
+        }
+        let found = Descent {
+            unknowns: foreseen.unknowns.clone(),
+            state: evaluation.clone(),
+            foretold_from: Some(before.to_vec()),
+            has_own_rates: false,
+            curvature: self.curvature,
+            is_stationary: false,
+        };
+        let candidate = match self.verified(&found, options) {
+            Ok(candidate) => candidate,
+            Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+            Err(_) => return Ok(None),
+        };
+        self.curvature = foreseen.curvature(self.curvature, candidate.distance);
+        Ok(Some(candidate).filter(|candidate| candidate.is_reached))
+    }
+
     /// Goes down from a start on few steps; what is found there is not solved from rest.
     pub fn restored(
         &mut self,
@@ -224,7 +262,15 @@ impl Search<'_> {
         found: &Descent<Evaluation>,
         options: &ReachOptions,
     ) -> Result<Candidate, SolveError> {
-        let solution = self.forward.verify(&found.unknowns, &found.state.solution)?;
+        let Descent { unknowns, state, foretold_from, .. } = found;
+        let solution = match foretold_from {
+            Some(before) => {
+                let changes = || unknowns.iter().zip(before).map(|(x, before)| x - before);
+                let near = state.extrapolated(changes(), self.forward.is_on_few_steps());
+                self.forward.verify(unknowns, &state.shortenings_after(changes()), &near)?
+            }
+            None => self.forward.verify(unknowns, &state.shortenings, &state.solution)?,
+        };
         let miss = self.target.miss(&solution);
         let evaluation = found.state.of_answer(solution, self.forward);
         let solution = &evaluation.solution;

@@ -5,7 +5,7 @@ use whipcord::{Case, Model, ModelKind, Stations, Vec3};
 use crate::actuator::Actuator;
 use crate::atlas::{Atlas, AtlasRows, Survey};
 use crate::error::InverseError;
-use crate::forward::{Forward, on_few_steps};
+use crate::forward::{Forward, for_atlas};
 use crate::landmarks::Landmarks;
 use crate::limits::{CableLimits, Limits};
 use crate::solver::{InverseSolver, Ranges};
@@ -42,7 +42,7 @@ impl Surveyed<'_> {
     /// What is asked of a survey with so many rows.
     fn ask<T>(&self, rows: usize, ask: impl FnOnce(&Survey<'_>) -> T) -> T {
         let Self { model, case, limits, ranges, forward } = *self;
-        let few = on_few_steps(model);
+        let few = for_atlas(model);
         ask(&Survey {
             model: few.as_ref().unwrap_or(model),
             robot: forward.robot(),

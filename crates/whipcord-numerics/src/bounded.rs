@@ -6,6 +6,11 @@ use crate::dense::{DenseLu, Singular};
 ///
 /// It starts from `d = 0` and never climbs, so that whatever it ends with, also after rounding keeps
 /// it from the last exchange, is a direction of descent.
+///
+/// [`QuadraticProgramme`](crate::QuadraticProgramme) is for programmes with upper bounds and rows, and does not take its place: it refuses matrices that are
+/// singular to rounding, as those of cables that pull against one another are, of which this one still takes those whose free block is not,
+/// and before its end it has no point within the bounds. Three unknowns take this one 0.1 µs and the other 0.7 µs, because without a bound in the way
+/// one system is solved; nine unknowns of which half end at their bounds take 9 µs and 4 µs.
 #[derive(Clone, Debug, Default)]
 pub struct BoundedQuadratic {
     /// Not at their bounds.

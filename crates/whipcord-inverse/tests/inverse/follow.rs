@@ -89,6 +89,33 @@ fn a_circle_is_followed_without_jumps() {
     }
 }
 
+/// Also where the points of a path are far apart each has the least tensions, as if it was asked for by itself.
+#[test]
+fn coarse_points_of_a_path_have_the_least_tensions() {
+    let loaded = Case {
+        loads: Loads { tip_force: Vec3::new(0.05, 0.0, -0.05), ..Loads::default() },
+        ..Case::default()
+    };
+    let options = ReachOptions { prefer: Preference::LeastTension, ..CLOSE };
+    let squares = |commands: &[f64]| commands.iter().map(|tension| tension * tension).sum::<f64>();
+    for case in [Case::default(), loaded] {
+        let robot = robots::two_segments();
+        let solver =
+            || solver(ModelKind::Cosserat, &robot, &case, pulled_to(8.0), CommandedBy::Case);
+        for points in [9, 25] {
+            let path = circle(0.05, 0.171, points);
+            let followed = solver().follow(&path, &options).unwrap();
+            assert_eq!(followed.reached(), points);
+            let mut alone = solver();
+            for (point, answer) in path.iter().zip(&followed.answers) {
+                let least = squares(&alone.reach(&point.target, &options).unwrap().commands);
+                let found = squares(&answer.commands);
+                assert!(found <= 1.002 * least, "{points} points: {found} {least}");
+            }
+        }
+    }
+}
+
 #[test]
 fn rates_are_kept_and_what_they_prevent_is_not_reached() {
     let robot = robots::two_segments();

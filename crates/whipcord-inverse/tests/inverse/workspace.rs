@@ -118,13 +118,43 @@ fn sampled_tips_are_in_the_workspace() {
 #[ignore = "minutes"]
 #[allow(clippy::print_stdout, reason = "a study prints its results")]
 fn study_of_workspaces() {
-    for (name, robot, greatest) in robots::all() {
-        if !robot.motors().is_empty() {
-            continue;
-        }
+    let only = std::env::var("ROBOT").ok();
+    let robots = robots::all().into_iter().filter(|(_, robot, _)| robot.motors().is_empty());
+    for (name, robot, greatest) in
+        robots.filter(|(name, ..)| only.as_deref().is_none_or(|o| o == *name))
+    {
         let coarse = compare_with_samples(name, &robot, greatest, 0.008);
         let fine = compare_with_samples(name, &robot, greatest, 0.004);
         println!("{name}: halved, the measure is {:.3} of it", fine.measure / coarse.measure);
+    }
+}
+
+/// Under a force on the tip.
+#[test]
+#[ignore = "a minute"]
+#[allow(clippy::print_stdout, reason = "a study prints its results")]
+fn study_of_loaded_workspaces() {
+    let only = std::env::var("ROBOT").ok();
+    let shapes = std::env::var("SHAPES").ok().and_then(|n| n.parse().ok()).unwrap_or(100_000);
+    let robots = robots::all().into_iter().filter(|(_, robot, _)| robot.motors().is_empty());
+    for (name, robot, greatest) in
+        robots.filter(|(name, ..)| only.as_deref().is_none_or(|o| o == *name))
+    {
+        let loads = Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() };
+        let case = Case { loads, ..Case::default() };
+        let clock = Instant::now();
+        let options =
+            WorkspaceOptions { voxel: Some(0.008), shapes, ..WorkspaceOptions::default() };
+        let found = survey(&robot, &case, greatest, &options);
+        println!(
+            "{name}: {:.2} s, {} voxels, dimension {}, measure {:.4e}, {} boundary points, {} solves",
+            clock.elapsed().as_secs_f64(),
+            found.cells.len(),
+            found.dimension,
+            found.measure,
+            found.boundary.len(),
+            found.solves,
+        );
     }
 }
 

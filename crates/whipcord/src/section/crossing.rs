@@ -36,7 +36,9 @@ impl Crossing {
     /// `p′` of eq. (3).
     #[inline]
     pub fn tangent(&self, strain: &Strain) -> Vec3 {
-        strain.linear + strain.angular.cross(self.offset) + self.slope
+        // The offset has no z component: what would be multiplied by it is left out, which changes no bits.
+        let (v, u, r) = (strain.linear, strain.angular, self.offset);
+        Vec3::new(v.x - u.z * r.y, v.y + u.z * r.x, v.z + (u.x * r.y - u.y * r.x)) + self.slope
     }
 
     /// Unit tangent `t`, moment `r × t` and stretch `‖p′‖`: what a unit tension exerts.
@@ -45,6 +47,8 @@ impl Crossing {
         let tangent = self.tangent(strain);
         let stretch = tangent.norm();
         let unit = tangent * (1.0 / stretch);
-        (BodyWrench { linear: unit, angular: self.offset.cross(unit) }, stretch)
+        let (t, r) = (unit, self.offset);
+        let angular = Vec3::new(r.y * t.z, -(r.x * t.z), r.x * t.y - r.y * t.x);
+        (BodyWrench { linear: unit, angular }, stretch)
     }
 }
