@@ -34,6 +34,7 @@ mod curvature;
 mod descent;
 mod error;
 mod estimator;
+mod foreseen;
 mod foresight;
 mod forward;
 mod growth;

@@ -4,7 +4,7 @@ use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
 use crate::descent::{Control, Descent, Ending, Problem, Start, Workspace, descend};
-use crate::foresight::Foreseen;
+use crate::foreseen::Foreseen;
 use crate::forward::{Evaluation, Forward};
 use crate::limit::Constraints;
 use crate::linear::Linear;
