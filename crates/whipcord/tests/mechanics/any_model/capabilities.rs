@@ -181,6 +181,14 @@ fn touching() -> Case {
     among(pulled(), vec![wall])
 }
 
+fn stability_in_contact(kind: ModelKind) -> Result<(), SolveError> {
+    let case = among(pulled(), vec![wall(0.05)]);
+    let solution = solve(kind, &finger(9), &case)?;
+    assert!(!solution.contacts.is_empty());
+    assert_eq!(solution.diagnostics.stable, Some(true));
+    Ok(())
+}
+
 fn contact_with_friction(kind: ModelKind) -> Result<(), SolveError> {
     let solution = solve(kind, &finger(9), &touching())?;
     let contact = &solution.contacts[0];
@@ -250,7 +258,7 @@ fn batches(kind: ModelKind) -> Result<(), SolveError> {
 
 type Question = fn(ModelKind) -> Result<(), SolveError>;
 
-const QUESTIONS: [(&str, Question); 23] = [
+const QUESTIONS: [(&str, Question); 24] = [
     ("dead loads", dead_loads),
     ("follower loads", follower_loads),
     ("distributed loads", distributed_loads),
@@ -269,6 +277,7 @@ const QUESTIONS: [(&str, Question); 23] = [
         derivatives_with_friction_against_bending_in_contact,
     ),
     ("stability", stability),
+    ("stability in contact without friction", stability_in_contact),
     ("branches and limit points", branches),
     ("contact with friction", contact_with_friction),
     ("contact with friction at holes", contact_with_friction_at_holes),
