@@ -66,6 +66,18 @@ class Derivatives:
     def __init__(self, inner: _core.Derivatives, parameters: tuple[str, ...]) -> None:
         self._inner, self.parameters = inner, parameters
 
+    @property
+    def one_sided(self) -> tuple[str, ...]:
+        """What is about to change at the answer, so that these are derivatives of the side that the answer is on: ``"contact"`` (opens, closes, sticks or slides),
+        ``"hole"`` (a cable sticks or slides in it) and ``"cable"`` (goes slack or becomes taut)."""
+        return tuple(self._inner.one_sided())
+
+    @property
+    def lengths_dependent(self) -> bool:
+        """Whether the commanded lengths depend on each other, as those of two antagonists do on a backbone that keeps its length: the tensions are then not
+        determined, and a command counts by the part that does not contradict the others."""
+        return self._inner.lengths_dependent()
+
     @cached_property
     def twist_by_command(self) -> Array:
         """(n, 6, c) velocity and angular velocity of each station with the command of each cable."""
@@ -240,6 +252,11 @@ class Place:
     """(c, c) change of the length of each cable with the command of each."""
     estimated_error: float | None
     """Relative error, where the numbers come from differences of solutions; None where they are exact."""
+    one_sided: tuple[str, ...]
+    """What is about to change at the answer, so that the numbers are derivatives of the side that the answer is on: ``"contact"``, ``"hole"``, ``"cable"``."""
+    lengths_dependent: bool
+    """Whether the commanded lengths depend on each other, so that the tensions are not determined, and a command counts by the part that does not contradict
+    the others."""
     dexterity: tuple[Dexterity, ...]
     """How well the cables move it: those driven by tension, those by shortening."""
     yield_unknown: str | None
@@ -251,6 +268,7 @@ class Place:
     def _of(cls, solution: Solution, values: dict[str, Any]) -> Place:
         values["dexterity"] = tuple(Dexterity(**kind) for kind in values["dexterity"])
         values["driven_by"] = tuple(values["driven_by"])
+        values["one_sided"] = tuple(values["one_sided"])
         values.setdefault("yield_unknown", None)
         held = [name for name in values if name.startswith(("compliance", "stiffness"))]
         return cls(solution=solution, _yields={name: values.pop(name) for name in held}, **values)

@@ -92,6 +92,22 @@ pub fn derivatives(
 
 #[pymethods]
 impl Derivatives {
+    /// What is about to change at the answer.
+    fn one_sided(&self) -> Vec<&'static str> {
+        match &self.inner {
+            Inner::All(all) => all.one_sided().names().collect(),
+            Inner::FourBar(_) => Vec::new(),
+        }
+    }
+
+    /// Whether the commanded lengths depend on each other.
+    fn lengths_dependent(&self) -> bool {
+        match &self.inner {
+            Inner::All(all) => all.are_lengths_dependent(Hold::Commands),
+            Inner::FourBar(_) => false,
+        }
+    }
+
     /// (n, 6, c) motion of every station with the command of each cable.
     fn commands<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let cables = self.solution.cables.len();

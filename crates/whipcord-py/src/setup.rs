@@ -490,6 +490,8 @@ impl Setup {
             DerivativeMethod::Differences { error } => Some(error),
         };
         values.set_item("estimated_error", error)?;
+        values.set_item("one_sided", local.one_sided.names().collect::<Vec<_>>())?;
+        values.set_item("lengths_dependent", local.are_lengths_dependent)?;
         let dexterity = PyList::empty(py);
         for (driven_by, of) in local.dexterity() {
             let kind = PyDict::new(py);

@@ -9,7 +9,7 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::four_bar;
 use crate::kind::ModelKind;
-use crate::kinematics::{ComplianceUnknown, Local, Matrix6};
+use crate::kinematics::{ComplianceUnknown, Local, Matrix6, OneSided};
 use crate::model::{Model, Prepared};
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
@@ -215,6 +215,12 @@ impl Linearization {
     #[must_use]
     pub const fn is_cable_about_to_change(&self) -> bool {
         ask!(self.is_cable_about_to_change())
+    }
+
+    /// What is about to change at the answer, of these three.
+    #[must_use]
+    pub fn one_sided(&self) -> OneSided {
+        ask!(self.one_sided())
     }
 
     /// Whether the lengths that are held depend on each other, as those of two antagonists do on a backbone that keeps its length. Their

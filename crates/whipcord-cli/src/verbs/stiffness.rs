@@ -234,6 +234,17 @@ fn summary(
     } else if let Some(stability) = solution.diagnostics.stability {
         text += &format!("{}  {}\n", style.faint("stability"), number(stability, 3));
     }
+    for what in local.one_sided.names() {
+        let change = match what {
+            "contact" => "a contact is about to open, to close, to stick or to slide",
+            "hole" => "a cable is about to stick or to slide in a hole",
+            _ => "a cable is about to go slack or to become taut",
+        };
+        text += &format!("derivatives of one side: {change}\n");
+    }
+    if local.are_lengths_dependent {
+        text += "the commanded lengths depend on each other: the tensions are not determined, and a command counts by the part that does not contradict the others\n";
+    }
     if !local.actuation_jacobian.is_empty() {
         text += &format!("\n{}", actuation(solution, local, style));
     }

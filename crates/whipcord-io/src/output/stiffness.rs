@@ -13,7 +13,8 @@ use super::json::{number, numbers, optional, quaternion, vector};
 ///
 /// Rows of a compliance are translation (x, y, z) and rotation (x, y, z), columns force and moment;
 /// of a stiffness the other way round; both are null from a model that does not know them, and
-/// `yield_unknown` says why. Rows of the Jacobian are translation and rotation, of that of the lengths the
+/// `yield_unknown` says why. `one_sided` names what is about to change at the answer, so that the derivatives are those of one side; with
+/// `lengths_dependent` the commanded lengths leave the tensions undetermined. Rows of the Jacobian are translation and rotation, of that of the lengths the
 /// cables; columns are the commands of the cables.
 ///
 /// # Errors
@@ -78,6 +79,8 @@ pub fn stiffness_json(title: &str, solution: &Solution, local: &Local) -> Result
                 "estimated_error": number(|| "derivatives.estimated_error".to_owned(), error)?,
             }),
         },
+        "one_sided": local.one_sided.names().collect::<Vec<_>>(),
+        "lengths_dependent": local.are_lengths_dependent,
         "cables": cables,
         "actuation_jacobian": jacobian,
         "dexterity": dexterity,

@@ -117,7 +117,8 @@ impl Derivatives {
     pub fn at(&self, place: Place) -> Result<Local, crate::SolveError> {
         let commands = self.place_of.iter().map(|&grid| &self.commands[grid]);
         let jacobians = (self.actuation_jacobian(place), self.length_by_command());
-        local(self.length, commands, jacobians, |hold| self.compliance(place, hold))
+        let caveats = (self.one_sided(), self.are_lengths_dependent(Hold::Commands));
+        local(self.length, commands, jacobians, |hold| self.compliance(place, hold), caveats)
     }
 
     /// How the lengths of the cables change with their tensions in m/N, all others held: by rows of

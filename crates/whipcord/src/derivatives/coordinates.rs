@@ -29,7 +29,7 @@ use super::local::local;
 use super::sliding_holes::{AnswerHoles, Cause, SlidingHoles};
 use super::touching::{ContactGain, Remembered, components};
 use crate::error::SolveError;
-use crate::kinematics::{Local, Matrix6};
+use crate::kinematics::{Local, Matrix6, OneSided};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::friction::Carried;
@@ -461,7 +461,18 @@ impl CoordinateDerivatives {
     pub fn at(&self, place: Place) -> Result<Local, SolveError> {
         let commands = self.cables.iter().map(|cable| &cable.command);
         let jacobians = (self.actuation_jacobian(place), self.length_by_command());
-        local(self.length, commands, jacobians, |hold| self.compliance(place, hold))
+        let caveats = (self.one_sided(), self.are_lengths_dependent(Hold::Commands));
+        local(self.length, commands, jacobians, |hold| self.compliance(place, hold), caveats)
+    }
+
+    /// What is about to change at the answer.
+    #[must_use]
+    pub fn one_sided(&self) -> OneSided {
+        OneSided {
+            contact: self.is_contact_about_to_change(),
+            hole: self.is_hole_about_to_change(),
+            cable: self.is_cable_about_to_change(),
+        }
     }
 
     /// Whether a contact of the answer is about to open or to close, to stick or to slide.

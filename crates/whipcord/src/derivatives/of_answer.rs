@@ -21,6 +21,7 @@ use super::tension_rates::DrivenCables;
 use super::tip_rates::Driven;
 use super::touching::{ContactGain, Remembered, Touching, components, motion};
 use crate::case::{Case, Loads};
+use crate::kinematics::OneSided;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::section::Strain;
@@ -346,6 +347,16 @@ impl Derivatives {
     #[must_use]
     pub const fn is_cable_about_to_change(&self) -> bool {
         self.are_cables_about_to_change
+    }
+
+    /// What is about to change at the answer.
+    #[must_use]
+    pub fn one_sided(&self) -> OneSided {
+        OneSided {
+            contact: self.is_contact_about_to_change(),
+            hole: self.is_hole_about_to_change(),
+            cable: self.is_cable_about_to_change(),
+        }
     }
 
     /// As [`crate::Linearization::are_lengths_dependent`].

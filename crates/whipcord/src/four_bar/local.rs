@@ -8,7 +8,7 @@ use super::workspace::Workspace;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::kinematics::{ComplianceUnknown, DerivativeMethod, DrivenBy, Local};
+use crate::kinematics::{ComplianceUnknown, DerivativeMethod, DrivenBy, Local, OneSided};
 use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::stations::Stations;
@@ -35,6 +35,8 @@ pub(crate) fn solve_at(
         length_jacobian: (0..cables).map(|cable| derivatives.length(cable).to_vec()).collect(),
         compliances: Err(model.no_compliance()),
         method: DerivativeMethod::Exact,
+        one_sided: OneSided::default(),
+        are_lengths_dependent: false,
     };
     Ok((solution, local))
 }

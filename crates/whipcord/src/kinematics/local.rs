@@ -82,6 +82,30 @@ pub struct Local {
     pub compliances: Result<Compliances, ComplianceUnknown>,
     /// Where the numbers come from.
     pub method: DerivativeMethod,
+    /// What is about to change at the answer.
+    pub one_sided: OneSided,
+    /// Whether the commanded lengths depend on each other, so that the tensions are not determined: see
+    /// [`crate::Linearization::are_lengths_dependent`].
+    pub are_lengths_dependent: bool,
+}
+
+/// What is about to change at an answer, which has one-sided derivatives there: they are those of the side that the answer is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OneSided {
+    /// A contact is about to open or to close, to stick or to slide.
+    pub contact: bool,
+    /// A cable is about to stick or to slide in a hole.
+    pub hole: bool,
+    /// A cable of given length is about to go slack or to become taut.
+    pub cable: bool,
+}
+
+impl OneSided {
+    /// As in JSON: `contact`, `hole`, `cable`.
+    pub fn names(self) -> impl Iterator<Item = &'static str> {
+        let all = [(self.contact, "contact"), (self.hole, "hole"), (self.cable, "cable")];
+        all.into_iter().filter_map(|(is_about_to_change, name)| is_about_to_change.then_some(name))
+    }
 }
 
 /// Where derivatives come from.

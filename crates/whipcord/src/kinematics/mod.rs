@@ -6,5 +6,7 @@ mod local;
 mod matrix6;
 
 pub use ellipsoid::{Dexterity, PrincipalAxes, dexterity, principal_axes};
-pub use local::{Compliance, ComplianceUnknown, Compliances, DerivativeMethod, DrivenBy, Local};
+pub use local::{
+    Compliance, ComplianceUnknown, Compliances, DerivativeMethod, DrivenBy, Local, OneSided,
+};
 pub use matrix6::Matrix6;

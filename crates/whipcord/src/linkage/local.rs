@@ -18,6 +18,7 @@ use crate::error::SolveError;
 use crate::kinematics::Local;
 use crate::refusal;
 use crate::shape::Solution;
+use crate::statics::command::Command;
 use crate::statics::local::{Column, local_of};
 
 impl Linkage {
@@ -42,7 +43,9 @@ impl Linkage {
             return Ok((solution, derivatives.at(Place::Station(0))?));
         }
         let solution = self.solve(case, warm_start, workspace)?;
-        let local = self.local(arc_length, workspace)?;
+        let mut local = self.local(arc_length, workspace)?;
+        let (commands, length) = (workspace.commands.iter(), self.robot.backbone().length);
+        local.one_sided.cable = Command::are_about_to_change(commands, &solution.cables, length);
         Ok((solution, local))
     }
 

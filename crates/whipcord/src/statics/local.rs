@@ -7,6 +7,7 @@ use super::hold::{HeldCables, Hold};
 use crate::error::SolveError;
 use crate::kinematics::{
     Compliance, ComplianceUnknown, Compliances, DerivativeMethod, DrivenBy, Local, Matrix6,
+    OneSided,
 };
 
 /// How a place moves with one number, in the frame of the base, and how the lengths of the cables do, in m.
@@ -90,6 +91,8 @@ pub(crate) fn local_of(
         compliances,
         driven_by,
         method: DerivativeMethod::Exact,
+        one_sided: OneSided::default(),
+        are_lengths_dependent: held.are_dependent(Hold::Commands),
     })
 }
 
