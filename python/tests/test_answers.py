@@ -368,12 +368,16 @@ def test_sections_say_how_they_move(case: whipcord.Case) -> None:
     tip = case.stiffness(shortening=shortening, model="four-bar")
     assert np.allclose(tip.jacobian, derivatives.twist_by_command[-1])
     assert (tip.driven_by, tip.estimated_error) == (("shortening",), None)
+    assert (tip.one_sided, tip.lengths_dependent) == ((), False)
+    assert (derivatives.one_sided, derivatives.lengths_dependent) == ((), False)
     assert tip.length_jacobian == pytest.approx(-1)
     with pytest.raises(errors.ModelError, match="only lengths and no energy decide") as caught:
         _ = tip.stiffness
     assert caught.value.advice.startswith("take the objective strain-energy")
     sliding = whipcord.models.FourBar(objective="strain-energy", length_rule="free")
     tip = case.stiffness(shortening=shortening, model=sliding)
+    assert case.stiffness(shortening=[0.0], model="cosserat").one_sided == ("cable",)
+    assert case.differentiate(shortening=[0.0], model="cosserat")[1].one_sided == ("cable",)
     locked, free = np.diag(tip.compliance_lengths_held), np.diag(tip.compliance_tensions_held)
     assert tip.yield_unknown is None and (0 < locked[:3]).all() and (locked[:3] < free[:3]).all()
 

@@ -35,6 +35,8 @@ fn json_is_one_object_in_si() {
         "stable",
         "place",
         "derivatives",
+        "one_sided",
+        "lengths_dependent",
         "cables",
         "actuation_jacobian",
         "dexterity",
@@ -282,5 +284,31 @@ fn every_model_says_how_a_place_moves() {
         let text = succeed(&["stiffness", THREE, "--model", model]);
         assert!(text.contains("moves"), "{text}");
         assert_eq!(text.contains("how it yields is not known: the model takes no loads"), !yields);
+    }
+}
+
+/// A cable at its length without tension is about to become taut: the derivatives are those of one side.
+#[test]
+fn what_is_about_to_change_is_told() {
+    let scratch = Scratch::new();
+    let arm = |shortening: &str| {
+        format!(
+            "[backbone]\nlength = \"180 mm\"\ndiameter = \"3 mm\"\nyoung_modulus = \"1.1 GPa\"\npoisson_ratio = 0.3\n\n\
+             [disks]\ncount = 4\nhole_circle_radius = \"8 mm\"\nholes = 2\n\n\
+             [[cables]]\nname = \"a\"\nholes = [1, 1, 1, 1]\nshortening = \"{shortening}\"\n\n\
+             [[cables]]\nname = \"b\"\nholes = [2, 2, 2, 2]\nshortening = \"-20 mm\"\n"
+        )
+    };
+    for (shortening, one_sided) in [("3 mm", vec![]), ("0 mm", vec!["cable"])] {
+        let file = scratch.write("arm.toml", &arm(shortening));
+        for model in ["cosserat", "cosserat-disks", "piecewise-constant-curvature"] {
+            let text = succeed(&["stiffness", &file, "--json", "--model", model]);
+            let object: Value = serde_json::from_str(&text).unwrap();
+            assert_eq!(object["lengths_dependent"], false, "{model} {shortening}");
+            assert_eq!(object["one_sided"], serde_json::json!(one_sided), "{model} {shortening}");
+            let told = succeed(&["stiffness", &file, "--model", model]);
+            let is_told = told.contains("derivatives of one side: a cable is about to go slack");
+            assert_eq!(is_told, !one_sided.is_empty(), "{told}");
+        }
     }
 }
