@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
-use whipcord::cosserat::{self, Accuracy};
 use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::differences::differentiate;
 use whipcord::{
-    CableCommand, CableState, Cancel, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot,
-    Solution, SolveError, StabilityAnalysis, Twist, Wrench,
+    CableCommand, Cancel, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
+    SolveError, StabilityAnalysis, Twist, Wrench,
 };
 
 use crate::actuator::{Actuator, Actuators, commanded_shortening, write_commands};
+use crate::evaluation::{Evaluation, Rates};
+use crate::few_steps::on_few_steps;
 
 /// A model of a robot that answers for the unknowns of an inverse problem.
 pub(crate) struct Forward {
@@ -55,123 +56,6 @@ pub(crate) struct Standing {
     actuators: Actuators,
     steps: usize,
     is_following: bool,
-}
-
-/// An answer of the model with its derivatives by the unknowns.
-#[derive(Clone, Debug)]
-pub(crate) struct Evaluation {
-    pub solution: Solution,
-    /// Tension of each cable in N, where the model knows it.
-    pub tensions: Vec<Option<f64>>,
-    /// Command of each cable as a shortening in m.
-    pub shortenings: Vec<f64>,
-    /// Its derivatives, which the answers near it share.
-    pub rates: Arc<Rates>,
-}
-
-/// The derivatives of an answer by the unknowns.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Rates {
-    /// The unknowns that they belong to.
-    pub at: Vec<f64>,
-    /// Motions of the places that were asked for in the world, of each unknown.
-    pub motions: Vec<Vec<Twist>>,
-    /// Rates of the tensions by the unknowns: of cable i by unknown k at `[k][i]`.
-    pub tension_rates: Vec<Vec<f64>>,
-    /// Rates of the commands as shortenings, likewise.
-    pub shortening_rates: Vec<Vec<f64>>,
-    /// Rates of the wrench at the base by the unknowns; none of a model without exact derivatives.
-    base_rates: Vec<Wrench>,
-}
-
-impl Evaluation {
-    /// Where a solve for commands that differ by these changes starts from: the solution, with the wrench at the base and the tensions
-    /// extrapolated. That of a rod on few steps, which starts from these alone, has no shape.
-    pub fn extrapolated(
-        &self,
-        changes: impl Iterator<Item = f64>,
-        is_on_few_steps: bool,
-    ) -> Solution {
-        let Solution { model, cables, base_wrench, diagnostics, .. } = &self.solution;
-        let mut near = match is_on_few_steps {
-            true => {
-                let of = |cable: &CableState| CableState {
-                    tension: cable.tension,
-                    ..CableState::default()
-                };
-                Solution {
-                    cables: cables.iter().map(of).collect(),
-                    base_wrench: *base_wrench,
-                    diagnostics: diagnostics.clone(),
-                    ..Solution::empty(*model)
-                }
-            }
-            false => self.solution.clone(),
-        };
-        for (k, change) in changes.enumerate() {
-            if let (Some(wrench), Some(rate)) =
-                (&mut near.base_wrench, self.rates.base_rates.get(k))
-            {
-                wrench.force += rate.force * change;
-                wrench.moment += rate.moment * change;
-            }
-            let rates = self.rates.tension_rates.get(k).into_iter().flatten();
-            for (cable, rate) in near.cables.iter_mut().zip(rates) {
-                cable.tension = cable.tension.map(|tension| tension + rate * change);
-            }
-        }
-        for cable in &mut near.cables {
-            cable.tension = cable.tension.map(|tension| tension.max(0.0));
-        }
-        near
-    }
-
-    /// The commands as shortenings for unknowns that differ by these changes, to first order.
-    pub fn shortenings_after(&self, changes: impl Iterator<Item = f64>) -> Vec<f64> {
-        let mut shortenings = self.shortenings.clone();
-        for (rates, change) in self.rates.shortening_rates.iter().zip(changes) {
-            shortenings.iter_mut().zip(rates).for_each(|(of, rate)| *of += rate * change);
-        }
-        shortenings
-    }
-
-    /// Its rates with the solution that the model of the answers has.
-    pub fn of_answer(&self, solution: Solution, forward: &Forward) -> Self {
-        let rates = Arc::clone(&self.rates);
-        Self { rates, ..forward.without_rates(solution) }
-    }
-}
-
-/// Steps of a Cosserat rod on which trials are solved, or one between two disks: with them the tip is known to some 1e-5 of the length.
-const FEW_STEPS: usize = 9;
-/// What the iteration of a trial may leave: far below the tolerance of any target.
-const RESIDUAL: f64 = 1e-7;
-
-/// A Cosserat rod with few steps; `None` for other models.
-pub(crate) fn on_few_steps(model: &Model) -> Option<Model> {
-    match model {
-        Model::Cosserat(options) => {
-            let accuracy = Accuracy::Steps(FEW_STEPS);
-            let residual = options.residual.max(RESIDUAL);
-            Some(Model::Cosserat(cosserat::Options { accuracy, residual, ..options.clone() }))
-        }
-        _ => None,
-    }
-}
-
-/// Residual of the shapes of an atlas, which say where an answer is looked for but not what it is.
-const RESIDUAL_OF_ATLAS: f64 = 1e-4;
-
-/// A Cosserat rod for the shapes of an atlas: with few steps and without their stability. `None` for other models.
-pub(crate) fn for_atlas(model: &Model) -> Option<Model> {
-    match on_few_steps(model)? {
-        Model::Cosserat(options) => Some(Model::Cosserat(cosserat::Options {
-            residual: options.residual.max(RESIDUAL_OF_ATLAS),
-            stability: StabilityAnalysis::Off,
-            ..options
-        })),
-        _ => None,
-    }
 }
 
 impl Forward {
@@ -614,6 +498,12 @@ impl Forward {
     pub fn set_cancel(&mut self, cancel: &Cancel) {
         self.model.set_cancel(cancel);
         self.verifier.set_cancel(cancel);
+    }
+
+    /// The solution that the model of the answers has, with the rates of an evaluation.
+    pub fn with_rates_of(&self, solution: Solution, evaluation: &Evaluation) -> Evaluation {
+        let rates = Arc::clone(&evaluation.rates);
+        Evaluation { rates, ..self.without_rates(solution) }
     }
 
     /// Of a solution whose rates are not known.

@@ -10,7 +10,7 @@ use whipcord::{Linearization, SolveError, Twist, Vec3};
 use crate::cell::{BoundaryPoint, Cell};
 use crate::descent::{Control, Ending, FIRST_DAMPING, Region, Start};
 use crate::error::InverseError;
-use crate::forward::Evaluation;
+use crate::evaluation::Evaluation;
 use crate::limit::Constraints;
 use crate::linear::Linear;
 use crate::options::ReachOptions;

@@ -4,7 +4,8 @@ use whipcord::SolveError;
 use whipcord::derivatives::Place;
 
 use crate::descent::within;
-use crate::forward::{Evaluation, Forward};
+use crate::evaluation::Evaluation;
+use crate::forward::Forward;
 use crate::search::Search;
 
 /// A shape to start from.
@@ -60,7 +61,7 @@ impl Landmark {
             true => {
                 let Evaluation { shortenings, solution, .. } = &evaluation;
                 let solution = forward.verify(&unknowns, shortenings, solution)?;
-                Some(evaluation.of_answer(solution, forward))
+                Some(forward.with_rates_of(solution, &evaluation))
             }
             false => None,
         };

@@ -34,6 +34,8 @@ mod curvature;
 mod descent;
 mod error;
 mod estimator;
+mod evaluation;
+mod few_steps;
 mod foreseen;
 mod foresight;
 mod forward;

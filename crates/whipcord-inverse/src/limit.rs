@@ -4,7 +4,8 @@ use whipcord::derivatives::Place;
 use whipcord::{Drive, Obstacle, Robot, Solution};
 
 use crate::actuator::{Actuator, Actuators};
-use crate::forward::{Evaluation, Forward};
+use crate::evaluation::Evaluation;
+use crate::forward::Forward;
 use crate::limits::Limits;
 use crate::linear::Linear;
 

@@ -5,7 +5,7 @@ use whipcord_numerics::{Programme, QuadraticProgramme, SingularValues};
 
 use crate::descent::{Control, Start, Workspace};
 use crate::error::InverseError;
-use crate::forward::Evaluation;
+use crate::evaluation::Evaluation;
 use crate::linear::Linear;
 use crate::options::{Preference, ReachOptions};
 use crate::search::{Candidate, Search};

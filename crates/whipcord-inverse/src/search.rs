@@ -4,8 +4,9 @@ use whipcord::derivatives::Place;
 use whipcord::{Solution, SolveError};
 
 use crate::descent::{Control, Descent, Ending, Problem, Start, Workspace, descend};
+use crate::evaluation::Evaluation;
 use crate::foreseen::Foreseen;
-use crate::forward::{Evaluation, Forward};
+use crate::forward::Forward;
 use crate::limit::Constraints;
 use crate::linear::Linear;
 use crate::options::ReachOptions;
@@ -79,7 +80,7 @@ impl Problem for Search<'_> {
         let changes = unknowns.iter().zip(before).map(|(x, before)| x - before);
         let near = evaluation.extrapolated(changes, self.forward.is_on_few_steps());
         let solution = self.forward.trial(unknowns, &near)?;
-        Ok(evaluation.of_answer(solution, self.forward))
+        Ok(self.forward.with_rates_of(solution, evaluation))
     }
 
     fn linearize(&self, evaluation: &Evaluation) -> Linear {
@@ -272,7 +273,7 @@ impl Search<'_> {
             None => self.forward.verify(unknowns, &state.shortenings, &state.solution)?,
         };
         let miss = self.target.miss(&solution);
-        let evaluation = found.state.of_answer(solution, self.forward);
+        let evaluation = self.forward.with_rates_of(solution, &found.state);
         let solution = &evaluation.solution;
         let (_, is_exceeded) = self.constraints.active(self.forward.robot(), &evaluation);
         let touches = options.clearance.is_some() && !solution.contacts.is_empty();
