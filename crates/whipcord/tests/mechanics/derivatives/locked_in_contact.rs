@@ -70,7 +70,7 @@ fn off_difference(
     step: f64,
     solve: &dyn Fn(f64) -> Result<Solution, SolveError>,
 ) -> Vec<f64> {
-    [1.0, 0.2, 0.04].map(|part| off_step(found, part * step, solve)).to_vec()
+    [1.0, 0.2, 0.04, 8e-3, 1.6e-3].map(|part| off_step(found, part * step, solve)).to_vec()
 }
 
 fn off_step(found: &[f64], h: f64, solve: &dyn Fn(f64) -> Result<Solution, SolveError>) -> f64 {
