@@ -79,6 +79,6 @@ pub(crate) use noted::{
 };
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::{ContactRod, RodAdapter, watched};
-pub(crate) use rod_response::{RodHoles, RodResponse};
+pub(crate) use rod_response::{Linearised, RodHoles, RodResponse};
 pub(crate) use rod_solves::RodSolves;
 pub(crate) use steps::{solve, solve_holding, solve_rubbing};

@@ -38,6 +38,45 @@ pub(crate) struct RodResponse {
     pub is_eliminated: bool,
 }
 
+/// The equations of a rod linearised where it stands, and where it stood before its last step: after a short one they serve once more.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Linearised {
+    /// Where it stands.
+    pub here: Option<RodResponse>,
+    /// Where it stood before its last step, and by how much that turned a cross-section at most, in rad.
+    before_step: Option<(RodResponse, f64)>,
+    /// The same, where it has looked around since.
+    reusable: Option<(RodResponse, f64)>,
+}
+
+impl Linearised {
+    /// The rod is moved, or gets another grid.
+    pub fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The rod looks around.
+    pub fn look(&mut self) {
+        self.here = None;
+        self.reusable = self.before_step.take();
+    }
+
+    /// The rod has taken a step that turned no cross-section by more than this.
+    pub fn step(&mut self, turn: f64) {
+        self.before_step = self.here.take().map(|linear| (linear, turn));
+    }
+
+    /// That of before the last step, where it serves once more; see [`RodResponse::reused`].
+    pub fn take_reusable(
+        &mut self,
+        taut: &[bool],
+        closing: impl FnOnce(&Derivatives) -> Motion,
+    ) -> Option<RodResponse> {
+        let (before, turn) = self.reusable.take()?;
+        before.reused(turn, taut, closing)
+    }
+}
+
 /// The response at constant tensions of all strands.
 #[derive(Clone, Debug)]
 struct OpenResponse {
@@ -91,7 +130,7 @@ impl RodResponse {
 
     /// That of where the rod stood before a step, for where it stands, which is left by another step; `None` of a rod whose cables rub, after a
     /// step that is not short, after another that did without, and where other cables are taut.
-    pub fn reused(
+    fn reused(
         self,
         turn: f64,
         taut: &[bool],

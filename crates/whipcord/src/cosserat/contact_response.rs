@@ -18,7 +18,9 @@ use super::stability::Equilibrium;
 use super::state::{Direction, State};
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{ContactRod, DenseOutput, NotedEnd, Refinement, RodHoles, RodResponse};
+use crate::contact::{
+    ContactRod, DenseOutput, Linearised, NotedEnd, Refinement, RodHoles, RodResponse,
+};
 use crate::derivatives::{Derivatives, Motion, StepGap};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -53,11 +55,7 @@ pub(crate) struct ContactResponse {
     pub(super) shape: DenseOutput,
     /// What is left of its equations.
     pub(super) gap: f64,
-    pub(super) linear: Option<RodResponse>,
-    /// That of where it stood before the last step, and by how much that turned a cross-section at most, in rad.
-    before_step: Option<(RodResponse, f64)>,
-    /// The same, where it has looked around since, on the same grid.
-    reusable: Option<(RodResponse, f64)>,
+    pub(super) linear: Linearised,
     pub(super) refinement: Refinement,
     /// Where cables rub.
     pub(super) holes: CondensedHoles,
@@ -98,7 +96,9 @@ impl ContactResponse {
     fn eliminate(&mut self) -> bool {
         let Self { linear, holes: state, workspace, contact_grid, .. } = self;
         let friction = contact_grid.as_ref().and_then(|at| at.friction.as_ref());
-        let (Some(linear), Some(Friction { holes, .. })) = (linear, friction) else { return true };
+        let (Some(linear), Some(Friction { holes, .. })) = (&mut linear.here, friction) else {
+            return true;
+        };
         let at = RodHoles { state, holes, commands: &workspace.commands };
         linear.is_eliminated || linear.eliminate(&[], at).is_some()
     }
@@ -178,13 +178,12 @@ impl ContactRod for ContactResponse {
     }
 
     fn reset(&mut self) {
-        (self.contact_grid, self.linear) = (None, None);
-        (self.before_step, self.reusable) = (None, None);
+        self.contact_grid = None;
+        self.linear.forget();
     }
 
     fn set_plastic(&mut self, left: &PlasticCurvature) {
-        self.linear = None;
-        (self.before_step, self.reusable) = (None, None);
+        self.linear.forget();
         if let Some(contact_grid) = &mut self.contact_grid {
             Arc::make_mut(contact_grid).set_plastic(left);
         }
@@ -205,8 +204,7 @@ impl ContactRod for ContactResponse {
         (stations, pushes): (&[f64], &[f64]),
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
-        self.linear = None;
-        self.reusable = self.before_step.take();
+        self.linear.look();
         let Refinement { steps: least, halvings, .. } = self.refinement;
         let stands = |contact_grid: &ContactGrid| {
             contact_grid.halvings == halvings
@@ -231,7 +229,7 @@ impl ContactRod for ContactResponse {
             }
         };
         if before.is_some() || warm.is_some() {
-            self.reusable = None;
+            self.linear.forget();
         }
         let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
         let contact_grid = &*contact_grid;
@@ -349,27 +347,28 @@ impl ContactRod for ContactResponse {
 
     /// Linearises the equations where it stands.
     fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
-        if self.linear.is_some() {
+        if self.linear.here.is_some() {
             return Ok(());
         }
         let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
         let contact_grid = &*contact_grid;
         let taut = self.taut(contact_grid);
-        if let Some((before, turn)) = self.reusable.take()
-            && let Some(linear) = before.reused(turn, &taut, |of| self.closing(of, &taut))
-        {
-            self.linear = Some(linear);
+        let mut linear = core::mem::take(&mut self.linear);
+        let reused = linear.take_reusable(&taut, |of| self.closing(of, &taut));
+        self.linear = linear;
+        if reused.is_some() {
+            self.linear.here = reused;
             return Ok(());
         }
         let derivatives = self.derivatives(contact_grid, (robot, case, &[]), &taut, &[], None)?;
         if contact_grid.friction.is_some() {
             let gaps: Vec<StepGap> = self.chain.gaps().collect();
             let closing = derivatives.open_closing(&gaps, &[]);
-            self.linear = Some(RodResponse::rubbing(derivatives, closing));
+            self.linear.here = Some(RodResponse::rubbing(derivatives, closing));
             return Ok(());
         }
         let closing = self.closing(&derivatives, &taut);
-        self.linear = Some(RodResponse::new(derivatives, taut, closing));
+        self.linear.here = Some(RodResponse::new(derivatives, taut, closing));
         Ok(())
     }
 
@@ -427,7 +426,7 @@ impl ContactRod for ContactResponse {
     ) {
         compliance.clear();
         drift.clear();
-        let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &mut self.linear) else {
+        let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &mut self.linear.here) else {
             return;
         };
         let nodes: Vec<usize> = places.map(|at| contact_grid.node(at)).collect();
@@ -445,7 +444,7 @@ impl ContactRod for ContactResponse {
         if !self.eliminate() {
             return 0.0;
         }
-        let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &self.linear) else {
+        let (Some(contact_grid), Some(linear)) = (&self.contact_grid, &self.linear.here) else {
             return part;
         };
         let mut motion = match &contact_grid.friction {
@@ -485,7 +484,7 @@ impl ContactRod for ContactResponse {
         }
         let from = state.clone();
         self.chain.state.step_from(&from, part, &step);
-        self.before_step = self.linear.take().map(|linear| (linear, part * most));
+        self.linear.step(part * most);
         part
     }
 
@@ -558,7 +557,7 @@ impl ContactRod for ContactResponse {
     }
 
     fn go_back(&mut self, kept: &Kept) {
-        (self.linear, self.before_step, self.reusable) = (None, None, None);
+        self.linear.forget();
         self.contact_grid.clone_from(&kept.contact_grid);
         if self.has_history() {
             self.holes.clone_from(&kept.holes);

@@ -135,16 +135,10 @@ impl ContactResponse {
     pub(super) fn linearised(
         &self,
         contact_mesh: &ContactMesh,
-        reusable: Option<(RodResponse, f64)>,
+        taut: Vec<bool>,
         robot: &Robot,
         case: &Case,
     ) -> Result<RodResponse, SolveError> {
-        let taut = self.taut(contact_mesh);
-        if let Some((before, turn)) = reusable
-            && let Some(linear) = before.reused(turn, &taut, |of| self.closing(of, &taut))
-        {
-            return Ok(linear);
-        }
         let mut nodes: Vec<usize> =
             contact_mesh.pushes.iter().map(|&at| contact_mesh.node(at)).collect();
         nodes.sort_unstable();
@@ -176,7 +170,7 @@ impl ContactResponse {
     }
 
     /// Newton's step where it stands while the wrenches stay as they are.
-    fn closing(&self, derivatives: &Derivatives, taut: &[bool]) -> Motion {
+    pub(super) fn closing(&self, derivatives: &Derivatives, taut: &[bool]) -> Motion {
         let Chain { tensions, lengths, .. } = &self.chain;
         let commands = self.workspace.commands().iter().enumerate();
         let slackness: Vec<f64> =

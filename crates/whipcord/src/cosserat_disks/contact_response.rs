@@ -17,7 +17,7 @@ use super::unloaded::From;
 use super::workspace::Workspace;
 use crate::budget::Budget;
 use crate::case::Case;
-use crate::contact::{ContactRod, DenseOutput, NotedEnd, Refinement, RodHoles, RodResponse};
+use crate::contact::{ContactRod, DenseOutput, Linearised, NotedEnd, Refinement, RodHoles};
 use crate::derivatives::{Derivatives, Motion, NodeChange};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -46,11 +46,7 @@ pub(crate) struct ContactResponse {
     pub(super) shape: DenseOutput,
     /// What is left of its equations.
     pub(super) gap: f64,
-    pub(super) linear: Option<RodResponse>,
-    /// That of where it stood before the last step, and by how much that turned a disk at most, in rad.
-    before_step: Option<(RodResponse, f64)>,
-    /// The same, where it has looked around since, on the same mesh.
-    reusable: Option<(RodResponse, f64)>,
+    pub(super) linear: Linearised,
     pub(super) refinement: Refinement,
     /// Where cables rub.
     pub(super) holes: CondensedHoles,
@@ -199,7 +195,7 @@ impl ContactResponse {
     fn eliminate(&mut self) -> bool {
         let Self { linear, holes: state, workspace, contact_mesh, .. } = self;
         let holes = contact_mesh.as_ref().and_then(|at| at.model.holes.as_ref());
-        let (Some(linear), Some(holes)) = (linear, holes) else { return true };
+        let (Some(linear), Some(holes)) = (&mut linear.here, holes) else { return true };
         let at = RodHoles { state, holes, commands: workspace.commands() };
         linear.is_eliminated || linear.eliminate(&[], at).is_some()
     }
@@ -228,13 +224,12 @@ impl ContactRod for ContactResponse {
     }
 
     fn reset(&mut self) {
-        (self.contact_mesh, self.linear) = (None, None);
-        (self.before_step, self.reusable) = (None, None);
+        self.contact_mesh = None;
+        self.linear.forget();
     }
 
     fn set_plastic(&mut self, left: &PlasticCurvature) {
-        self.linear = None;
-        (self.before_step, self.reusable) = (None, None);
+        self.linear.forget();
         if let Some(contact_mesh) = &mut self.contact_mesh {
             Arc::make_mut(contact_mesh).set_plastic(left);
         }
@@ -253,8 +248,7 @@ impl ContactRod for ContactResponse {
         (stations, pushes): (&[f64], &[f64]),
         warm: Option<&Solution>,
     ) -> Result<(), SolveError> {
-        self.linear = None;
-        self.reusable = self.before_step.take();
+        self.linear.look();
         self.workspace.meter_mut().start(&options.cancel, Budget::UNLIMITED);
         let before = self.contact_mesh.take();
         let is_new = before.is_none();
@@ -266,7 +260,7 @@ impl ContactRod for ContactResponse {
         let contact_mesh = match before.filter(stands) {
             Some(contact_mesh) => contact_mesh,
             None => {
-                self.reusable = None;
+                self.linear.forget();
                 let Refinement { steps, halvings, .. } = self.refinement;
                 let at = (steps, halvings);
                 let plastic = self.plastic.as_ref();
@@ -275,7 +269,7 @@ impl ContactRod for ContactResponse {
         };
         contact_mesh.model.accept(case, &contact_mesh.mesh, &mut self.workspace)?;
         if warm.is_some() {
-            self.reusable = None;
+            self.linear.forget();
         }
         let looked = self.looked(&contact_mesh, is_new, warm);
         self.contact_mesh = Some(contact_mesh);
@@ -299,11 +293,17 @@ impl ContactRod for ContactResponse {
     }
 
     fn linearise(&mut self, robot: &Robot, case: &Case) -> Result<(), SolveError> {
-        if self.linear.is_none()
+        if self.linear.here.is_none()
             && let Some(contact_mesh) = self.contact_mesh.clone()
         {
-            let reusable = self.reusable.take();
-            self.linear = Some(self.linearised(&contact_mesh, reusable, robot, case)?);
+            let taut = self.taut(&contact_mesh);
+            let mut linear = core::mem::take(&mut self.linear);
+            let reused = linear.take_reusable(&taut, |of| self.closing(of, &taut));
+            self.linear = linear;
+            self.linear.here = Some(match reused {
+                Some(reused) => reused,
+                None => self.linearised(&contact_mesh, taut, robot, case)?,
+            });
         }
         Ok(())
     }
@@ -360,7 +360,7 @@ impl ContactRod for ContactResponse {
     ) {
         compliance.clear();
         drift.clear();
-        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &mut self.linear) else {
+        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &mut self.linear.here) else {
             return;
         };
         let nodes: Vec<usize> = places.map(|at| contact_mesh.node(at)).collect();
@@ -378,7 +378,7 @@ impl ContactRod for ContactResponse {
         if !self.eliminate() {
             return 0.0;
         }
-        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &self.linear) else {
+        let (Some(contact_mesh), Some(linear)) = (&self.contact_mesh, &self.linear.here) else {
             return part;
         };
         let Motion { nodes, disks, tensions } = match &contact_mesh.model.holes {
@@ -415,7 +415,7 @@ impl ContactRod for ContactResponse {
             *tension = (*tension + part * change).max(0.0);
         }
         self.chain.pull(&contact_mesh.groups, &pulled);
-        self.before_step = self.linear.take().map(|linear| (linear, part * most));
+        self.linear.step(part * most);
         part
     }
 
@@ -456,7 +456,7 @@ impl ContactRod for ContactResponse {
     }
 
     fn go_back(&mut self, kept: &Kept) {
-        (self.linear, self.before_step, self.reusable) = (None, None, None);
+        self.linear.forget();
         self.contact_mesh.clone_from(&kept.contact_mesh);
         self.chain.nodes.clone_from(&kept.nodes);
         self.shape.clone_from(&kept.shape);
