@@ -73,7 +73,7 @@ impl TensionRates {
             |place| taut[place],
             |place| commands[place].is_length(),
         )?;
-        held.settle(0.0);
+        held.settle_driven();
         out.clear();
         out.resize(cables, Twist::default());
         for (place, &cable) in order.iter().enumerate() {

@@ -130,6 +130,11 @@ impl HeldCables {
         }
     }
 
+    /// The same, where nothing else than the commands is asked for: no memory is taken where they are tensions.
+    pub fn settle_driven(&mut self) {
+        self.driven.system.settle(self.driven.members.len(), 0.0);
+    }
+
     /// Whether the lengths that are held depend on each other, so that the tensions are not determined.
     pub fn are_dependent(&self, hold: Hold) -> bool {
         self.set(hold).is_some_and(|set| set.system.is_dependent)
