@@ -1,6 +1,6 @@
 //! The number of directions in which a robot leaves an equilibrium that contacts without friction hold, eq. (20).
 
-use whipcord_numerics::{DenseLu, Vec3, rank_one_terms};
+use whipcord_numerics::{DenseLu, Mat3, Vec3, rank_one_terms};
 
 use crate::statics::eigenvalue::REGULARISATION;
 
@@ -9,7 +9,7 @@ const TERM: f64 = 1e-12;
 
 /// A contact that pushes, linearised; wrenches and motions are those of its cross-section in the base frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Holding {
+pub(super) struct PushingContact {
     /// Place of its cross-section among those of the compliance.
     pub place: usize,
     /// Its moment in N·m.
@@ -49,7 +49,7 @@ impl ConstrainedStability {
         &mut self,
         alone: usize,
         (places, compliance): (usize, &[f64]),
-        contacts: &[Holding],
+        contacts: &[PushingContact],
         length: f64,
     ) -> Option<usize> {
         self.gather((places, compliance), contacts, length)?;
@@ -65,7 +65,7 @@ impl ConstrainedStability {
     fn gather(
         &mut self,
         (places, compliance): (usize, &[f64]),
-        contacts: &[Holding],
+        contacts: &[PushingContact],
         length: f64,
     ) -> Option<()> {
         let n = 6 * contacts.len();
@@ -108,19 +108,15 @@ impl ConstrainedStability {
     }
 
     /// The directions of the terms of the geometric stiffness, and of the normals.
-    fn border(&mut self, contacts: &[Holding], length: f64) {
+    fn border(&mut self, contacts: &[PushingContact], length: f64) {
         let unit = |a: usize| if a < 3 { length } else { 1.0 };
         self.columns.clear();
         for (k, contact) in contacts.iter().enumerate() {
-            let Holding { moment, geometric, .. } = contact;
-            let half_skew = [0, 1, 2].map(|axis| {
-                let mut e = [0.0; 3];
-                e[axis] = 0.5;
-                <[f64; 3]>::from(moment.cross(Vec3::from(e)))
-            });
-            // The column b of ½[m×] is ½ m × e_b.
+            let PushingContact { moment, geometric, .. } = contact;
+            // ½[m×]
+            let half_skew = Mat3::skew(*moment * 0.5);
             let entry = |a: usize, b: usize| {
-                let own = if a >= 3 && b >= 3 { half_skew[b - 3][a - 3] } else { 0.0 };
+                let own = if a >= 3 && b >= 3 { half_skew.column(b - 3)[a - 3] } else { 0.0 };
                 (geometric[a][b] + own) * unit(a) * unit(b)
             };
             let mut symmetric: [f64; 36] =
@@ -210,7 +206,7 @@ mod tests {
                 tangent[i * N + i] = if case % 2 == 0 { 0.8 } else { 3.0 } + next();
             }
             let jacobian: Vec<f64> = (0..m * N).map(|_| next()).collect();
-            let contacts: Vec<Holding> = (0..p)
+            let contacts: Vec<PushingContact> = (0..p)
                 .map(|place| {
                     let moment = Vec3::new(next(), next(), next()) * 0.3;
                     let mut geometric = [[0.0; 6]; 6];
@@ -230,7 +226,7 @@ mod tests {
                             geometric[3 + a][3 + b] -= skew[a][b];
                         }
                     }
-                    Holding {
+                    PushingContact {
                         place,
                         moment,
                         geometric,
@@ -303,7 +299,7 @@ mod tests {
                 compliance[i * 12 + j] = if i % 6 == 0 { -pair } else { pair };
             }
         }
-        let contact = |place| Holding {
+        let contact = |place| PushingContact {
             place,
             moment: Vec3::ZERO,
             geometric: [[0.0; 6]; 6],

@@ -13,7 +13,7 @@ use super::pair::Pair;
 use super::pairs::Pairs;
 use super::scene::Scene;
 use super::sliding::Slide;
-use super::stability::{ConstrainedStability, Holding};
+use super::stability::{ConstrainedStability, PushingContact};
 use super::two_bodies::{Block, Bodies, Differences, End, Line, TwoBodies, dot};
 use crate::error::SolveError;
 use crate::shape::Wrench;
@@ -295,9 +295,14 @@ impl Scratch {
                     sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
                 }
             }
-            Holding { place, moment: Vec3::new(x, y, z), geometric, normal: pair.nearest.push() }
+            PushingContact {
+                place,
+                moment: Vec3::new(x, y, z),
+                geometric,
+                normal: pair.nearest.push(),
+            }
         });
-        let contacts: Vec<Holding> = holding.collect();
+        let contacts: Vec<PushingContact> = holding.collect();
         self.stability.unstable_directions(alone, (places, &self.all), &contacts, length)
     }
 
