@@ -1,7 +1,7 @@
 //! Where the search for the next point of a path starts: where the derivatives at the point before lead.
 
 use crate::descent::{FIRST_DAMPING, FIRST_RADIUS, Problem, Region, Workspace};
-use crate::foreseen::Foreseen;
+use crate::predicted::Predicted;
 use crate::redundancy::Task;
 use crate::search::{Candidate, Learned, Search};
 use crate::target::Target;
@@ -22,12 +22,12 @@ impl Passed {
 
     /// Goes on to the target of a search, where that is of the same kind: gives it what is known from here, and returns where the derivatives lead, with one step along
     /// the null space to what is preferred.
-    pub fn foreseen(
+    pub fn predicted(
         &self,
         search: &mut Search<'_>,
         task: &Task<'_>,
         workspace: &mut Workspace,
-    ) -> Option<Foreseen> {
+    ) -> Option<Predicted> {
         let Self { at, target, learned } = self;
         let is_known = search.is_smooth() && target.is_like(search.target);
         let rates = &at.evaluation.rates;
@@ -58,7 +58,7 @@ impl Passed {
             let steps = a.iter().zip(b).zip(control.scales);
             steps.fold(0.0, |most: f64, ((a, b), scale)| most.max((a - b).abs() / scale))
         };
-        Some(Foreseen {
+        Some(Predicted {
             sizes: [size(&moved, &at.unknowns), size(&at.unknowns, &rates.at)],
             distance: (violation == 0.0).then_some(left),
             unknowns: moved,

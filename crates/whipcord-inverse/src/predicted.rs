@@ -1,7 +1,7 @@
-//! What is foretold of the next point of a path.
+//! What is predicted for the next point of a path.
 
 /// Where the derivatives at a point of a path lead for the next one.
-pub(crate) struct Foreseen {
+pub(crate) struct Predicted {
     pub unknowns: Vec<f64>,
     /// The size of the step, and how far the point before is from that of its derivatives, in scales.
     pub sizes: [f64; 2],
@@ -9,7 +9,7 @@ pub(crate) struct Foreseen {
     pub distance: Option<f64>,
 }
 
-impl Foreseen {
+impl Predicted {
     /// The square of sizes that the curvature of the residuals goes with.
     fn square(&self) -> f64 {
         let [size, stale] = self.sizes;

@@ -133,11 +133,11 @@ impl InverseSolver {
             ending: Ending::ANSWER,
             curvature: None,
         };
-        let foreseen = from.and_then(|passed| {
+        let predicted = from.and_then(|passed| {
             let control = &control(0);
             let task =
                 redundancy::Task { prefer, start, control, steps: 1, least_gain: LEAST_GAIN };
-            passed.foreseen(&mut search, &task, &mut self.workspace)
+            passed.predicted(&mut search, &task, &mut self.workspace)
         });
         let wanted = match options.prefer {
             Preference::LeastChange => None,
@@ -165,17 +165,17 @@ impl InverseSolver {
             }
             starts += 1;
             if starts == 1
-                && let Some((from, foreseen)) = from.zip(foreseen.as_ref())
+                && let Some((from, predicted)) = from.zip(predicted.as_ref())
             {
                 let before = (from.at.unknowns.as_slice(), &from.at.evaluation);
-                best = search.foretold(foreseen, before, options)?;
+                best = search.foretold(predicted, before, options)?;
                 if best.is_some() {
                     break;
                 }
             }
             let at = match (starts, from, known) {
                 (1, Some(from), _) => {
-                    let moved = foreseen.as_ref().map_or(&unknowns, |of| &of.unknowns);
+                    let moved = predicted.as_ref().map_or(&unknowns, |of| &of.unknowns);
                     Start::From(moved, (&unknowns, &from.at.evaluation))
                 }
                 (1, None, Some(known)) => Start::Known(&known.unknowns, &known.evaluation),
@@ -229,7 +229,7 @@ impl InverseSolver {
             });
         };
         // Along a path of small steps that along the null space is already made.
-        let is_near = foreseen.as_ref().is_some_and(|moved| {
+        let is_near = predicted.as_ref().is_some_and(|moved| {
             let steps = moved.unknowns.iter().zip(start).zip(&scales);
             starts == 1 && steps.into_iter().all(|((a, b), scale)| (a - b).abs() < NEAR * scale)
         });

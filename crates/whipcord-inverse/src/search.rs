@@ -5,11 +5,11 @@ use whipcord::{Solution, SolveError};
 
 use crate::descent::{Control, Descent, Ending, Problem, Start, Workspace, descend};
 use crate::evaluation::Evaluation;
-use crate::foreseen::Foreseen;
 use crate::forward::Forward;
 use crate::limit::Constraints;
 use crate::linear::Linear;
 use crate::options::ReachOptions;
+use crate::predicted::Predicted;
 use crate::target::{Miss, Target, Tolerance};
 
 /// A point that an iteration ended at, with the answer of a solve from rest.
@@ -210,15 +210,15 @@ impl Search<'_> {
     /// it does not.
     pub fn foretold(
         &mut self,
-        foreseen: &Foreseen,
+        predicted: &Predicted,
         (before, evaluation): (&[f64], &Evaluation),
         options: &ReachOptions,
     ) -> Result<Option<Candidate>, SolveError> {
-        if !foreseen.is_within(self.curvature, FORETOLD * self.tolerance.position) {
+        if !predicted.is_within(self.curvature, FORETOLD * self.tolerance.position) {
             return Ok(None);
         }
         let found = Descent {
-            unknowns: foreseen.unknowns.clone(),
+            unknowns: predicted.unknowns.clone(),
             state: evaluation.clone(),
             foretold_from: Some(before.to_vec()),
             has_own_rates: false,
@@ -230,7 +230,7 @@ impl Search<'_> {
             Err(error @ SolveError::Cancelled { .. }) => return Err(error),
             Err(_) => return Ok(None),
         };
-        self.curvature = foreseen.curvature(self.curvature, candidate.distance);
+        self.curvature = predicted.curvature(self.curvature, candidate.distance);
         Ok(Some(candidate).filter(|candidate| candidate.is_reached))
     }
 
