@@ -3,6 +3,10 @@
 //! What is here does to each lane what its scalar namesake does to a number: the same operations in
 //! the same order, none of them fused, so that the results are the same to the last bit. Tests hold
 //! it to that.
+//!
+//! Only what is inlined into [`Width::dispatch`] is compiled for the vectors: elsewhere each operation is a call.
+//! Functions of lanes are `#[inline(always)]`, and work goes through loops rather than through closures that an
+//! iterator or an `Option` calls, unless they are a few operations long.
 
 mod mat3;
 mod pose;

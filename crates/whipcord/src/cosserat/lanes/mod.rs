@@ -195,9 +195,11 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                     out.as_slice()[lane] <= 0.0 && error.as_slice()[lane] <= tolerance
                 };
                 if (0..rows).any(met) {
-                    let value = setting
-                        .stability
-                        .then(|| stability(simd, grid, &sweep.tensions, &sweep.strains));
+                    let value = if setting.stability {
+                        Some(stability(simd, grid, &sweep.tensions, &sweep.strains))
+                    } else {
+                        None
+                    };
                     for (to, from) in lengths.chunks_exact_mut(lanes).zip(&sweep.lengths) {
                         to.copy_from_slice(from.as_slice());
                     }

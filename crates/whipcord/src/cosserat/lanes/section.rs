@@ -146,8 +146,9 @@ impl Several {
                 break;
             }
         }
-        let crossings = self.crossings.iter();
-        stretches.extend(crossings.map(|crossing| stretched(simd, crossing, &strain).norm()));
+        for crossing in &self.crossings {
+            stretches.push(stretched(simd, crossing, &strain).norm());
+        }
         (strain, met)
     }
 
