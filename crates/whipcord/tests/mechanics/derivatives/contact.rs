@@ -7,7 +7,7 @@ use whipcord::{
     Twist, Vec3,
 };
 
-use super::Tested;
+use super::{Tested, off_with_all};
 use crate::contact::{among, finger, sphere, wall};
 
 for_every_model!(
@@ -117,7 +117,6 @@ fn check_axes(tested: Tested, case: &Case, is_cold: bool, axes: &[usize]) {
     compare(tested, case, (&solution, &derivatives), is_cold, (TOLERANCE, axes));
 }
 
-/// Differences err by what they leave out or by rounding, with one step or another.
 #[track_caller]
 fn assert_difference(
     what: &str,
@@ -132,8 +131,8 @@ fn assert_difference(
         let errors = found.iter().zip(&expected).map(|(a, b)| (a - b).abs() / size);
         errors.fold(0.0, f64::max)
     };
-    let off = [1.0, 0.25, 0.0625].map(|part| off(part * step));
-    assert!(off.iter().any(|off| *off <= tolerance), "{what}: {off:?}");
+    let off = off_with_all([1.0, 0.25, 0.0625].map(|part| part * step), tolerance, off);
+    assert!(off.is_ok(), "{what}: {off:?}");
 }
 
 fn compare(

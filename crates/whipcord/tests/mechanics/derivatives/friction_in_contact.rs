@@ -82,9 +82,8 @@ fn check(tested: Tested, sliding: &Sliding, tolerance: f64) -> Solution {
                 off_above(1e-9, change, &differentiate(solve, step).unwrap(), robot)
             };
             // Longer ones may meet other cases on the way.
-            let all = [1.0, 0.25, 0.0625, 0.0156].map(|part| off(part * step));
-            let off = all.into_iter().fold(1.0, f64::min);
-            if off.is_nan() || off > tolerance {
+            let steps = [0.25, 0.0625, 1.0, 0.0156].map(|part| part * step);
+            if let Err(all) = off_with_all(steps, tolerance, off) {
                 failures += &format!("{what}: {all:?}\n");
             }
         };

@@ -101,9 +101,7 @@ fn check(tested: Tested, Sliding { name, robot, case }: &Sliding, tolerance: f64
             );
             off_above(1e-9, &change, &difference.unwrap(), robot)
         };
-        let all = [1e-3, 4e-3, 1e-4].map(|h| off(h * size));
-        let off = all.into_iter().fold(1.0, f64::min);
-        if off.is_nan() || off > tolerance {
+        if let Err(all) = off_with_all([1e-3, 4e-3, 1e-4].map(|h| h * size), tolerance, off) {
             failures += &format!("command {cable}: {all:?}\n");
         }
     }
@@ -190,9 +188,8 @@ pub(super) fn offsets(
             off_above(1e-9, &change, &difference.unwrap(), robot)
         };
         let size = case.commands[cable].tension.unwrap_or(1e-3);
-        let off = [1e-3, 4e-3, 1e-4].map(|h| off(h * size)).into_iter().fold(1.0, f64::min);
-        if off.is_nan() || off > tolerance {
-            failures += &format!("{:?}, {name}: offset {cable}: {off:.1e}\n", solution.model);
+        if let Err(all) = off_with_all([1e-3, 4e-3, 1e-4].map(|h| h * size), tolerance, off) {
+            failures += &format!("{:?}, {name}: offset {cable}: {all:?}\n", solution.model);
         }
     }
     failures
@@ -296,12 +293,10 @@ fn soft_drives(tested: Tested) {
                 );
                 off_above(1e-9, &change, &difference.unwrap(), &robot)
             };
-            let off = [1e-3, 1e-4, 4e-3].map(off);
-            let least = off.into_iter().fold(1.0, f64::min);
             // Turned back a little, some holes come to rest within the step.
             let tolerance = if name == "turned back" { 5e-3 } else { 1e-6 };
-            if least.is_nan() || least > tolerance {
-                failures += &format!("{:?}, {name}: {parameter}: {off:?}\n", solution.model);
+            if let Err(all) = off_with_all([1e-3, 1e-4, 4e-3], tolerance, off) {
+                failures += &format!("{:?}, {name}: {parameter}: {all:?}\n", solution.model);
             }
         }
     }

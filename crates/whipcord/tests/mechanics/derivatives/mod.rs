@@ -221,6 +221,24 @@ fn solve_near(
     tested.solve(robot, case, &Options { accuracy, ..options(tested, case) }, Some(at))
 }
 
+/// How far off differences of each of these steps are, where none is within the tolerance: they err by what they leave out or by
+/// rounding, with one step or another. Steps after the first that agrees are not tried.
+fn off_with_all(
+    steps: impl IntoIterator<Item = f64>,
+    tolerance: f64,
+    off: impl Fn(f64) -> f64,
+) -> Result<(), Vec<f64>> {
+    let mut all = Vec::new();
+    for step in steps {
+        let off = off(step);
+        if off <= tolerance {
+            return Ok(());
+        }
+        all.push(off);
+    }
+    Err(all)
+}
+
 /// Everything that a robot and case can be differentiated by, with a step for differences.
 fn parameters(tested: Tested, robot: &Robot, case: &Case) -> Vec<(Parameter, f64)> {
     let length = robot.backbone().length;
@@ -424,14 +442,8 @@ fn check_parameters_to(
             }
             _ => tolerance,
         };
-        // Differences err by what they leave out or by what the solver leaves, at one step or another.
-        let off = [1.0, 4.0, 0.125]
-            .into_iter()
-            .map(|f| off(f * step))
-            .find(|off| *off <= tolerance)
-            .unwrap_or_else(|| off(*step));
-        if off.is_nan() || off > tolerance {
-            *failures += &format!("{parameter}: {off:.1e}\n");
+        if let Err(all) = off_with_all([1.0, 4.0, 0.125].map(|f| f * step), tolerance, off) {
+            *failures += &format!("{parameter}: {all:?}\n");
         }
     }
     all.len()
