@@ -1,3 +1,5 @@
+use pulp::{Arch, Simd, WithSimd};
+
 /// The matrix has no usable pivot in this column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
@@ -26,8 +28,84 @@ pub struct DenseLu {
 }
 
 /// Subtracts so many times the factors.
+#[inline(always)]
 fn subtract(from: &mut [f64], factors: &[f64], times: f64) {
     from.iter_mut().zip(factors).for_each(|(x, factor)| *x -= factor * times);
+}
+
+/// How many columns of factors are applied to a column at once: it is then loaded and stored once instead of four times.
+const BLOCK: usize = 4;
+
+/// The elimination of a matrix by columns, with the instructions that the processor has. Each entry takes the factors in the order
+/// of their columns and none of the sums is fused: the bits do not depend on the processor.
+struct Eliminate<'a> {
+    n: usize,
+    factors: &'a mut [f64],
+    /// Greatest entry of each column.
+    scales: &'a [f64],
+    pivots: &'a mut Vec<usize>,
+}
+
+impl WithSimd for Eliminate<'_> {
+    type Output = Result<(), Singular>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { n, factors, scales, pivots } = self;
+        for k in 0..n {
+            let (done, rest) = factors.split_at_mut(k * n);
+            let column = &mut rest[..n];
+            for (i, &pivot) in pivots.iter().enumerate() {
+                column.swap(i, pivot);
+            }
+            forward(done, n, column);
+            let mut pivot = k;
+            for i in k + 1..n {
+                if column[i].abs() > column[pivot].abs() {
+                    pivot = i;
+                }
+            }
+            let value = column[pivot];
+            if value.is_nan() || value.abs() <= 0.25 * f64::EPSILON * scales[k] {
+                return Err(Singular { column: k });
+            }
+            pivots.push(pivot);
+            column.swap(k, pivot);
+            if pivot != k {
+                done.chunks_exact_mut(n).for_each(|column| column.swap(k, pivot));
+            }
+            column[k + 1..].iter_mut().for_each(|factor| *factor /= value);
+        }
+        Ok(())
+    }
+}
+
+/// Forward substitution of a column with these columns of unit lower factors.
+#[inline(always)]
+fn forward(factors: &[f64], n: usize, column: &mut [f64]) {
+    let mut blocks = factors.chunks_exact(BLOCK * n.max(1));
+    let mut k = 0;
+    for block in &mut blocks {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i| &block[i * n + k..(i + 1) * n]);
+        let below = &mut column[k..];
+        let first = below[0];
+        below[1] -= a[1] * first;
+        let second = below[1];
+        below[2] = below[2] - a[2] * first - b[2] * second;
+        let third = below[2];
+        below[3] = below[3] - a[3] * first - b[3] * second - c[3] * third;
+        let fourth = below[3];
+        let [a, b, c, d] = [a, b, c, d].map(|factors| &factors[BLOCK..]);
+        for ((((x, a), b), c), d) in below[BLOCK..].iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            *x = *x - a * first - b * second - c * third - d * fourth;
+        }
+        k += BLOCK;
+    }
+    for factors in blocks.remainder().chunks_exact(n.max(1)) {
+        let (above, below) = column.split_at_mut(k + 1);
+        subtract(below, &factors[k + 1..], above[k]);
+        k += 1;
+    }
 }
 
 impl DenseLu {
@@ -49,35 +127,7 @@ impl DenseLu {
                 *scale = scale.max(x.abs());
             }
         }
-        for k in 0..n {
-            let (before, after) = m.split_at_mut((k + 1) * n);
-            let (done, column) = before.split_at_mut(k * n);
-            let mut pivot = k;
-            for i in k + 1..n {
-                if column[i].abs() > column[pivot].abs() {
-                    pivot = i;
-                }
-            }
-            let value = column[pivot];
-            if value.is_nan() || value.abs() <= 0.25 * f64::EPSILON * scales[k] {
-                return Err(Singular { column: k });
-            }
-            self.pivots.push(pivot);
-            column.swap(k, pivot);
-            if pivot != k {
-                done.chunks_exact_mut(n).for_each(|column| column.swap(k, pivot));
-            }
-            let factors = &mut column[k + 1..];
-            factors.iter_mut().for_each(|factor| *factor /= value);
-            for column in after.chunks_exact_mut(n) {
-                column.swap(k, pivot);
-                let (above, below) = column.split_at_mut(k + 1);
-                if above[k] != 0.0 {
-                    subtract(below, factors, above[k]);
-                }
-            }
-        }
-        Ok(())
+        Arch::new().dispatch(Eliminate { n, factors: m, scales, pivots: &mut self.pivots })
     }
 
     /// The size of the least pivot: that of a matrix which is all but singular is small, beside its entries.
@@ -101,10 +151,7 @@ impl DenseLu {
         for k in 0..n {
             b.swap(k, self.pivots[k]);
         }
-        for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate() {
-            let (above, below) = b.split_at_mut(k + 1);
-            subtract(below, &factors[k + 1..], above[k]);
-        }
+        forward(&self.factors[..n * n], n, b);
         for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate().rev() {
             let (above, below) = b.split_at_mut(k);
             below[0] /= factors[k];

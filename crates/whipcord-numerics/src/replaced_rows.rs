@@ -1,4 +1,5 @@
 use crate::dense::{DenseLu, Singular};
+use crate::dot::dot;
 
 /// Of the right-hand side: a solution that leaves more is found with factors of its own.
 const RESIDUAL: f64 = 1e-12;
@@ -26,8 +27,19 @@ pub struct ReplacedRows {
     given: Vec<f64>,
     /// Of the inverse, by the row that was replaced; empty where none was.
     columns: Vec<Vec<f64>>,
+    /// What is added to a row of the matrix of the factors.
+    added: Vec<f64>,
     small: Vec<f64>,
     small_lu: DenseLu,
+}
+
+/// Which factors a system was solved with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Factors {
+    /// Those of an earlier system.
+    Kept,
+    /// Its own.
+    New,
 }
 
 impl ReplacedRows {
@@ -36,11 +48,11 @@ impl ReplacedRows {
         self.matrix.clear();
     }
 
-    /// Overwrites `b` by the solution of `A x = b`, with `a` given by rows.
+    /// Overwrites `b` by the solution of `A x = b`, with `a` given by rows, and tells which factors that took.
     ///
     /// # Errors
     /// [`Singular`] when a column has no pivot above rounding.
-    pub fn solve(&mut self, a: &[f64], b: &mut [f64]) -> Result<(), Singular> {
+    pub fn solve(&mut self, a: &[f64], b: &mut [f64]) -> Result<Factors, Singular> {
         let n = b.len();
         debug_assert_eq!(a.len(), n * n);
         if self.matrix.len() == a.len() {
@@ -49,14 +61,14 @@ impl ReplacedRows {
             self.rows.extend(rows.filter(|(_, (old, new))| old != new).map(|(row, _)| row));
             if self.rows.is_empty() {
                 self.lu.solve(b);
-                return Ok(());
+                return Ok(Factors::Kept);
             }
             // From about here on, factors cost less.
             if 4 * self.rows.len() <= n {
                 self.given.clear();
                 self.given.extend_from_slice(b);
                 if self.replace(a, b) && self.is_exact(a, b) {
-                    return Ok(());
+                    return Ok(Factors::Kept);
                 }
                 b.copy_from_slice(&self.given);
             }
@@ -67,13 +79,13 @@ impl ReplacedRows {
         self.columns.iter_mut().for_each(Vec::clear);
         self.columns.resize(n, Vec::new());
         self.lu.solve(b);
-        Ok(())
+        Ok(Factors::New)
     }
 
     /// With the rows `D` that are added to the matrix of the factors, `x = y − Z s` with `A y = b`, the columns `Z` of the inverse, and
     /// `(1 + D Z) s = D y`; `false` where that is singular.
     fn replace(&mut self, a: &[f64], b: &mut [f64]) -> bool {
-        let Self { lu, matrix, rows, columns, small, small_lu, .. } = self;
+        let Self { lu, matrix, rows, columns, added, small, small_lu, .. } = self;
         let (n, count) = (b.len(), rows.len());
         lu.solve(b);
         for &row in &*rows {
@@ -84,18 +96,17 @@ impl ReplacedRows {
                 lu.solve(column);
             }
         }
-        let added = |row: usize, x: &[f64]| -> f64 {
-            let of = row * n..(row + 1) * n;
-            let pairs = a[of.clone()].iter().zip(&matrix[of]);
-            pairs.zip(x).map(|((new, old), x)| (new - old) * x).sum()
-        };
         small.clear();
+        let mut parts = Vec::with_capacity(count);
         for (i, &row) in rows.iter().enumerate() {
+            let of = row * n..(row + 1) * n;
+            added.clear();
+            added.extend(a[of.clone()].iter().zip(&matrix[of]).map(|(new, old)| new - old));
             let unit = |j: usize| if i == j { 1.0 } else { 0.0 };
-            small
-                .extend(rows.iter().enumerate().map(|(j, &of)| unit(j) + added(row, &columns[of])));
+            let columns = rows.iter().map(|&of| &columns[of]).enumerate();
+            small.extend(columns.map(|(j, column)| unit(j) + dot(added, column)));
+            parts.push(dot(added, b));
         }
-        let mut parts: Vec<f64> = rows.iter().map(|&row| added(row, b)).collect();
         if small_lu.factor(count, small).is_err() {
             return false;
         }
@@ -110,10 +121,9 @@ impl ReplacedRows {
     /// Whether a solution leaves nothing but rounding of the given right-hand side.
     fn is_exact(&self, a: &[f64], x: &[f64]) -> bool {
         let greatest = self.given.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
-        a.chunks_exact(x.len()).zip(&self.given).all(|(row, b)| {
-            let product: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
-            (product - b).abs() <= RESIDUAL * greatest
-        })
+        a.chunks_exact(x.len())
+            .zip(&self.given)
+            .all(|(row, b)| (dot(row, x) - b).abs() <= RESIDUAL * greatest)
     }
 }
 

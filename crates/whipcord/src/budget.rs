@@ -43,7 +43,7 @@ pub(crate) struct Meter {
 }
 
 /// An integration step takes about as long as the elimination of a dense matrix takes for so much of the cube of its rows.
-const ELIMINATION: usize = 3_000;
+const ELIMINATION: usize = 10_000;
 /// The same of a solve with factors that are known, of the square of its rows.
 const SUBSTITUTION: usize = 150;
 
@@ -113,9 +113,9 @@ impl Meter {
         self.integration_steps.add(steps);
     }
 
-    /// Counts the elimination of a dense matrix with so many rows, as the integration steps that take as long.
-    pub fn eliminate(&self, rows: usize) {
-        self.integrate(rows.saturating_pow(3) / ELIMINATION);
+    /// Counts so many eliminations of a dense matrix with so many rows, as the integration steps that take as long.
+    pub fn eliminate(&self, rows: usize, eliminations: usize) {
+        self.integrate(eliminations.saturating_mul(rows.saturating_pow(3)) / ELIMINATION);
     }
 
     /// Counts so many solves with a dense matrix of so many rows, likewise: each assembles it, compares it and substitutes.

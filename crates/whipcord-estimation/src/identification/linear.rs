@@ -8,6 +8,7 @@ use super::rows::{Row, marked, without};
 use super::settings::Settings;
 use std::collections::BTreeSet;
 use whipcord::robot::Robot;
+use whipcord_numerics::dot;
 
 /// Residuals and their derivatives, by rows, in units of the noise; priors are the last rows.
 pub(super) struct Linear {
@@ -83,10 +84,6 @@ impl Linear {
     pub(super) fn column(&self, j: usize) -> Vec<f64> {
         self.jacobian.iter().skip(j).step_by(self.unknowns).copied().collect()
     }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// What is left of a column beside those of an orthonormal basis.

@@ -6,7 +6,7 @@ use super::error::IdentifyError;
 use super::experiment::{Experiment, Unknown};
 use super::fewer_rows::part_of_rows;
 use super::identify::identify;
-use super::linear::{Linear, beside, dot, fitted, values};
+use super::linear::{Linear, beside, fitted, values};
 use super::method::DerivativeMethod;
 use super::outcome::{Identified, Residual};
 use super::parameter_path::ParameterPath;
@@ -19,6 +19,7 @@ use crate::registration::{far_limit, far_off};
 use std::collections::BTreeSet;
 use whipcord::parameter::Parameter;
 use whipcord::robot::Robot;
+use whipcord_numerics::dot;
 
 /// A number of one cable that is not estimated, and what its estimate would change, eq. (i8).
 #[derive(Clone, Debug, PartialEq)]

@@ -20,7 +20,7 @@
 //! the part that does not: that is the limit of cables which all stretch by the same `c` under 1 N, for `c → 0`, but for the tension
 //! `1/c` by which the antagonists pull against each other.
 
-use whipcord_numerics::{DenseLu, SingularValues};
+use whipcord_numerics::{DenseLu, SingularValues, dot};
 
 /// What is held while something else changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -323,10 +323,6 @@ impl LeastSystem {
             x.iter_mut().zip(into).for_each(|(x, into)| *x += part * into);
         }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The least solution of a system whose matrix, given by columns, may be singular, by iterated regularisation.

@@ -6,11 +6,11 @@
 //! an event the rates solve a complementarity problem: `Dᵢ` falls at the bound where the cable is pulled, rises at the bound where it is
 //! released, or the hole sticks and the tension goes away from the bound.
 
-use whipcord_numerics::ReplacedRows;
+use whipcord_numerics::{ReplacedRows, dot};
 
 use super::holes::Holes;
 use super::law::{Iterate, Law, Mode};
-use super::linear_problem::linear_system;
+use super::linear_problem::{LinearEffort, linear_system};
 use super::response::Response;
 use super::trail::Trigger;
 use crate::shape::SlipState;
@@ -75,8 +75,8 @@ pub(super) struct Events {
     matrix: Vec<f64>,
     lengths: Vec<f64>,
     system: ReplacedRows,
-    /// How many linear problems were solved.
-    pub solves: usize,
+    /// Of what was solved and is not counted yet.
+    pub effort: LinearEffort,
 }
 
 /// Where holes come to rest within a substep.
@@ -307,21 +307,18 @@ impl Events {
 
     /// The rates in the modes as they are.
     fn solve(&mut self, law: &Law<'_>) -> bool {
-        let Self { at, beyond, rates, modes, response, matrix, system, lengths, solves, .. } = self;
+        let Self { at, beyond, rates, modes, response, matrix, system, lengths, effort, .. } = self;
         let here = Iterate { tensions: &at.tensions, beyond, turns: &at.turns };
         let now = Law { commands: &at.commands, ..*law };
         let n = here.tensions.len();
         let Rates { commands, tensions: changes, .. } = rates;
         linear_system(&now, here, modes, response, Some(commands), (matrix, changes));
-        *solves += 1;
-        if system.solve(matrix, changes).is_err() || !changes.iter().all(|x| x.is_finite()) {
+        if !effort.solve(system, matrix, changes) {
             return false;
         }
         let along = |rows: &[f64], into: &mut Vec<f64>| {
             into.clear();
-            into.extend(rows.chunks(n + 1).map(|row| -> f64 {
-                row.iter().zip(&*changes).map(|(by, change)| by * change).sum()
-            }));
+            into.extend(rows.chunks(n + 1).map(|row| dot(&row[..n], changes)));
         };
         along(&response.turns, &mut rates.turns);
         along(&response.lengths, lengths);

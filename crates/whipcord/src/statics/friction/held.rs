@@ -11,6 +11,8 @@
 //! with `s = −1` where it slides towards the base and 1 where it slides towards the tip, and with `T₀ = τ`. Of a cable whose
 //! tension is held `δτ` is given, of one whose length is held `δ(D₁ − T₁ c)` with the compliance `c` outside the robot.
 
+use whipcord_numerics::dot;
+
 use super::carried::Carried;
 use super::holes::Holes;
 use super::trail::{Standing, Trigger};
@@ -424,8 +426,4 @@ impl HeldHoles {
             outside: source.outside.clone(),
         }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

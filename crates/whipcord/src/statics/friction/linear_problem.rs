@@ -1,8 +1,29 @@
 //! The linear problem of the holes: of a Newton step, or of the rates between two events.
 
+use whipcord_numerics::{Factors, ReplacedRows};
+
 use super::law::{Iterate, Law, Mode, Row};
 use super::response::Response;
 use crate::statics::command::LENGTH_REGULARISATION;
+
+/// What the linear problems of the holes took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LinearEffort {
+    /// How many were solved.
+    pub solves: usize,
+    /// How many of them with factors of their own.
+    pub factors: usize,
+}
+
+impl LinearEffort {
+    /// Solves one, into its right-hand side; whether that has a finite solution.
+    pub fn solve(&mut self, system: &mut ReplacedRows, matrix: &[f64], right: &mut [f64]) -> bool {
+        self.solves += 1;
+        let solved = system.solve(matrix, right);
+        self.factors += usize::from(solved != Ok(Factors::Kept));
+        solved.is_ok() && right.iter().all(|x| x.is_finite())
+    }
+}
 
 /// The linear problem of the holes in these cases: for the Newton step, or for how the tensions change with the
 /// commands at these rates. Into a matrix by rows and a right-hand side.

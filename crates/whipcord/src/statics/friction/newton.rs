@@ -6,11 +6,11 @@
 //! the angle by which the cable turns in it. The linearised problem is a complementarity problem: its holes change from one
 //! case to another until all of them agree with the step (the method of Josephy and Newton).
 
-use whipcord_numerics::ReplacedRows;
+use whipcord_numerics::{ReplacedRows, dot};
 
 use super::events::{Events, Station};
 use super::law::{Iterate, Law, Mode};
-use super::linear_problem::linear_system;
+use super::linear_problem::{LinearEffort, linear_system};
 use super::response::{PassageResponse, Passages, Response};
 use crate::budget::Meter;
 use crate::shape::SlipState;
@@ -54,8 +54,8 @@ pub(crate) struct FrictionScratch {
     pub(super) matrix: Vec<f64>,
     pub(super) changes: Vec<f64>,
     pub(super) system: ReplacedRows,
-    /// How many linear problems were solved with others' factors that are not counted yet.
-    solves: usize,
+    /// Of what was solved and is not counted yet.
+    effort: LinearEffort,
 }
 
 impl FrictionScratch {
@@ -86,7 +86,6 @@ impl FrictionScratch {
                 return Err(failed(iteration, before, None));
             };
             model.meter().iterate();
-            model.meter().eliminate(self.tensions.len());
             self.charge(model.meter());
             self.kept.clone_from(&self.tensions);
             recent.rotate_right(1);
@@ -133,8 +132,11 @@ impl FrictionScratch {
 
     /// Counts the linear problems of the holes that were solved since it was last asked to.
     pub(super) fn charge(&mut self, meter: &Meter) {
-        let solves = core::mem::take(&mut self.solves) + core::mem::take(&mut self.events.solves);
-        meter.substitute(self.tensions.len(), solves);
+        for effort in [&mut self.effort, &mut self.events.effort] {
+            let LinearEffort { solves, factors } = core::mem::take(effort);
+            meter.eliminate(self.tensions.len(), factors);
+            meter.substitute(self.tensions.len(), solves);
+        }
     }
 
     /// What is left of the equilibrium, and of the equations of the holes as a fraction of the length.
@@ -180,7 +182,6 @@ impl FrictionScratch {
         // What changes from one case to another is few rows.
         self.system.forget();
         for change in 0..MOST_CHANGES[1] {
-            self.solves += 1;
             self.assemble(law)?;
             if self.agree(law, change >= MOST_CHANGES[0]) {
                 break;
@@ -191,11 +192,11 @@ impl FrictionScratch {
 
     /// Solves the linear problem of the Newton step in the cases as they are.
     fn assemble(&mut self, law: &Law<'_>) -> Option<()> {
-        let Self { tensions, at, beyond, modes, response, matrix, changes, system, .. } = self;
+        let Self { tensions, at, beyond, modes, response, matrix, changes, system, effort, .. } =
+            self;
         let here = Iterate { tensions, beyond, turns: &at.turns };
         linear_system(law, here, modes, response, None, (matrix, changes));
-        system.solve(matrix, changes).ok()?;
-        changes.iter().all(|x| x.is_finite()).then_some(())
+        effort.solve(system, matrix, changes).then_some(())
     }
 
     /// Whether the cases of all holes agree with the linear step; else those that do not change, or where it is `one_by_one` the
@@ -203,9 +204,7 @@ impl FrictionScratch {
     fn agree(&mut self, law: &Law<'_>, one_by_one: bool) -> bool {
         let Self { tensions, at, beyond, modes, response, changes, after, .. } = self;
         let n = tensions.len();
-        let along = |by: &[f64]| -> f64 {
-            by[n] + by.iter().zip(&*changes).map(|(by, change)| by * change).sum::<f64>()
-        };
+        let along = |by: &[f64]| by[n] + dot(&by[..n], changes);
         let [new_tensions, new_beyond, new_turns] = after;
         let add = |into: &mut Vec<f64>, now: &[f64], by: &[f64]| {
             into.clear();
