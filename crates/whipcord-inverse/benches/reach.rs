@@ -6,7 +6,7 @@
 mod robots;
 
 use divan::Bencher;
-use whipcord::{Actuation, Case, Loads, Model, ModelKind, Robot, Vec3};
+use whipcord::{Actuation, Case, Loads, Model, ModelKind, Robot};
 use whipcord_inverse::{
     CableLimits, CommandedBy, InverseSolver, Limits, Preference, ReachOptions, ReachStatus, Target,
 };
@@ -68,10 +68,6 @@ fn pose(solution: &whipcord::Solution) -> Target {
     Target::Pose(*solution.disks.poses.last().unwrap())
 }
 
-fn load() -> Loads {
-    Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() }
-}
-
 #[divan::bench(args = ROBOTS)]
 fn tip_unloaded(bencher: Bencher, name: &str) {
     reach(bencher, ModelKind::Cosserat, name, Loads::default(), tip);
@@ -84,7 +80,7 @@ fn pose_unloaded(bencher: Bencher, name: &str) {
 
 #[divan::bench(args = ROBOTS)]
 fn tip_loaded(bencher: Bencher, name: &str) {
-    reach(bencher, ModelKind::Cosserat, name, load(), tip);
+    reach(bencher, ModelKind::Cosserat, name, robots::load(), tip);
 }
 
 #[divan::bench(args = ROBOTS)]

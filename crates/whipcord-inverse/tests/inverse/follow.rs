@@ -8,6 +8,7 @@ use whipcord_inverse::{
     ReachOptions, ReachStatus, Target, TargetProblem,
 };
 
+use crate::clock::Clock;
 use crate::robots;
 
 /// A circle about the axis at a height below the straight tip.
@@ -210,6 +211,49 @@ fn times_must_ascend() {
     );
 }
 
+/// Tips under tensions, or positions of motors, that go round smoothly.
+fn smooth_path(robot: &Robot, greatest: f64, loads: &Loads, points: i32) -> Vec<PathPoint> {
+    let model = Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural);
+    let mut prepared = model.prepare(robot, loads).unwrap();
+    let motors = robot.motors().len();
+    (0..points)
+        .map(|k| {
+            let turn = TAU * f64::from(k) / f64::from(points);
+            let wave = |i: usize| 0.5 + 0.3 * (turn * (1 + i % 2) as f64 + 1.7 * i as f64).sin();
+            let case = if motors > 0 {
+                let angles: Vec<f64> = (0..motors).map(|i| 4.0 * (wave(i) - 0.5)).collect();
+                Case::with_motors(robot, &angles).unwrap()
+            } else {
+                let pulls = (0..robot.cables().len()).map(|i| 0.6 * greatest * wave(i));
+                Case::with_tensions(&pulls.collect::<Vec<_>>())
+            };
+            let case = Case { loads: loads.clone(), ..case };
+            let tip = prepared.solve(&case, None).unwrap().disks.tip().position;
+            PathPoint { time: 0.01 * f64::from(k), target: Target::Tip(tip) }
+        })
+        .collect()
+}
+
+/// How a robot follows such a path: points that are reached, jumps, and seconds of the processor and solves for each point.
+pub fn walk(
+    (robot, greatest): (&Robot, f64),
+    loads: &Loads,
+    points: i32,
+    (prefer, null_space): (Preference, bool),
+) -> (usize, usize, f64, f64) {
+    let path = smooth_path(robot, greatest, loads, points);
+    let by = if robot.motors().is_empty() { CommandedBy::Case } else { CommandedBy::Motors };
+    let case = Case { loads: loads.clone(), ..Case::default() };
+    let mut solver = solver(ModelKind::Cosserat, robot, &case, pulled_to(greatest), by);
+    let options = ReachOptions { prefer, null_space, ..CLOSE };
+    let clock = Clock::of_thread();
+    let followed = solver.follow(&path, &options).unwrap();
+    let taken = clock.seconds();
+    let solves: usize = followed.answers.iter().map(|answer| answer.solves).sum();
+    let each = |of: f64| of / f64::from(points);
+    (followed.reached(), followed.jumps.len(), each(taken), each(solves as f64))
+}
+
 /// Tips under tensions that go round smoothly, a thousand points: what a point takes, and how many are reached without jumps.
 #[test]
 #[ignore = "a minute"]
@@ -221,48 +265,18 @@ fn study_of_paths() {
         if only.as_ref().is_some_and(|only| only != name) {
             continue;
         }
-        let motors = robot.motors().len();
-        let by = if motors > 0 { CommandedBy::Motors } else { CommandedBy::Case };
-        let load = Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() };
-        for (loaded, loads) in [("", Loads::default()), (", loaded", load)] {
-            let model = Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural);
-            let mut prepared = model.prepare(&robot, &loads).unwrap();
-            let path: Vec<PathPoint> = (0..points)
-                .map(|k| {
-                    let turn = TAU * f64::from(k) / f64::from(points);
-                    let wave =
-                        |i: usize| 0.5 + 0.3 * (turn * (1 + i % 2) as f64 + 1.7 * i as f64).sin();
-                    let case = if motors > 0 {
-                        let angles: Vec<f64> = (0..motors).map(|i| 4.0 * (wave(i) - 0.5)).collect();
-                        Case::with_motors(&robot, &angles).unwrap()
-                    } else {
-                        let pulls = (0..robot.cables().len()).map(|i| 0.6 * greatest * wave(i));
-                        Case::with_tensions(&pulls.collect::<Vec<_>>())
-                    };
-                    let case = Case { loads: loads.clone(), ..case };
-                    let tip = prepared.solve(&case, None).unwrap().disks.tip().position;
-                    PathPoint { time: 0.01 * f64::from(k), target: Target::Tip(tip) }
-                })
-                .collect();
+        for (loaded, loads) in [("", Loads::default()), (", loaded", robots::load())] {
             for (prefer, null_space) in [
                 (Preference::First, false),
                 (Preference::First, true),
                 (Preference::LeastTension, true),
             ] {
-                let case = Case { loads: loads.clone(), ..Case::default() };
-                let mut solver =
-                    solver(ModelKind::Cosserat, &robot, &case, pulled_to(greatest), by);
-                let options = ReachOptions { prefer, null_space, ..CLOSE };
-                let clock = std::time::Instant::now();
-                let followed = solver.follow(&path, &options).unwrap();
-                let taken = clock.elapsed().as_secs_f64();
-                let solves: usize = followed.answers.iter().map(|answer| answer.solves).sum();
+                let of = (prefer, null_space);
+                let (reached, jumps, seconds, solves) =
+                    walk((&robot, greatest), &loads, points, of);
                 println!(
-                    "{name}{loaded}, {prefer:?}, null space {null_space}: {} of {points}, {} jumps, {:.3} ms a point, {:.2} solves",
-                    followed.reached(),
-                    followed.jumps.len(),
-                    1e3 * taken / f64::from(points),
-                    solves as f64 / f64::from(points),
+                    "{name}{loaded}, {prefer:?}, null space {null_space}: {reached} of {points}, {jumps} jumps, {:.3} ms a point, {solves:.2} solves",
+                    1e3 * seconds,
                 );
             }
         }

@@ -51,31 +51,33 @@ pub fn target_of(kind: Kind, solution: &Solution) -> Target {
 }
 
 /// How many planted targets of how many were reached, with seconds and solves for each.
-struct Tally {
-    asked: usize,
-    reached: usize,
+pub struct Tally {
+    pub asked: usize,
+    pub reached: usize,
     /// Of each target but the first, in s.
-    seconds: Vec<f64>,
-    solves: usize,
+    pub seconds: Vec<f64>,
+    pub solves: usize,
     missed: Vec<usize>,
 }
 
 /// What is asked of a robot, so many times.
-struct Question<'a> {
-    kind: ModelKind,
-    robot: &'a Robot,
+pub struct Question<'a> {
+    pub kind: ModelKind,
+    pub robot: &'a Robot,
     /// Greatest tension in N.
-    greatest: f64,
-    loads: &'a Loads,
-    of: Kind,
-    by: CommandedBy,
-    count: usize,
+    pub greatest: f64,
+    pub loads: &'a Loads,
+    pub of: Kind,
+    pub by: CommandedBy,
+    pub count: usize,
+    /// How often each target is asked for.
+    pub times: usize,
     /// Shapes to start from, as for many targets.
-    shapes: usize,
+    pub shapes: usize,
 }
 
-fn study(question: &Question<'_>, options: &ReachOptions) -> Tally {
-    let &Question { kind, robot, greatest, loads, of, by, count, shapes } = question;
+pub fn study(question: &Question<'_>, options: &ReachOptions) -> Tally {
+    let &Question { kind, robot, greatest, loads, of, by, count, shapes, .. } = question;
     let model = Model::new(kind, Default::default(), Actuation::Natural);
     let cables = robot.cables().len();
     let limits =
@@ -107,9 +109,18 @@ fn study(question: &Question<'_>, options: &ReachOptions) -> Tally {
         }
         let target = target_of(of, &solution);
         tally.asked += 1;
-        let clock = Instant::now();
-        let answer = solver.reach(&target, options).unwrap();
-        let seconds = clock.elapsed().as_secs_f64();
+        // Of several times the least: what else the machine does is not counted.
+        let mut seconds = f64::INFINITY;
+        let mut ask = || {
+            let clock = Instant::now();
+            let answer = solver.reach(&target, options).unwrap();
+            seconds = seconds.min(clock.elapsed().as_secs_f64());
+            answer
+        };
+        for _ in 1..question.times {
+            ask();
+        }
+        let answer = ask();
         if tally.asked > 1 {
             tally.seconds.push(seconds);
         }
@@ -151,7 +162,7 @@ fn print(name: &str, of: Kind, tally: &Tally) {
     );
 }
 
-const FIRST: ReachOptions = ReachOptions {
+pub const FIRST: ReachOptions = ReachOptions {
     tolerance: None,
     prefer: Preference::First,
     starts: 32,
@@ -182,6 +193,7 @@ fn planted_targets_are_reached() {
                 of,
                 by,
                 count: 40,
+                times: 1,
                 shapes: if of == Kind::Shape { 0 } else { 16 },
             };
             let tally = study(&question, &FIRST);
@@ -203,8 +215,7 @@ fn study_of_planted_targets() {
             continue;
         }
         let by = if name == "with motors" { CommandedBy::Motors } else { CommandedBy::Case };
-        let loads = Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() };
-        for (loaded, loads) in [("", Loads::default()), (", loaded", loads)] {
+        for (loaded, loads) in [("", Loads::default()), (", loaded", robots::load())] {
             if load.as_ref().is_some_and(|load| (load == "1") == loaded.is_empty()) {
                 continue;
             }
@@ -218,6 +229,7 @@ fn study_of_planted_targets() {
                     of,
                     by,
                     count,
+                    times: 1,
                     shapes: std::env::var("SHAPES")
                         .ok()
                         .and_then(|n| n.parse().ok())
@@ -334,7 +346,7 @@ fn what_was_asked_before_changes_no_answer() {
     let robot = robots::two_segments();
     let model = Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural);
     let limits = Limits::uniform(6, CableLimits { tension: [0.1, 4.0], ..CableLimits::default() });
-    let loads = Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() };
+    let loads = robots::load();
     let case = Case { loads: loads.clone(), ..Case::with_tensions(&[0.1; 6]) };
     let mut random = Random(5);
     let mut prepared = model.prepare(&robot, &loads).unwrap();
@@ -380,6 +392,7 @@ fn every_model_reaches_what_it_makes() {
                 of: Kind::Pose,
                 by,
                 count: 10,
+                times: 1,
                 shapes: 0,
             };
             let tally = study(&question, &FIRST);

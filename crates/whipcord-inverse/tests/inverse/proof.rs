@@ -9,6 +9,7 @@ use whipcord_inverse::{
     ReachStatus, Reached, Target,
 };
 
+use crate::clock::Clock;
 use crate::planted::Random;
 use crate::robots;
 
@@ -31,6 +32,46 @@ fn solver(robot: &Robot, case: &Case, greatest: f64) -> InverseSolver {
     let limits = CableLimits { tension: [0.0, greatest], ..CableLimits::default() };
     let limits = Limits::uniform(robot.cables().len(), limits);
     InverseSolver::new(&model(), robot, case, &limits, CommandedBy::Tensions).unwrap()
+}
+
+/// Targets of a robot beside its shapes, so that some are near and some far.
+fn beside_shapes<'a>(
+    robot: &'a Robot,
+    greatest: f64,
+    random: &'a mut Random,
+) -> impl FnMut() -> Vec3 + 'a {
+    move || {
+        let tensions = random.tensions(robot.cables().len(), greatest);
+        let shape = model().solve(robot, &Case::with_tensions(&tensions)).unwrap();
+        let tip = shape.disks.poses.last().unwrap().position;
+        let mut part = || 2.0 * random.next() - 1.0;
+        let direction = Vec3::new(part(), part(), part());
+        tip + direction * ((0.01 + 0.05 * part().abs()) / direction.norm())
+    }
+}
+
+/// Seconds of the processor that proofs take of so many targets out of reach, the nearest place included; and how many are proven to 10 %.
+pub fn proofs(robot: &Robot, greatest: f64, count: usize) -> (Vec<f64>, usize) {
+    let mut solver = solver(robot, &Case::default(), greatest);
+    let mut random = Random(17);
+    let mut next = beside_shapes(robot, greatest, &mut random);
+    let (mut seconds, mut proven) = (Vec::new(), 0);
+    // Within reach there is nothing to prove.
+    for _ in 0..8 * count {
+        if seconds.len() == count {
+            break;
+        }
+        let target = Target::Tip(next());
+        let clock = Clock::of_thread();
+        let answer = solver.reach(&target, &PROVE).unwrap();
+        if answer.status == ReachStatus::Reached || answer.miss.position < 0.005 {
+            continue;
+        }
+        seconds.push(clock.seconds());
+        let bound = answer.lower_bound.unwrap();
+        proven += usize::from(bound >= 0.89 * answer.miss.position);
+    }
+    (seconds, proven)
 }
 
 /// The least distance of a point from the tips of as many shapes.
@@ -63,14 +104,9 @@ fn prove(count: usize, samples: usize) -> (usize, usize) {
     for (name, robot, greatest) in few_cables() {
         let mut solver = solver(&robot, &Case::default(), greatest);
         let mut random = Random(17);
+        let mut next = beside_shapes(&robot, greatest, &mut random);
         for _ in 0..count {
-            // Away from a shape, so that some are near and some far.
-            let tensions = random.tensions(robot.cables().len(), greatest);
-            let shape = model().solve(&robot, &Case::with_tensions(&tensions)).unwrap();
-            let tip = shape.disks.poses.last().unwrap().position;
-            let mut part = || 2.0 * random.next() - 1.0;
-            let direction = Vec3::new(part(), part(), part());
-            let at = tip + direction * ((0.01 + 0.05 * part().abs()) / direction.norm());
+            let at = next();
             let clock = Instant::now();
             let answer = solver.reach(&Target::Tip(at), &PROVE).unwrap();
             let seconds = clock.elapsed().as_secs_f64();

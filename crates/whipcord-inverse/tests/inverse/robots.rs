@@ -1,8 +1,15 @@
 //! Robots of several kinds.
 
-use whipcord::{Along, Backbone, Cable, Disks, Material, Motor, Robot, Routing, Section};
+use whipcord::{
+    Along, Backbone, Cable, Disks, Loads, Material, Motor, Robot, Routing, Section, Vec3,
+};
 
 pub const LENGTH: f64 = 0.18;
+
+/// A force on the tip.
+pub fn load() -> Loads {
+    Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() }
+}
 
 pub fn backbone(diameter: f64) -> Backbone {
     let material =

@@ -15,7 +15,7 @@ use whipcord_inverse::{
 use crate::planted::Random;
 use crate::robots;
 
-fn survey(robot: &Robot, case: &Case, greatest: f64, options: &WorkspaceOptions) -> Workspace {
+pub fn survey(robot: &Robot, case: &Case, greatest: f64, options: &WorkspaceOptions) -> Workspace {
     let model = Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural);
     let limits = CableLimits { tension: [0.0, greatest], ..CableLimits::default() };
     let limits = Limits::uniform(robot.cables().len(), limits);
@@ -140,8 +140,7 @@ fn study_of_loaded_workspaces() {
     for (name, robot, greatest) in
         robots.filter(|(name, ..)| only.as_deref().is_none_or(|o| o == *name))
     {
-        let loads = Loads { tip_force: Vec3::new(0.1, -0.05, -0.05), ..Loads::default() };
-        let case = Case { loads, ..Case::default() };
+        let case = Case { loads: robots::load(), ..Case::default() };
         let clock = Instant::now();
         let options =
             WorkspaceOptions { voxel: Some(0.008), shapes, ..WorkspaceOptions::default() };
