@@ -7,10 +7,12 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
+use super::lanes::run::{Known, solve_run, stability_of_run};
 use super::sensitivity::work;
 use crate::section::Fault;
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::statics::grid::Grid;
+use crate::statics::section_runs::SectionRun;
 
 /// Strains, lengths and their derivatives of a rod without load.
 #[derive(Clone, Debug, Default)]
@@ -22,6 +24,8 @@ pub(crate) struct Unloaded {
     /// `∂ℓᵢ/∂τⱼ` by rows in m/N: symmetric and not positive.
     pub length_by_tension: Vec<f64>,
     pulls: Vec<BodyWrench>,
+    /// `‖pᵢ′‖` at each node of a run of sections, by nodes, then cables.
+    stretches: Vec<f64>,
 }
 
 /// [`Unloaded::sweep`] with the instructions that the processor has, to the same bits.
@@ -37,9 +41,26 @@ impl WithSimd for Sweep<'_> {
     type Output = Result<(), Fault>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self { unloaded, grid, tensions, warm, derivatives } = self;
-        unloaded.sweep_with(grid, tensions, warm, derivatives)
+        unloaded.sweep_with(simd, grid, tensions, warm, derivatives)
+    }
+}
+
+/// [`stability_of_run`] likewise.
+struct LeastOfRun<'a> {
+    run: &'a SectionRun,
+    tensions: &'a [f64],
+    strains: &'a [Strain],
+}
+
+impl WithSimd for LeastOfRun<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let Self { run, tensions, strains } = self;
+        stability_of_run(simd, run, &tensions[..run.sections.cables], strains)
     }
 }
 
@@ -86,8 +107,9 @@ impl Unloaded {
     }
 
     #[inline(always)]
-    fn sweep_with(
+    fn sweep_with<S: Simd>(
         &mut self,
+        simd: S,
         grid: &Grid,
         tensions: &[f64],
         warm: bool,
@@ -103,6 +125,17 @@ impl Unloaded {
         self.length_by_tension.clear();
         self.length_by_tension.resize(cables * cables, 0.0);
         self.pulls.resize(cables, BodyWrench::default());
+        self.stretches.resize(nodes * cables, 0.0);
+        for run in grid.gauss.runs.iter() {
+            let (strains, stretches) = (&mut self.strains, &mut self.stretches);
+            let mut known = Known { strains, stretches, cables };
+            solve_run(simd, run, &grid.gauss, &tensions[..run.sections.cables], warm, &mut known)
+                .map_err(|(node, kind)| {
+                let step = &grid.steps[node / 3];
+                Fault { kind, arc_length: step.start + GAUSS_3.nodes[node % 3] * step.length }
+            })?;
+        }
+        let mut runs = grid.gauss.runs.iter().peekable();
         let mut guess = Guess::default();
         let mut last_of_one = None;
         let mut last_tangent = None;
@@ -118,6 +151,26 @@ impl Unloaded {
                 let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
                 let fault = |kind| Fault { kind, arc_length };
                 let none = BodyWrench::default();
+                let number = 3 * k + j;
+                while runs.next_if(|run| run.nodes.end <= number).is_some() {}
+                if runs.peek().is_some_and(|run| run.nodes.contains(&number)) {
+                    let strain = self.strains[number];
+                    guess.learn(arc_length, strain);
+                    let stretches = &self.stretches[number * cables..][..step.active];
+                    for (length, stretch) in self.lengths.iter_mut().zip(stretches) {
+                        *length += weight * stretch;
+                    }
+                    if derivatives {
+                        for (pull, crossing) in self.pulls.iter_mut().zip(crossings) {
+                            *pull = crossing.pull(&strain).0;
+                        }
+                        let tangent =
+                            Tangent::at(section, crossings, active, &strain).map_err(fault)?;
+                        self.add_length_by_tension(cables, step.active, weight, &tangent);
+                        last_tangent = Some(tangent);
+                    }
+                    continue;
+                }
                 // A section that is the same as the one before has the same answer.
                 let repeats = grid.gauss.repeats(k, j);
                 let strain = if let Some(reduced) = &grid.gauss.one_cable[3 * k + j] {
@@ -174,8 +227,18 @@ impl Unloaded {
         if grid.steps.iter().any(|step| taut(&tensions[..step.active]) <= 1) {
             return Ok(1.0);
         }
-        let mut least = f64::INFINITY;
+        let (mut least, mut is_definite) = (f64::INFINITY, true);
+        let runs = &grid.gauss.runs;
+        for run in runs.iter() {
+            let value = Arch::new().dispatch(LeastOfRun { run, tensions, strains: &self.strains });
+            least = least.min(value);
+            is_definite &= !value.is_nan();
+        }
         for (k, step) in grid.steps.iter().enumerate() {
+            // Known from its run, unless a section there has no factors.
+            if is_definite && runs.iter().any(|run| run.nodes.contains(&(3 * k + 1))) {
+                continue;
+            }
             // The middle of a step where nothing differs from that of the step before.
             let repeats = |k: usize, j: usize| grid.gauss.repeats(k, j);
             if k > 0 && repeats(k - 1, 2) && repeats(k, 0) && repeats(k, 1) {

@@ -35,7 +35,7 @@ mod tests;
 pub(crate) use bending_friction::{BENDING_AXES, BendingFriction};
 pub use crossed::CrossedSection;
 pub(crate) use crossing::{BodyWrench, Crossing, Strain};
-pub(crate) use equilibrium::{equilibrium, equilibrium_within, step_tolerance};
+pub(crate) use equilibrium::{equilibrium, equilibrium_within, reach, step_tolerance};
 pub(crate) use fault::{FOLDED, Fault, SectionFault};
 pub use of_robot::{material_stiffness, section_compliance, section_stiffness};
 pub(crate) use properties::{Section, Stiffness};

@@ -4,6 +4,8 @@
 //! stiffness or rest curvature is given all lie between steps, never inside one, so that the
 //! integrators keep their order.
 
+use std::sync::Arc;
+
 use whipcord_numerics::{GAUSS_3, Vec3};
 
 use crate::case::Loads;
@@ -12,6 +14,7 @@ use crate::robot::{Along, Robot, Route, RoutePoint};
 use crate::section::of_robot::section_at;
 use crate::section::one_cable::Reduced;
 use crate::section::{BodyWrench, Crossing, Section};
+use crate::statics::section_runs::{Place, SectionRun};
 
 /// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_5`] evaluates.
 pub(crate) const SHOOTING_NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -52,11 +55,13 @@ pub(crate) struct Nodes {
     /// Whether the section at a node, and how cables cross it, is that at the node before it: on a straight robot with straight
     /// cables one is solved for all.
     repeats: Vec<bool>,
+    /// Nodes whose sections are solved side by side, ascending.
+    pub runs: Arc<[SectionRun]>,
 }
 
 impl Nodes {
-    /// Fills [`Self::one_cable`] and [`Self::repeats`].
-    fn reduced(mut self, steps: &[Step]) -> Self {
+    /// Fills [`Self::one_cable`], [`Self::repeats`] and [`Self::runs`]; `at` has the places of the nodes in a step.
+    fn reduced(mut self, steps: &[Step], at: &[f64]) -> Self {
         let places = (0..steps.len()).flat_map(|k| (0..self.per_step).map(move |j| (k, j)));
         let reduced = places.clone().map(|(k, j)| match self.at(k, j, steps[k].active) {
             (Node { section, .. }, [crossing]) if section.isotropic => {
@@ -78,7 +83,25 @@ impl Nodes {
             Some(is_fixed && node.section == last.section && crossings == last_crossings)
         });
         self.repeats = repeats.map(Option::unwrap_or_default).collect();
+        self.runs = self.side_by_side(steps, at).into();
         self
+    }
+
+    fn side_by_side(&self, steps: &[Step], at: &[f64]) -> Vec<SectionRun> {
+        let count = self.per_step * steps.len();
+        SectionRun::all((0..count).map(|node| {
+            let (k, j) = (node / self.per_step, node % self.per_step);
+            let (Node { section, .. }, crossings) = self.at(k, j, steps[k].active);
+            // Where several are the same one is solved for all.
+            let is_alone = !self.repeats[node] && self.repeats.get(node + 1) != Some(&true);
+            let is_one = self.one_cable[node].is_some() || crossings.is_empty();
+            let arc_length = steps[k].start + at[j] * steps[k].length;
+            (is_alone && !is_one && section.beside.is_none()).then_some(Place {
+                section,
+                crossings,
+                arc_length,
+            })
+        }))
     }
 
     /// Whether the section at node `j` of step `k` is that at the node before it.
@@ -92,6 +115,19 @@ impl Nodes {
     pub fn at(&self, k: usize, j: usize, active: usize) -> (&Node, &[Crossing]) {
         let i = k * self.per_step + j;
         (&self.nodes[i], &self.crossings[i * self.cables..i * self.cables + active])
+    }
+
+    /// A node by its number.
+    #[inline]
+    pub fn node(&self, node: usize) -> &Node {
+        &self.nodes[node]
+    }
+
+    /// The section of a node by its number, and how the first `active` cables cross it.
+    #[inline]
+    pub fn crossed(&self, node: usize, active: usize) -> (&Section, &[Crossing]) {
+        let first = node * self.cables;
+        (&self.nodes[node].section, &self.crossings[first..first + active])
     }
 
     /// Node `j` of step `k`, to be changed.
@@ -259,7 +295,7 @@ impl Grid {
                 &GAUSS_3.nodes,
                 &GAUSS_3.weights,
             )?
-            .reduced(&grid_steps),
+            .reduced(&grid_steps, &GAUSS_3.nodes),
             softest: shooting.nodes.chunks(SHOOTING_NODES.len()).map(Softest::of).collect(),
             shooting,
             stations: layout.stations.iter().map(place).collect(),
@@ -406,6 +442,7 @@ fn nodes(
         rest_excess: layout.rest_lengths.iter().map(|length| -length).collect(),
         one_cable: Vec::new(),
         repeats: Vec::new(),
+        runs: Arc::default(),
     };
     let mut next = 0;
     for (k, step) in steps.iter().enumerate() {

@@ -11,6 +11,7 @@
 //! | `perturbation` | stable equilibria on branches off the load path, by dead moments that are taken away again |
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
+//! | `section_runs` | sections that are solved side by side |
 //! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
 //! | `convexity` | loads so weak that there is one equilibrium, eq. (16) |
 //! | `runge_kutta` | state and stages of the integration of a rod under loads |
@@ -55,6 +56,7 @@ pub(crate) mod rank;
 pub(crate) mod refinement;
 pub(crate) mod runge_kutta;
 pub(crate) mod scales;
+pub(crate) mod section_runs;
 pub(crate) mod self_stress;
 pub(crate) mod shared_unknowns;
 pub(crate) mod strength;

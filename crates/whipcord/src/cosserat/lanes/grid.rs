@@ -4,6 +4,7 @@ use super::super::unloaded::extrapolation;
 use super::section::{Guess, Several};
 use crate::section::one_cable::Reduced;
 use crate::statics::grid::Grid;
+use crate::statics::section_runs::WaveStart;
 
 /// One grid, made ready for lanes.
 #[derive(Clone, Debug)]
@@ -15,6 +16,8 @@ pub(super) struct LaneGrid {
     pub rest_excess: Vec<f64>,
     /// Before how many steps a frame is kept, ascending.
     pub kept: Vec<usize>,
+    /// The nodes whose sections are not solved in the order of the rod, in the order in which they are.
+    pub first: Vec<usize>,
     /// How many cables reach through a step: every number that occurs, once.
     pub active: Vec<usize>,
 }
@@ -27,6 +30,8 @@ pub(super) struct LaneNode {
     pub weight: f64,
     /// Whether the section is that of the node before it ([`crate::statics::grid::Nodes::repeats`]).
     pub repeats: bool,
+    /// Whether it is one of [`LaneGrid::first`].
+    pub is_first: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -41,6 +46,13 @@ impl LaneGrid {
     pub fn new(grid: &Grid, kept: Vec<usize>) -> Option<Self> {
         let mut nodes = Vec::with_capacity(3 * grid.len());
         let mut before: Vec<f64> = Vec::new();
+        let waves = || grid.gauss.runs.iter().flat_map(|run| &run.waves);
+        let mut in_run: Vec<Option<WaveStart>> = vec![None; 3 * grid.len()];
+        for wave in waves() {
+            for (&node, start) in wave.nodes.iter().zip(&wave.starts) {
+                in_run[node] = Some(*start);
+            }
+        }
         for (k, step) in grid.steps.iter().enumerate() {
             if k > 0 && grid.steps[k - 1].active != step.active {
                 // The strains jump: only the last one is of use.
@@ -52,10 +64,11 @@ impl LaneGrid {
                     LaneSection::One(reduced)
                 } else {
                     let arc_length = step.start + GAUSS_3.nodes[j] * step.length;
-                    let guess = match before[..] {
-                        [] => Guess::Rest,
-                        [_] | [_, _] => Guess::Last,
-                        [.., a, b, c] => {
+                    let guess = match (in_run[3 * k + j], &before[..]) {
+                        (Some(start), _) => Guess::InRun(start),
+                        (None, []) => Guess::Rest,
+                        (None, [_] | [_, _]) => Guess::Last,
+                        (None, &[.., a, b, c]) => {
                             extrapolation([a, b, c], arc_length).map_or(Guess::Last, Guess::Beyond)
                         }
                     };
@@ -66,6 +79,7 @@ impl LaneGrid {
                     section,
                     weight: GAUSS_3.weights[j] * step.length,
                     repeats: grid.gauss.repeats(k, j),
+                    is_first: in_run[3 * k + j].is_some(),
                 });
             }
         }
@@ -77,6 +91,7 @@ impl LaneGrid {
             steps: grid.steps.iter().map(|step| step.length).collect(),
             rest_excess: grid.gauss.rest_excess.clone(),
             kept,
+            first: waves().flat_map(|wave| wave.nodes.iter().copied()).collect(),
             active,
         })
     }

@@ -6,6 +6,7 @@
 //! half a radian, an error of discretisation that takes grids finer than those at hand.
 
 mod grid;
+pub(super) mod run;
 mod section;
 mod stability;
 
@@ -313,11 +314,19 @@ impl<S: Simd> Sweep<S> {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         lengths.clear();
         lengths.extend(grid.rest_excess.iter().map(|excess| Lanes::splat(simd, -excess)));
-        strains.clear();
         let mut bad = zero;
         let null = LaneVec3::new(zero, zero, zero);
         let mut before = [LaneTwist { linear: null, angular: null }; 3];
         let mut last = before[0];
+        strains.clear();
+        strains.resize(grid.nodes.len(), last);
+        for &at in &grid.first {
+            if let LaneSection::Several(section) = &grid.nodes[at].section {
+                let (strain, solved) = section.solve(simd, &before, strains, tensions);
+                bad = bad.max(solved.select(zero, one));
+                strains[at] = strain;
+            }
+        }
         let mut pose = LanePose::identity(simd);
         let mut kept = grid.kept.iter().peekable();
         let mut slots = frames.chunks_exact_mut(NUMBERS * Lanes::<S>::COUNT);
@@ -332,16 +341,27 @@ impl<S: Simd> Sweep<S> {
         let (nodes, _) = grid.nodes.as_chunks::<3>();
         for (k, (&h, nodes)) in grid.steps.iter().zip(nodes).enumerate() {
             let mut twists = before;
-            for (node, twist) in nodes.iter().zip(&mut twists) {
+            for (j, (node, twist)) in nodes.iter().zip(&mut twists).enumerate() {
                 // A section that is the same as the one before has the same answer.
                 if !node.repeats {
                     stretches.clear();
-                    let solved;
-                    (last, solved) = match &node.section {
-                        LaneSection::One(at) => one_cable(simd, at, tensions[0], stretches),
-                        LaneSection::Several(at) => at.solve(simd, &before, tensions, stretches),
-                    };
-                    bad = bad.max(solved.select(zero, one));
+                    match &node.section {
+                        LaneSection::One(at) => {
+                            let solved;
+                            (last, solved) = one_cable(simd, at, tensions[0], stretches);
+                            bad = bad.max(solved.select(zero, one));
+                        }
+                        LaneSection::Several(at) => {
+                            if node.is_first {
+                                last = strains[3 * k + j];
+                            } else {
+                                let solved;
+                                (last, solved) = at.solve(simd, &before, &[], tensions);
+                                bad = bad.max(solved.select(zero, one));
+                            }
+                            at.add_stretches(simd, tensions, &last, stretches);
+                        }
+                    }
                 }
                 if let LaneSection::Several(_) = node.section {
                     before = [before[1], before[2], last];
@@ -349,7 +369,7 @@ impl<S: Simd> Sweep<S> {
                 for (length, &stretch) in lengths.iter_mut().zip(&*stretches) {
                     *length = *length + stretch * node.weight;
                 }
-                strains.push(last);
+                strains[3 * k + j] = last;
                 *twist = last * h;
             }
             let exponent = magnus_6_exponent(&twists);

@@ -4,15 +4,45 @@ use pulp::Simd;
 use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneLdlt3, LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
-use crate::section::equilibrium::{STEP_TOLERANCE, UNDAMPED, reach};
+use crate::section::equilibrium::{STEP_TOLERANCE, UNDAMPED};
 use crate::section::one_cable::{self, MET, Reduced};
+use crate::section::reach;
 use crate::section::{Crossing, FOLDED, Section, Stiffness};
+use crate::statics::section_runs::WaveStart;
 
-/// A section that any number of cables cross: [`crate::section`] in lanes.
+/// Sections in lanes, and what crosses them: one of many robots, or those of a run of one robot.
+pub(super) trait InLanes<S: Simd> {
+    /// How many cables cross.
+    fn cables(&self) -> usize;
+    /// What the sections are without cables.
+    fn bare(&self, simd: S) -> LaneBare<S>;
+    /// How a cable crosses, and its tension.
+    fn crossing(&self, simd: S, cable: usize) -> (LaneCrossing<S>, Lanes<S>);
+}
+
+/// A section without cables in each lane, with a diagonal stiffness.
+#[derive(Clone, Copy)]
+pub(super) struct LaneBare<S: Simd> {
+    pub shear: LaneVec3<S>,
+    pub bending: LaneVec3<S>,
+    /// Diagonal of the Hessian's block of forces without cables: infinite on an axis that is held.
+    pub pivots: LaneVec3<S>,
+    pub rest_curvature: LaneVec3<S>,
+    /// [`reach`].
+    pub reach: Lanes<S>,
+}
+
+/// [`Crossing`] in each lane. The offset has no z component.
+#[derive(Clone, Copy)]
+pub(super) struct LaneCrossing<S: Simd> {
+    pub offset: [Lanes<S>; 2],
+    pub slope: LaneVec3<S>,
+}
+
+/// A section of many robots that any number of cables cross: [`crate::section`] in lanes.
 #[derive(Clone, Debug)]
 pub(super) struct Several {
     stiffness: Stiffness,
-    /// Diagonal of the Hessian's block of forces without cables: infinite on an axis that is held.
     pivots: Vec3,
     rest_curvature: Vec3,
     crossings: Vec<Crossing>,
@@ -29,6 +59,41 @@ pub(super) enum Guess {
     Last,
     /// Beyond the three before, of which the first two have these weights, see [`super::super::unloaded::extrapolation`].
     Beyond([f64; 2]),
+    /// Between sections of its run.
+    InRun(WaveStart),
+}
+
+/// A section of many robots under their tensions.
+struct Pulled<'a, S: Simd> {
+    section: &'a Several,
+    tensions: &'a [Lanes<S>],
+}
+
+impl<S: Simd> InLanes<S> for Pulled<'_, S> {
+    #[inline(always)]
+    fn cables(&self) -> usize {
+        self.section.crossings.len().min(self.tensions.len())
+    }
+
+    #[inline(always)]
+    fn bare(&self, simd: S) -> LaneBare<S> {
+        let Several { stiffness, pivots, rest_curvature, reach, .. } = self.section;
+        LaneBare {
+            shear: LaneVec3::splat(simd, stiffness.shear),
+            bending: LaneVec3::splat(simd, stiffness.bending),
+            pivots: LaneVec3::splat(simd, *pivots),
+            rest_curvature: LaneVec3::splat(simd, *rest_curvature),
+            reach: Lanes::splat(simd, *reach),
+        }
+    }
+
+    #[inline(always)]
+    fn crossing(&self, simd: S, cable: usize) -> (LaneCrossing<S>, Lanes<S>) {
+        let Crossing { offset, slope, .. } = &self.section.crossings[cable];
+        let offset = [Lanes::splat(simd, offset.x), Lanes::splat(simd, offset.y)];
+        let crossing = LaneCrossing { offset, slope: LaneVec3::splat(simd, *slope) };
+        (crossing, self.tensions[cable])
+    }
 }
 
 /// [`crate::section::Tangent`] in each lane.
@@ -56,22 +121,112 @@ struct LanePull<S: Simd> {
     stretch: Lanes<S>,
 }
 
+impl<S: Simd> LaneCrossing<S> {
+    #[inline(always)]
+    fn tangent(&self, strain: &LaneTwist<S>) -> LaneVec3<S> {
+        let [x, y] = self.offset;
+        let (v, u) = (strain.linear, strain.angular);
+        LaneVec3::new(v.x - u.z * y, v.y + u.z * x, v.z + (u.x * y - u.y * x)) + self.slope
+    }
+
+    #[inline(always)]
+    fn pull(&self, simd: S, strain: &LaneTwist<S>) -> LanePull<S> {
+        let tangent = self.tangent(strain);
+        let stretch = tangent.norm();
+        let t = tangent * (Lanes::splat(simd, 1.0) / stretch);
+        let [x, y] = self.offset;
+        let angular = LaneVec3::new(t.z * y, -(t.z * x), t.y * x - t.x * y);
+        LanePull { linear: t, angular, stretch }
+    }
+
+    /// `‖p′‖`.
+    #[inline(always)]
+    pub fn stretch(&self, strain: &LaneTwist<S>) -> Lanes<S> {
+        self.tangent(strain).norm()
+    }
+}
+
+/// The strain of sections from these, and in which lanes there is one.
 #[inline(always)]
-fn stretched<S: Simd>(simd: S, crossing: &Crossing, strain: &LaneTwist<S>) -> LaneVec3<S> {
-    let (r, slope) = (crossing.offset, crossing.slope);
-    let (v, u) = (strain.linear, strain.angular);
-    LaneVec3::new(v.x - u.z * r.y, v.y + u.z * r.x, v.z + (u.x * r.y - u.y * r.x))
-        + LaneVec3::splat(simd, slope)
+pub(super) fn equilibrium<S: Simd>(
+    of: &impl InLanes<S>,
+    simd: S,
+    mut strain: LaneTwist<S>,
+) -> (LaneTwist<S>, LaneMask<S>) {
+    let bare = of.bare(simd);
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let tolerance = Lanes::splat(simd, STEP_TOLERANCE);
+    let mut running = zero.at_most(one);
+    let mut met = one.at_most(zero);
+    for _ in 0..UNDAMPED {
+        let (step, definite) = newton_step(of, &bare, simd, &strain);
+        let moved = strain + step;
+        let select = |to: LaneVec3<S>, from: LaneVec3<S>| {
+            LaneVec3::new(
+                running.select(to.x, from.x),
+                running.select(to.y, from.y),
+                running.select(to.z, from.z),
+            )
+        };
+        // Lanes that are there stay where they are.
+        strain = LaneTwist {
+            linear: select(moved.linear, strain.linear),
+            angular: select(moved.angular, strain.angular),
+        };
+        let size = step.linear.max_abs().max(step.angular.max_abs() * bare.reach);
+        running = running.and(definite);
+        met = met.or(running.and(size.at_most(tolerance)));
+        running = running.and(tolerance.below(size)).and(size.at_most(one));
+        if !running.any() {
+            break;
+        }
+    }
+    (strain, met)
 }
 
 #[inline(always)]
-fn pull<S: Simd>(simd: S, crossing: &Crossing, strain: &LaneTwist<S>) -> LanePull<S> {
-    let tangent = stretched(simd, crossing, strain);
-    let stretch = tangent.norm();
-    let t = tangent * (Lanes::splat(simd, 1.0) / stretch);
-    let r = crossing.offset;
-    let angular = LaneVec3::new(t.z * r.y, -(t.z * r.x), t.y * r.x - t.x * r.y);
-    LanePull { linear: t, angular, stretch }
+fn newton_step<S: Simd>(
+    of: &impl InLanes<S>,
+    bare: &LaneBare<S>,
+    simd: S,
+    strain: &LaneTwist<S>,
+) -> (LaneTwist<S>, LaneMask<S>) {
+    let zero = Lanes::splat(simd, 0.0);
+    let null = LaneVec3::new(zero, zero, zero);
+    let dv = strain.linear - LaneVec3::splat(simd, Vec3::Z);
+    let du = strain.angular - bare.rest_curvature;
+    let mut force = null - bare.shear.scale(dv);
+    let mut moment = null - bare.bending.scale(du);
+    let mut hessian = LaneHessian::of(simd, bare);
+    for cable in 0..of.cables() {
+        let (crossing, tension) = of.crossing(simd, cable);
+        let pull = crossing.pull(simd, strain);
+        force = force - pull.linear * tension;
+        moment = moment - pull.angular * tension;
+        hessian.add(crossing.offset, &pull, tension / pull.stretch);
+    }
+    let tangent = hessian.factor(simd);
+    (tangent.solve(force, moment), tangent.definite)
+}
+
+/// The linear combination of strains that a section of a run starts from.
+#[inline(always)]
+fn between<S: Simd>(
+    simd: S,
+    start: &WaveStart,
+    rest_curvature: Vec3,
+    strain: impl Fn(usize) -> LaneTwist<S>,
+) -> LaneTwist<S> {
+    match *start {
+        WaveStart::Rest => LaneTwist {
+            linear: LaneVec3::splat(simd, Vec3::Z),
+            angular: LaneVec3::splat(simd, rest_curvature),
+        },
+        WaveStart::Between { nodes: [a, b, c, d], weights: [wb, wc, wd] } => {
+            let a = strain(a);
+            a + (strain(b) - a) * wb + (strain(c) - a) * wc + (strain(d) - a) * wd
+        }
+    }
 }
 
 impl Several {
@@ -100,81 +255,38 @@ impl Several {
         self.stiffness.bending
     }
 
-    /// The strain from those of the three sections before, and in which lanes there is one; adds the stretches of the
-    /// cables.
+    /// The strain from those of the sections before, the last three and all of its run, and in which lanes there is one.
     #[inline(always)]
     pub fn solve<S: Simd>(
         &self,
         simd: S,
         before: &[LaneTwist<S>; 3],
+        strains: &[LaneTwist<S>],
         tensions: &[Lanes<S>],
-        stretches: &mut Vec<Lanes<S>>,
     ) -> (LaneTwist<S>, LaneMask<S>) {
         let [a, b, c] = *before;
-        let mut strain = match self.guess {
-            Guess::Rest => LaneTwist {
-                linear: LaneVec3::splat(simd, Vec3::Z),
-                angular: LaneVec3::splat(simd, self.rest_curvature),
-            },
+        let start = match &self.guess {
+            Guess::Rest => between(simd, &WaveStart::Rest, self.rest_curvature, |_| c),
             Guess::Last => c,
-            Guess::Beyond([wa, wb]) => c + (a - c) * wa + (b - c) * wb,
+            Guess::Beyond([wa, wb]) => c + (a - c) * *wa + (b - c) * *wb,
+            Guess::InRun(start) => between(simd, start, self.rest_curvature, |at| strains[at]),
         };
-        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let tolerance = Lanes::splat(simd, STEP_TOLERANCE);
-        let mut running = zero.at_most(one);
-        let mut met = one.at_most(zero);
-        for _ in 0..UNDAMPED {
-            let (step, definite) = self.newton_step(simd, tensions, &strain);
-            let moved = strain + step;
-            let select = |to: LaneVec3<S>, from: LaneVec3<S>| {
-                LaneVec3::new(
-                    running.select(to.x, from.x),
-                    running.select(to.y, from.y),
-                    running.select(to.z, from.z),
-                )
-            };
-            // Lanes that are there stay where they are.
-            strain = LaneTwist {
-                linear: select(moved.linear, strain.linear),
-                angular: select(moved.angular, strain.angular),
-            };
-            let size = step.linear.max_abs().max(step.angular.max_abs() * self.reach);
-            running = running.and(definite);
-            met = met.or(running.and(size.at_most(tolerance)));
-            running = running.and(tolerance.below(size)).and(size.at_most(one));
-            if !running.any() {
-                break;
-            }
-        }
-        for crossing in &self.crossings {
-            stretches.push(stretched(simd, crossing, &strain).norm());
-        }
-        (strain, met)
+        equilibrium(&Pulled { section: self, tensions }, simd, start)
     }
 
+    /// Adds the stretches of the cables at a strain.
     #[inline(always)]
-    fn newton_step<S: Simd>(
+    pub fn add_stretches<S: Simd>(
         &self,
         simd: S,
         tensions: &[Lanes<S>],
         strain: &LaneTwist<S>,
-    ) -> (LaneTwist<S>, LaneMask<S>) {
-        let zero = Lanes::splat(simd, 0.0);
-        let null = LaneVec3::new(zero, zero, zero);
-        let dv = strain.linear - LaneVec3::splat(simd, Vec3::Z);
-        let du = strain.angular - LaneVec3::splat(simd, self.rest_curvature);
-        let Stiffness { shear, bending } = self.stiffness;
-        let mut force = null - LaneVec3::splat(simd, shear).scale(dv);
-        let mut moment = null - LaneVec3::splat(simd, bending).scale(du);
-        let mut hessian = LaneHessian::of(simd, self);
-        for (crossing, &tension) in self.crossings.iter().zip(tensions) {
-            let pull = pull(simd, crossing, strain);
-            force = force - pull.linear * tension;
-            moment = moment - pull.angular * tension;
-            hessian.add(crossing.offset, &pull, tension / pull.stretch);
+        stretches: &mut Vec<Lanes<S>>,
+    ) {
+        let pulled = Pulled { section: self, tensions };
+        for cable in 0..InLanes::<S>::cables(&pulled) {
+            stretches.push(pulled.crossing(simd, cable).0.stretch(strain));
         }
-        let tangent = hessian.factor(simd);
-        (tangent.solve(force, moment), tangent.definite)
     }
 
     /// Bending stiffness at a strain when forces are held, and in which lanes there is one.
@@ -185,37 +297,42 @@ impl Several {
         tensions: &[Lanes<S>],
         strain: &LaneTwist<S>,
     ) -> (LaneSym3<S>, LaneMask<S>) {
-        let mut hessian = LaneHessian::of(simd, self);
-        for (crossing, &tension) in self.crossings.iter().zip(tensions) {
-            let pull = pull(simd, crossing, strain);
-            hessian.add(crossing.offset, &pull, tension / pull.stretch);
-        }
-        let tangent = hessian.factor(simd);
-        (tangent.reduced, tangent.definite)
+        reduced(&Pulled { section: self, tensions }, simd, strain)
     }
+}
+
+/// Bending stiffness of sections at a strain when forces are held, and in which lanes there is one.
+#[inline(always)]
+pub(super) fn reduced<S: Simd>(
+    of: &impl InLanes<S>,
+    simd: S,
+    strain: &LaneTwist<S>,
+) -> (LaneSym3<S>, LaneMask<S>) {
+    let mut hessian = LaneHessian::of(simd, &of.bare(simd));
+    for cable in 0..of.cables() {
+        let (crossing, tension) = of.crossing(simd, cable);
+        let pull = crossing.pull(simd, strain);
+        hessian.add(crossing.offset, &pull, tension / pull.stretch);
+    }
+    let tangent = hessian.factor(simd);
+    (tangent.reduced, tangent.definite)
 }
 
 impl<S: Simd> LaneHessian<S> {
     #[inline(always)]
-    fn of(simd: S, section: &Several) -> Self {
+    fn of(simd: S, bare: &LaneBare<S>) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let null = LaneVec3::new(zero, zero, zero);
-        let diagonal = |d: Vec3| LaneSym3 {
-            xx: Lanes::splat(simd, d.x),
-            yx: zero,
-            yy: Lanes::splat(simd, d.y),
-            zx: zero,
-            zy: zero,
-            zz: Lanes::splat(simd, d.z),
-        };
-        Self { a: diagonal(section.pivots), b: [null; 3], c: diagonal(section.stiffness.bending) }
+        let diagonal =
+            |d: LaneVec3<S>| LaneSym3 { xx: d.x, yx: zero, yy: d.y, zx: zero, zy: zero, zz: d.z };
+        Self { a: diagonal(bare.pivots), b: [null; 3], c: diagonal(bare.bending) }
     }
 
     #[inline(always)]
-    fn add(&mut self, r: Vec3, pull: &LanePull<S>, k: Lanes<S>) {
+    fn add(&mut self, [rx, ry]: [Lanes<S>; 2], pull: &LanePull<S>, k: Lanes<S>) {
         let (t, m) = (pull.linear, pull.angular);
         let (kt, km) = (t * k, m * k);
-        let (krx, kry) = (k * r.x, k * r.y);
+        let (krx, kry) = (k * rx, k * ry);
         let a = &mut self.a;
         a.xx = a.xx + (k - kt.x * t.x);
         a.yx = a.yx - kt.y * t.x;
@@ -233,11 +350,11 @@ impl<S: Simd> LaneHessian<S> {
         b0.z = b0.z + (kry - kt.z * m.x);
         b1.z = b1.z - (krx + kt.z * m.y);
         b2.z = b2.z - kt.z * m.z;
-        let rr = krx * r.x + kry * r.y;
+        let rr = krx * rx + kry * ry;
         let c = &mut self.c;
-        c.xx = c.xx + (rr - krx * r.x - km.x * m.x);
-        c.yx = c.yx - (kry * r.x + km.y * m.x);
-        c.yy = c.yy + (rr - kry * r.y - km.y * m.y);
+        c.xx = c.xx + (rr - krx * rx - km.x * m.x);
+        c.yx = c.yx - (kry * rx + km.y * m.x);
+        c.yy = c.yy + (rr - kry * ry - km.y * m.y);
         c.zx = c.zx - km.z * m.x;
         c.zy = c.zy - km.z * m.y;
         c.zz = c.zz + (rr - km.z * m.z);
