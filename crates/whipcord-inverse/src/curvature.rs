@@ -15,7 +15,7 @@ use whipcord::{Mat3, Robot, Vec3};
 /// ```
 ///
 /// where `2/√3` bounds the third derivative of a norm. `β` is no more than `η = Σ hᵢαᵢ`. Cables that pull against one another hardly bend the robot: with the tangents `tᵢ⁰` in the
-/// middle of the box, from which `tᵢ` differs by no more than `αᵢη/ℓᵢ`, it is no more than the greatest `‖Σ ±hᵢ Aᵢᵀ tᵢ⁰‖_{K⁻¹} + Σ hᵢαᵢ²η/ℓᵢ`.
+/// middle of the box, from which `tᵢ` differs by no more than `αᵢβ/ℓᵢ`, it is no more than the greatest `‖Σ δᵢ Aᵢᵀ tᵢ⁰‖_{K⁻¹}` at its corners over `1 − Σ hᵢαᵢ²/ℓᵢ`.
 ///
 /// It is `ℓₖ ≥ ℓₖ(ξ*) − αₖ Σ τⱼαⱼ`, and over the box `ℓₖ ≥ ℓₖ(τ₀) − αₖη`. From the strains the bounds go on to the point by `R′ = R û`, `p′ = R v` (11).
 #[derive(Clone, Debug)]
@@ -26,11 +26,14 @@ pub(crate) struct CurvatureBound {
     cables: usize,
 }
 
-/// A box of tensions in N.
+/// Tensions in N: those in the middle, and all that differ from them by the sum of a part between -1 and 1 of each edge.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TensionBox<'a> {
     pub center: &'a [f64],
+    /// How much each tension differs at most.
     pub half: &'a [f64],
+    /// The tensions of each edge, one after the other.
+    pub edges: &'a [f64],
 }
 
 /// Memory of [`CurvatureBound::second_derivative`].
@@ -43,10 +46,12 @@ pub(crate) struct Memory {
     changes: Vec<f64>,
     stretch: Vec<f64>,
     pulls: Vec<[Vec3; 2]>,
+    /// Of each edge.
+    sums: Vec<[Vec3; 2]>,
 }
 
 /// A section with the cables that cross it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 struct Section {
     crossed: CrossedSection,
     /// `∂v/∂N`, `∂v/∂M` and `∂u/∂M`.
@@ -68,8 +73,11 @@ struct Cell {
     sections: [usize; 3],
 }
 
-/// Pieces of the backbone between two disks, at whose ends and middle the sections are looked at.
-const PIECES: usize = 4;
+/// Pieces of the backbone between two disks, at whose ends and middle the sections are looked at: so many, and where a cable turns about the backbone so many that
+/// it turns by no more than [`TURN`] along one.
+const PIECES: usize = 2;
+/// In rad.
+const TURN: f64 = 0.35;
 /// What a section may be worse between the places that are looked at.
 const BETWEEN: f64 = 1.02;
 /// A cable whose stretch may get smaller than this has no bound.
@@ -82,8 +90,9 @@ impl CurvatureBound {
     pub fn of(robot: &Robot, arc_length: f64) -> Option<Self> {
         let mut places = vec![0.0];
         for pair in robot.disks().arc_lengths.windows(2) {
-            for piece in 1..=PIECES {
-                let at = pair[0] + (pair[1] - pair[0]) * piece as f64 / PIECES as f64;
+            let pieces = pieces(robot, pair[0], pair[1]);
+            for piece in 1..=pieces {
+                let at = pair[0] + (pair[1] - pair[0]) * piece as f64 / pieces as f64;
                 if at < arc_length {
                     places.push(at);
                 }
@@ -110,16 +119,31 @@ impl CurvatureBound {
         self.cells.iter().map(of).sum()
     }
 
-    /// How much a change of the tension of each cable by 1 N can bend the robot.
-    pub fn bending(&self, cable: usize) -> f64 {
-        self.cells.iter().map(|cell| cell.width * cell.bending * cell.alpha[cable]).sum()
+    /// How much these tensions bend the robot at rest, in rad, and what they add to its stiffness.
+    pub fn bending(&self, tensions: &[f64]) -> f64 {
+        let n = self.cables;
+        let none = vec![0.0; n];
+        let turned = |section: &Section| {
+            let (mut stretches, mut pulls) = (vec![f64::INFINITY; n], vec![[Vec3::ZERO; 2]; n]);
+            section.crossed.pulls(&none, &mut stretches, &mut pulls)?;
+            let [force, moment] = exerted(tensions, &pulls);
+            let [_, vu, uu] = section.compliance;
+            Some((vu.transpose_mul(force) + uu * moment).norm())
+        };
+        let turned: Vec<f64> = self.sections.iter().map(|of| turned(of).unwrap_or(0.0)).collect();
+        let of = |cell: &Cell| cell.width * turned[cell.sections[1]];
+        let stiffened = |cell: &Cell| -> f64 {
+            tensions.iter().zip(&cell.alpha).map(|(t, a)| t.abs() * a * a).sum()
+        };
+        let most = self.cells.iter().map(stiffened).fold(0.0, f64::max);
+        self.cells.iter().map(of).sum::<f64>() + most
     }
 
     /// A bound of `‖∂_δ² p‖` in m for all tensions of a box and all changes `δ` from its middle to another of its points; `None` where there is none.
     pub fn second_derivative(&self, of: TensionBox<'_>, memory: &mut Memory) -> Option<f64> {
         let n = self.cables;
-        let TensionBox { center, half } = of;
-        let Memory { greatest, stretches, velocities, changes, stretch, pulls } = memory;
+        let TensionBox { center, half, edges } = of;
+        let Memory { greatest, stretches, velocities, changes, stretch, pulls, sums } = memory;
         greatest.clear();
         greatest.extend(center.iter().zip(half).map(|(c, h)| c + h));
         stretches.clear();
@@ -130,7 +154,7 @@ impl CurvatureBound {
             pulls.clear();
             pulls.resize(n, [Vec3::ZERO; 2]);
             velocities.push(section.crossed.pulls(center, stretches, pulls)?);
-            changes.push(section.greatest_change(half, pulls));
+            changes.push(section.greatest_change(edges, pulls, sums));
         }
         let (mut first, mut second, mut whole) = (0.0, 0.0, 0.0);
         for cell in &self.cells {
@@ -156,7 +180,8 @@ impl CurvatureBound {
             let third = sum(&|k| greatest[k] * cell.alpha[k].powi(3) / stretch[k].powi(2));
             let together = cell.sections.map(|at| changes[at]).into_iter().fold(0.0, f64::max);
             // `β`
-            let along = change.min(BETWEEN * together + turning * change);
+            let own = BETWEEN * together / (1.0 - turning);
+            let along = if turning < 1.0 { change.min(own) } else { change };
             let rate = 2.0 * along * turning + 2.0 / 3.0_f64.sqrt() * along * along * third;
             let h = cell.width;
             // At the end of the cell, which is the greatest.
@@ -175,25 +200,44 @@ impl Section {
         Some(Self { crossed, compliance })
     }
 
-    /// The greatest `‖Σ δᵢ Aᵢᵀ tᵢ‖_{K⁻¹}` of all changes of the tensions by no more than these in N, for what each cable exerts under 1 N. It is at a corner of the box.
-    fn greatest_change(&self, half: &[f64], pulls: &[[Vec3; 2]]) -> f64 {
-        let n = half.len();
+    /// Whether it is another one, but for far less than [`BETWEEN`].
+    fn is_like(&self, other: &Self) -> bool {
+        self.crossed.is_like(&other.crossed)
+    }
+
+    /// The greatest `‖Σ δᵢ Aᵢᵀ tᵢ‖_{K⁻¹}` of all changes of the tensions by parts of edges, for what each cable exerts under 1 N. It is at a corner.
+    fn greatest_change(
+        &self,
+        edges: &[f64],
+        pulls: &[[Vec3; 2]],
+        sums: &mut Vec<[Vec3; 2]>,
+    ) -> f64 {
+        let n = pulls.len();
         if n == 0 || n > MOST_CORNERS {
             return f64::INFINITY;
         }
         let [vv, vu, uu] = self.compliance;
+        sums.clear();
+        sums.extend(edges.chunks_exact(n).map(|edge| exerted(edge, pulls)));
         // Opposite corners are alike.
         let corner = |signs: u32| {
             let sign = |k: usize| if signs >> k & 1 == 1 { -1.0 } else { 1.0 };
-            let each = pulls.iter().zip(half).enumerate();
-            let sum = each.fold([Vec3::ZERO; 2], |[force, moment], (k, (pull, h))| {
-                [force + pull[0] * (sign(k) * h), moment + pull[1] * (sign(k) * h)]
+            let each = sums.iter().enumerate();
+            let [force, moment] = each.fold([Vec3::ZERO; 2], |[force, moment], (k, of)| {
+                [force + of[0] * sign(k), moment + of[1] * sign(k)]
             });
-            let [force, moment] = sum;
             force.dot(vv * force) + 2.0 * force.dot(vu * moment) + moment.dot(uu * moment)
         };
         (0..1 << (n - 1)).map(corner).fold(0.0, f64::max).sqrt()
     }
+}
+
+/// What tensions exert, for what each cable exerts under 1 N.
+fn exerted(tensions: &[f64], pulls: &[[Vec3; 2]]) -> [Vec3; 2] {
+    let each = tensions.iter().zip(pulls).filter(|(tension, _)| **tension != 0.0);
+    each.fold([Vec3::ZERO; 2], |[force, moment], (tension, pull)| {
+        [force + pull[0] * *tension, moment + pull[1] * *tension]
+    })
 }
 
 impl Cell {
@@ -239,13 +283,33 @@ impl Cell {
             let stretches = cell.stretch.iter_mut().zip(&at_rest);
             stretches.for_each(|(least, at_rest)| *least = least.min(at_rest / BETWEEN));
             cell.sections[place] =
-                sections.iter().position(|known| *known == section).unwrap_or_else(|| {
+                sections.iter().position(|known| known.is_like(&section)).unwrap_or_else(|| {
                     sections.push(section);
                     sections.len() - 1
                 });
         }
         Some(cell)
     }
+}
+
+/// Into how many pieces the backbone between two disks is divided.
+fn pieces(robot: &Robot, from: f64, to: f64) -> usize {
+    /// Places at which the direction of a cable is looked at.
+    const PLACES: usize = 64;
+    let ends = robot.routes().iter().filter(|route| route.end() > from);
+    let turned = ends.map(|route| {
+        let end = to.min(route.end());
+        let at = |k: usize| route.at(from + (end - from) * k as f64 / PLACES as f64).offset;
+        let turn = |k: usize| {
+            let (a, b) = (at(k), at(k + 1));
+            (a.x * b.y - a.y * b.x).atan2(a.dot(b)).abs()
+        };
+        (0..PLACES).map(turn).sum()
+    });
+    let most = turned.fold(0.0, f64::max);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
+    let pieces = (most / TURN).ceil() as usize;
+    pieces.max(PIECES)
 }
 
 fn skew(r: Vec3) -> Mat3 {

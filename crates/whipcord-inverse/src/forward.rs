@@ -439,6 +439,14 @@ impl Forward {
         self.by_verifier(|forward| forward.evaluate(unknowns, places, None))
     }
 
+    /// What is asked, with another model of the answers.
+    pub fn answering_by<T>(&mut self, mut model: Prepared, ask: impl FnOnce(&mut Self) -> T) -> T {
+        core::mem::swap(&mut self.verifier, &mut model);
+        let found = ask(self);
+        core::mem::swap(&mut self.verifier, &mut model);
+        found
+    }
+
     /// [`Self::evaluate_with_rates`] by the model of the answers.
     pub fn answer_with_rates(
         &mut self,

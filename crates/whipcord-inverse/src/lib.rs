@@ -26,6 +26,7 @@
 //! ```
 
 mod actuator;
+mod antagonists;
 mod atlas;
 mod cell;
 mod certificate;

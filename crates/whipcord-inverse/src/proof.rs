@@ -6,6 +6,7 @@ use whipcord::{ModelKind, Solution, Vec3};
 use crate::actuator::Actuator;
 use crate::certificate::{Goal, NoProof, least_distance};
 use crate::error::InverseError;
+use crate::few_steps::for_proof;
 use crate::options::{ReachOptions, ReachStatus};
 use crate::reach::Reached;
 use crate::solver::InverseSolver;
@@ -30,13 +31,17 @@ impl InverseSolver {
                 if goal.distance <= tolerance.position {
                     Err(NoProof::Near)
                 } else {
+                    let model = for_proof(self.model());
+                    let prepared = model.prepare(self.forward().robot(), &self.case().loads)?;
                     let list: Vec<Actuator> = (0..tensions.len()).map(Actuator::Tension).collect();
                     let forward = self.forward_mut();
                     let first = forward.solves;
                     let unknowns = core::mem::replace(&mut forward.actuators.list, list);
                     // A robot that keeps clear of obstacles has the shape that it has without them.
                     let obstacles = core::mem::take(&mut forward.case.obstacles);
-                    let found = least_distance(forward, &goal, &tensions, boxes);
+                    let found = forward.answering_by(prepared, |forward| {
+                        least_distance(forward, &goal, &tensions, boxes)
+                    });
                     forward.case.obstacles = obstacles;
                     forward.actuators.list = unknowns;
                     answer.solves += forward.solves - first;

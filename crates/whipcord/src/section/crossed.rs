@@ -5,7 +5,7 @@ use whipcord_numerics::Vec3;
 use super::crossing::{BodyWrench, Crossing};
 use super::equilibrium::equilibrium;
 use super::of_robot::section_at;
-use super::properties::Section;
+use super::properties::{Section, Stiffness};
 use crate::error::SolveError;
 use crate::robot::Robot;
 
@@ -33,6 +33,28 @@ impl CrossedSection {
             })
             .unzip();
         Ok(Self { section, crossings, cables })
+    }
+
+    /// Whether stiffness, rest curvature and cables are those of another one but for a small part of each.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        /// That part.
+        const PART: f64 = 1e-6;
+        let near = |a: Vec3, b: Vec3| (a - b).norm() <= PART * a.norm().max(b.norm());
+        let (a, b) = (&self.section, &other.section);
+        let Stiffness { shear, bending } = a.stiffness;
+        let crossings = self.crossings.iter().zip(&other.crossings);
+        self.cables == other.cables
+            && near(shear, b.stiffness.shear)
+            && near(bending, b.stiffness.bending)
+            && a.compliance.shear.to_array().map(|of| of == 0.0)
+                == b.compliance.shear.to_array().map(|of| of == 0.0)
+            && near(a.rest_curvature, b.rest_curvature)
+            && a.beside == b.beside
+            && crossings.into_iter().all(|(a, b)| {
+                // A slope is a part of the tangent.
+                near(a.offset, b.offset) && near(a.slope + Vec3::Z, b.slope + Vec3::Z)
+            })
     }
 
     /// The equilibrium under the tensions in N of all cables of the robot: writes the stretch of each cable that crosses the section and what it exerts under 1 N, force and
