@@ -98,7 +98,7 @@ impl Ending {
 /// Largest step at first and at all, in scales of the unknowns, and damping at first.
 pub(crate) const FIRST_RADIUS: f64 = 0.25;
 pub(crate) const FIRST_DAMPING: f64 = 1e-8;
-const LARGEST_RADIUS: f64 = 4.0;
+pub(crate) const LARGEST_RADIUS: f64 = 4.0;
 /// A step of this size, in scales, moves nothing.
 const LEAST_STEP: f64 = 1e-11;
 /// An unknown so near to a bound, in scales, is at it.

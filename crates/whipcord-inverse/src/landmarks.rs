@@ -3,10 +3,11 @@
 use whipcord::SolveError;
 use whipcord::derivatives::Place;
 
-use crate::descent::within;
+use crate::descent::{Control, FIRST_DAMPING, LARGEST_RADIUS, Problem, Region, Workspace, within};
 use crate::evaluation::Evaluation;
 use crate::forward::Forward;
 use crate::search::Search;
+use crate::target::Target;
 
 /// A shape to start from.
 #[derive(Clone, Debug)]
@@ -30,6 +31,10 @@ pub(crate) struct Landmarks {
     spread: Vec<Landmark>,
     has_spread: bool,
 }
+
+/// So many of the shapes nearest to a point are compared by where they lead, for so many unknowns at most: of more a step takes longer than it spares.
+const COMPARED: usize = 4;
+const MOST_UNKNOWNS: usize = 6;
 
 impl Landmark {
     /// At unknowns; with an answer where one is asked for and is of another model than the trials. `None` where there is none.
@@ -72,7 +77,7 @@ impl Landmark {
 }
 
 impl Landmarks {
-    /// Where the search for a target starts: at the commands, or where shapes all over the commands are wanted at the nearest of all. What a landmark has taken counts as
+    /// Where the search for a target starts: at the commands, or where shapes all over the commands are wanted at the one of the nearest whose first step leads nearest. What a landmark has taken counts as
     /// solves of each target that starts from it, whichever was the first. `None` where the start has no answer, or answers depend on more than the commands.
     ///
     /// # Errors
@@ -80,9 +85,9 @@ impl Landmarks {
     pub fn start(
         &mut self,
         commanded: &[f64],
-        bounds: &[[f64; 2]],
         wanted: Option<&[Vec<f64>]>,
         search: &mut Search<'_>,
+        (control, workspace): (&Control<'_>, &mut Workspace),
     ) -> Result<Option<&Landmark>, SolveError> {
         if !search.forward.has_no_memory() {
             return Ok(None);
@@ -90,7 +95,7 @@ impl Landmarks {
         if self.places != search.places() {
             *self = Self { places: search.places().to_vec(), ..Self::default() };
         }
-        let unknowns = within(commanded, bounds);
+        let unknowns = within(commanded, control.bounds);
         if self.commanded.as_ref().is_none_or(|known| known.unknowns != unknowns) {
             self.commanded =
                 Landmark::at(search.forward, unknowns, &self.places, wanted.is_some())?;
@@ -106,14 +111,32 @@ impl Landmarks {
                 self.spread.extend(landmark?);
             }
         }
-        let all = self.commanded.iter().chain(&self.spread);
-        let (mut least, mut nearest) = (f64::INFINITY, None);
-        for landmark in all {
-            let squares = search.squares(&landmark.evaluation.solution, least);
-            if squares < least {
-                (least, nearest) = (squares, Some(landmark));
+        let all = || self.commanded.iter().chain(&self.spread);
+        let mut near = [(f64::INFINITY, None); COMPARED];
+        for landmark in all() {
+            let most = near[COMPARED - 1].0;
+            let squares = search.squares(&landmark.evaluation.solution, most);
+            let place = near.partition_point(|(of, _)| *of <= squares);
+            if squares < most {
+                near[place..].rotate_right(1);
+                near[place] = (squares, Some(landmark));
             }
         }
+        // Of a point alone, shapes near it may have commands far from those that are looked for.
+        let is_point = matches!(search.target, Target::Tip(_));
+        let nearest = match is_point && commanded.len() <= MOST_UNKNOWNS {
+            false => near[0].1,
+            true => {
+                let (mut least, mut best) = (f64::INFINITY, near[0].1);
+                for landmark in near.iter().filter_map(|(_, landmark)| *landmark) {
+                    let left = Self::left(landmark, search, control, workspace);
+                    if left < least {
+                        (least, best) = (left, Some(landmark));
+                    }
+                }
+                best
+            }
+        };
         if let Some(nearest) = nearest {
             search.forward.solves += nearest.solves;
             if let Some(answer) = &nearest.answer {
@@ -121,5 +144,24 @@ impl Landmarks {
             }
         }
         Ok(nearest)
+    }
+
+    /// How far from the target the first step from a landmark leads, about, in m: what the linear problem leaves, and what the step bends the robot by more than that knows of.
+    fn left(
+        landmark: &Landmark,
+        search: &Search<'_>,
+        control: &Control<'_>,
+        workspace: &mut Workspace,
+    ) -> f64 {
+        let linear = search.linearize(&landmark.evaluation);
+        let penalty = 1e2 * linear.cost().max(1e-30);
+        let region = Region { damping: FIRST_DAMPING, radius: LARGEST_RADIUS };
+        let step = workspace.step(&linear, &[], &landmark.unknowns, control, region, penalty);
+        if step.is_err() {
+            return f64::INFINITY;
+        }
+        let steps = workspace.last_step().iter().take(landmark.unknowns.len());
+        let size = steps.fold(0.0, |most: f64, d| most.max(d.abs()));
+        workspace.left().0 + search.forward.robot().backbone().length * size * size
     }
 }

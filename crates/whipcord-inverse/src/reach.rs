@@ -144,7 +144,10 @@ impl InverseSolver {
             _ => self.spread.as_deref(),
         };
         let known = match from {
-            None => self.landmarks.start(start, bounds, wanted, &mut search)?,
+            None => {
+                let step = (&control(0), &mut self.workspace);
+                self.landmarks.start(start, wanted, &mut search, step)?
+            }
             Some(_) => None,
         };
         let mut best: Option<Candidate> = None;
