@@ -12,7 +12,7 @@ use crate::kind::ModelKind;
 use crate::kinematics::{ComplianceUnknown, Local, Matrix6, OneSided};
 use crate::model::{Model, Prepared};
 use crate::parameter::Parameter;
-use crate::robot::{Cable, Robot};
+use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::plastic_steps::PlasticRod as _;
@@ -81,7 +81,8 @@ impl Linearization {
     }
 
     /// How the answer changes where the command of a cable is changed by as much in all steps of the case ([`Self::command`] changes it
-    /// in the last). They differ where cables rub in their holes, which remember the steps before.
+    /// in the last). They differ where cables rub in their holes, which remember the steps before. What friction against bending keeps of these
+    /// is taken as it is.
     ///
     /// # Panics
     /// When the robot has no cable of this number.
@@ -217,7 +218,14 @@ impl Linearization {
         ask!(self.is_cable_about_to_change())
     }
 
-    /// What is about to change at the answer, of these three.
+    /// Whether friction against bending is about to slide or to stick, in a joint of a model of sections or at a section of a rod, as where a
+    /// command is repeated: the answer has one-sided derivatives there, and these are the derivatives of the side that the answer is on.
+    #[must_use]
+    pub const fn is_bending_about_to_change(&self) -> bool {
+        ask!(self.is_bending_about_to_change())
+    }
+
+    /// What is about to change at the answer, of these four.
     #[must_use]
     pub fn one_sided(&self) -> OneSided {
         ask!(self.one_sided())
@@ -252,16 +260,12 @@ impl Model {
     #[must_use]
     pub fn has_derivatives(&self, robot: &Robot) -> bool {
         match self {
-            Self::Cosserat(_) | Self::CosseratDisks(_) => {
-                !(robot.has_bending_friction() && robot.cables().iter().any(Cable::has_friction))
-            }
-            Self::PiecewiseConstantCurvature(_) | Self::PseudoRigidBody(_) => {
-                !robot.has_bending_friction()
-            }
+            Self::Cosserat(_)
+            | Self::CosseratDisks(_)
+            | Self::PiecewiseConstantCurvature(_)
+            | Self::PseudoRigidBody(_) => true,
             Self::FourBar(options) => {
-                !robot.has_bending_friction()
-                    && four_bar::FourBar::new(robot, options)
-                        .is_ok_and(|model| model.has_linearization())
+                four_bar::FourBar::new(robot, options).is_ok_and(|model| model.has_linearization())
             }
             Self::ConstantCurvature(_) => false,
         }
@@ -386,7 +390,7 @@ impl Prepared {
                     |(solution, of)| each(solution, of_rod(of)),
                 );
             }
-            Self::Linkage(model, workspace) if model.has_friction() => {
+            Self::Linkage(model, workspace) if model.has_friction() || model.keeps_history() => {
                 return model.solve_steps_with_derivatives(
                     case,
                     parameters,
@@ -396,9 +400,8 @@ impl Prepared {
                 );
             }
             Self::FourBar(model, workspace) => {
-                if let Some((chain, workspace)) =
-                    model.chain(workspace).filter(|(chain, _)| chain.has_friction())
-                {
+                let remembers = model.has_memory();
+                if let Some((chain, workspace)) = model.chain(workspace).filter(|_| remembers) {
                     return chain.solve_steps_with_derivatives(
                         case,
                         parameters,

@@ -59,29 +59,6 @@ pub(crate) fn bending_friction_of_sections(
     bending_friction(model, robot, what, advice)
 }
 
-/// Refuses derivatives with friction against bending beside friction of cables.
-pub(crate) fn both_frictions_with_derivatives(
-    model: ModelKind,
-    robot: &Robot,
-) -> Result<(), SolveError> {
-    if !robot.cables().iter().any(Cable::has_friction) {
-        return Ok(());
-    }
-    let what = "friction against bending of the backbone together with friction of cables, for compliance and derivatives";
-    let advice = "take finite differences of solutions, remove `yield_moment`, or set the friction of the cables to 0";
-    bending_friction(model, robot, what, advice)
-}
-
-/// Refuses derivatives of sections with friction against bending.
-pub(crate) fn bending_friction_with_derivatives(
-    model: ModelKind,
-    robot: &Robot,
-) -> Result<(), SolveError> {
-    let what = "friction against bending of the backbone, for compliance and derivatives";
-    let advice = "use cosserat or cosserat-disks, take finite differences of solutions, or remove `yield_moment`";
-    bending_friction(model, robot, what, advice)
-}
-
 /// Refuses branches of a robot with friction against bending.
 pub(crate) fn bending_friction_with_branches(
     model: ModelKind,

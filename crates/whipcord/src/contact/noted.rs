@@ -10,6 +10,7 @@ use crate::parameter::Parameter;
 use crate::shape::Solution;
 use crate::statics::friction::{Carried, Standing, SubstepEnd, Trail};
 use crate::statics::hold::Critical;
+use crate::statics::plastic_curvature::PlasticCurvature;
 
 /// A place of the way to the answers to the steps of a case.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -105,6 +106,8 @@ pub(crate) struct NotedEnd<'a, S> {
     pub before: Option<&'a S>,
     /// As the holes of an answer have it.
     pub carried: Option<&'a [Carried]>,
+    /// How the plastic curvature that the steps before left changes with each parameter; empty where it does not.
+    pub history: &'a [PlasticCurvature],
     /// Those before and at the end of its step, and its own.
     pub cases: &'a [Case; 2],
     pub case: &'a Case,

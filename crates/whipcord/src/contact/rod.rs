@@ -15,10 +15,11 @@ use crate::error::{Obstruction, SolveError};
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
 use crate::shape::{NoStability, Solution, Wrench};
-use crate::statics::friction::{Carried, Carrying, Standing};
+use crate::statics::friction::{Carried, Standing};
 use crate::statics::grid::Grid;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::Remembering;
 
 /// The backbone is watched at this many places from base to tip, besides the disks.
 const WATCHED: usize = 80;
@@ -298,8 +299,8 @@ impl<R: ContactRod> RodAdapter<'_, R> {
     /// The derivatives of the answer that it stands at, the last equilibrium that it noted in these steps of actuation.
     pub fn differentiate_notes(
         &mut self,
-        (steps, parameters): (&[Case], &[Parameter]),
-        carrying: &mut Carrying,
+        (step, steps, parameters): (usize, &[Case], &[Parameter]),
+        remembering: &mut Remembering,
     ) -> Result<Derivatives, SolveError>
     where
         R: Clone,
@@ -308,8 +309,14 @@ impl<R: ContactRod> RodAdapter<'_, R> {
         let stands = self.found.clone();
         let kept = parameters.len() + self.robot.cables().len();
         let asked = self.options.stations.arc_lengths(self.robot);
-        let found = carrying.go(&way, kept, |end, carried, place| {
+        let bends = self.robot.has_bending_friction();
+        let mut holes = core::mem::take(&mut remembering.holes);
+        let found = holes.go(&way, kept, |end, carried, place| {
             let noted = &end.shape;
+            if bends && noted.at.step != step {
+                // Where that stood the backbone held something else.
+                return Err(SolveError::NoDerivativesOfRest);
+            }
             let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
             let number = way.ends.iter().position(|of| core::ptr::eq(of, end));
             let before = number.and_then(|number| way.ends.get(number.checked_sub(1)?));
@@ -318,13 +325,20 @@ impl<R: ContactRod> RodAdapter<'_, R> {
                 before: before.map(|before| &before.shape.state),
                 standing: &end.standing,
                 carried,
+                history: remembering.before(self.robot, step)?,
                 case: &noted.case_by_fractions(&cases),
                 cases: &cases,
                 stations: if place.is_last { &asked } else { &noted.next },
                 is_last: place.is_last,
             };
-            self.found.differentiate_noted(self.robot, &end, parameters)
+            let found = self.found.differentiate_noted(self.robot, &end, parameters)?;
+            if place.is_last && bends {
+                let grid = self.found.grid().ok_or(SolveError::NoDerivatives)?;
+                remembering.note(step, found.0.plastic_left(self.robot, grid).1);
+            }
+            Ok(found)
         });
+        remembering.holes = holes;
         let found = found.map(|mut derivatives| {
             derivatives.remember_change(way.was_between());
             derivatives
@@ -406,13 +420,22 @@ pub(crate) fn rub<R: ContactRod>(
     let robot = adapter.robot;
     solve_rubbing(adapter, robot, case, |adapter, (mut solution, has_touched)| {
         if robot.has_bending_friction() {
-            let left = adapter.plastic_left()?;
-            solution.plastic_curvature = left.at_stations(&solution.shape.arc_length);
-            adapter.set_plastic(left);
+            keep_plastic(adapter, &mut solution)?;
         }
         each((solution, has_touched));
         Ok(())
     })
+}
+
+/// Lets the backbone keep what its friction holds where it stands, at this answer.
+fn keep_plastic<R: ContactRod>(
+    adapter: &mut RodAdapter<'_, R>,
+    solution: &mut Solution,
+) -> Result<(), SolveError> {
+    let left = adapter.plastic_left()?;
+    solution.plastic_curvature = left.at_stations(&solution.shape.arc_length);
+    adapter.set_plastic(left);
+    Ok(())
 }
 
 /// The answers to all steps of a case of a rod whose cables rub, from rest on: those that are asked for by their number from 0 with their
@@ -425,12 +448,18 @@ pub(super) fn differentiate_rubbing<R: ContactRod + Clone>(
 ) -> Result<(), (usize, SolveError)> {
     found.clear();
     let (robot, steps) = (adapter.robot, case.leading_steps().collect::<Vec<Case>>());
-    let mut carrying = Carrying::default();
-    solve_rubbing(adapter, robot, case, |adapter, (solution, has_touched)| {
-        let asked = (&steps[..], parameters);
-        let mut differentiate = || adapter.differentiate_notes(asked, &mut carrying);
-        let derivatives = asks(found.len()).then(&mut differentiate);
-        found.push(((solution, where_it_counts(derivatives, has_touched)?), has_touched));
+    let bends = robot.has_bending_friction();
+    let mut remembering = Remembering::default();
+    solve_rubbing(adapter, robot, case, |adapter, (mut solution, has_touched)| {
+        let step = found.len();
+        let asked = (step, &steps[..], parameters);
+        let mut differentiate = || adapter.differentiate_notes(asked, &mut remembering);
+        let derivatives = (asks(step) || bends).then(&mut differentiate);
+        let derivatives = where_it_counts(derivatives, has_touched)?;
+        if bends {
+            keep_plastic(adapter, &mut solution)?;
+        }
+        found.push(((solution, derivatives.filter(|_| asks(step))), has_touched));
         Ok(())
     })
 }

@@ -166,7 +166,7 @@ impl ContactResponse {
         let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::Cosserat))?;
         let taut = vec![true; end.standing.base.len()];
         let of_end = Some((end, regridded.as_deref().or(end.carried)));
-        let of = (robot, end.case, &[][..]);
+        let of = (robot, end.case, end.history);
         let derivatives = self.derivatives(&contact_grid, of, &taut, parameters, of_end)?;
         Ok(end.found(derivatives, nodes))
     }

@@ -121,8 +121,8 @@ pub(super) struct Level {
     pub history: History<State>,
     /// After each step of actuation.
     pub answers: Vec<Answer>,
-    /// What friction against bending held before the last of these steps, and what that left.
-    pub plastic: [Option<PlasticCurvature>; 2],
+    /// What friction against bending held after each; none without it.
+    pub plastic: Vec<PlasticCurvature>,
 }
 
 /// Where a step of actuation ends.

@@ -15,12 +15,11 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::shape::{Solution, Wrench};
-use crate::statics::friction::{
-    Carried, Carrying, PassageResponse as _, Passages, Place, SubstepEnd,
-};
+use crate::statics::friction::{Carried, PassageResponse as _, Passages, Place, SubstepEnd};
 use crate::statics::grid::Grid;
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::Remembering;
 
 impl Cosserat {
     /// The answer to the last step of a case, from the robot at rest on, with its derivatives.
@@ -53,15 +52,13 @@ impl Cosserat {
         workspace: &mut Workspace,
         mut each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
-        refusal::both_frictions_with_derivatives(ModelKind::Cosserat, &self.robot)
-            .map_err(|error| (0, error))?;
         if !case.obstacles.is_empty() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             return self.rub_with_derivatives((case, parameters), &asks, workspace, each);
         }
         let steps: Vec<Case> = case.leading_steps().collect();
         // What is remembered depends on the grid, and so do its changes.
-        let mut carrying: Vec<Carrying> = Vec::new();
+        let mut carrying: Vec<Remembering> = Vec::new();
         for n in 0..steps.len() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             workspace.friction.keeps_trail = true;
@@ -70,7 +67,7 @@ impl Cosserat {
                 .solve_with_friction(&steps[..=n], n == 0, workspace, &mut solution)
                 .and_then(|()| {
                     let level = workspace.progress.level;
-                    carrying.resize(carrying.len().max(level + 1), Carrying::default());
+                    carrying.resize(carrying.len().max(level + 1), Remembering::default());
                     let of_level = (level, &mut carrying[level]);
                     match asks(n) {
                         true => self
@@ -89,12 +86,12 @@ impl Cosserat {
     /// The derivatives of the answer that the workspace holds.
     fn differentiate_trail(
         &self,
-        (level, carrying): (usize, &mut Carrying),
+        (level, remembering): (usize, &mut Remembering),
         steps: &[Case],
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<Derivatives, SolveError> {
-        let grid = match self.options.accuracy {
+        let mut grid = match self.options.accuracy {
             crate::statics::options::Accuracy::Steps(_) => std::borrow::Cow::Borrowed(&self.grid),
             crate::statics::options::Accuracy::Tolerance(_) => self.grid(level)?,
         };
@@ -105,15 +102,29 @@ impl Cosserat {
         else {
             return Err(SolveError::NoDerivatives);
         };
+        let plastic = workspace.friction.levels[level].plastic.clone();
         let kept = parameters.len() + friction.holes.of_cable.len();
-        let found = carrying.go(&trail, kept, |end, carried, place| {
+        let mut holes = take(&mut remembering.holes);
+        let mut bent_by = None;
+        let found = holes.go(&trail, kept, |end, carried, place| {
             let (Some(case), Some(answer)) = (steps.get(place.step), answers.get(place.step))
             else {
                 return Err(SolveError::NoDerivatives);
             };
+            let before = place.step.checked_sub(1);
+            if let Some(left) = before.filter(|_| bent_by != before).and_then(|n| plastic.get(n)) {
+                grid.to_mut().set_plastic(left);
+                bent_by = before;
+            }
+            let asked = (case, parameters, remembering.before(&self.robot, place.step)?);
             let at = (&*grid, &friction, answer);
-            self.differentiate_end(at, (end, carried), (case, parameters), place, workspace)
+            let found = self.differentiate_end(at, (end, carried), asked, place, workspace)?;
+            if place.is_end_of_step && self.robot.has_bending_friction() {
+                remembering.note(place.step, found.0.plastic_left(&self.robot, &grid).1);
+            }
+            Ok(found)
         });
+        remembering.holes = holes;
         if let Some(walked) = workspace.friction.levels.get_mut(level) {
             (walked.history.trail, walked.answers) = (Some(trail), answers);
         }
@@ -125,7 +136,7 @@ impl Cosserat {
         &self,
         (grid, friction, answer): (&Grid, &Friction, &Answer),
         (end, carried): (&SubstepEnd<State>, Option<&[Carried]>),
-        (case, parameters): (&Case, &[Parameter]),
+        (case, parameters, history): (&Case, &[Parameter], &[PlasticCurvature]),
         place: Place,
         workspace: &mut Workspace,
     ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
@@ -174,7 +185,7 @@ impl Cosserat {
             starts: &starts,
             strains: scratch.trajectory.strains(),
             are_strains_met: false,
-            history: &[],
+            history,
             nodes: &grid.stations,
             open: None,
             sliding: Some(SlidingAnswer {

@@ -86,11 +86,11 @@ impl Cosserat {
         let verdict = self.stability_with_friction(&grid, last, &friction, workspace)?;
         self.write_answer(&grid, last, workspace, (found, error), verdict, solution);
         let Workspace { friction: memory, progress, .. } = workspace;
-        if let Some(Level { history, plastic: [_, left], .. }) = memory.levels.get(progress.level) {
+        if let Some(Level { history, plastic, .. }) = memory.levels.get(progress.level) {
             let holes = (&history.tensions[..], &history.slip_states[..]);
             self.write_friction(&grid, &friction, holes, solution);
             let stations = self.layout.stations();
-            let left = left.as_ref().map(|left| left.at_stations(stations));
+            let left = plastic.last().map(|left| left.at_stations(stations));
             solution.plastic_curvature = left.unwrap_or_default();
         }
         Ok(())
@@ -254,14 +254,15 @@ impl Cosserat {
             levels.resize(level + 1, Level::default());
         }
         // Where a step fails the way starts anew.
-        let Level { mut history, mut answers, plastic: [mut before, mut left] } =
-            core::mem::take(&mut levels[level]);
+        let Level { mut history, mut answers, mut plastic } = core::mem::take(&mut levels[level]);
         let coarse = level.checked_sub(1).map(|coarser| levels[coarser].answers.clone());
         if answers.len() > cases.len() {
             (history, answers) = (History::default(), Vec::new());
-            (before, left) = (None, None);
+            plastic.clear();
         }
-        if let (Some(before), true) = (&before, answers.len() == cases.len()) {
+        if answers.len() == cases.len()
+            && let [.., before, _] = &plastic[..]
+        {
             grid.to_mut().set_plastic(before);
         }
         if answers.is_empty() && workspace.friction.keeps_trail {
@@ -270,7 +271,7 @@ impl Cosserat {
         let mut found = Found::default();
         for (n, case) in cases.iter().enumerate().skip(answers.len()) {
             self.accept(case, workspace)?;
-            if let Some(left) = &left {
+            if let Some(left) = plastic.last() {
                 grid.to_mut().set_plastic(left);
             }
             let Workspace { scratch, commands, meter, friction: memory, .. } = &mut *workspace;
@@ -293,12 +294,12 @@ impl Cosserat {
             let (taken, answer) = stepped.map_err(|failure| self.explain(failure, commands))?;
             found = taken;
             if self.robot.has_bending_friction() {
-                let leaves = self.plastic_left(&grid, &friction, (case, &answer), workspace)?;
-                before = left.replace(leaves);
+                let left = self.plastic_left(&grid, &friction, (case, &answer), workspace)?;
+                plastic.push(left);
             }
             answers.push(answer);
         }
-        workspace.friction.levels[level] = Level { history, answers, plastic: [before, left] };
+        workspace.friction.levels[level] = Level { history, answers, plastic };
         Ok((found, grid))
     }
 

@@ -21,7 +21,6 @@ use crate::derivatives::{AnswerLists, Cables, Derivatives, NoDerivatives, Solved
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::robot::{Problem, Robot, RobotError};
 use crate::section::Fault;
 use crate::shape::{CableState, NoStability, Solution, Verdict};
@@ -186,7 +185,6 @@ impl Cosserat {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        refusal::both_frictions_with_derivatives(ModelKind::Cosserat, &self.robot)?;
         if self.has_friction() && case.obstacles.is_empty() {
             return self.solve_sliding_with_derivatives(case, parameters, workspace);
         }

@@ -198,8 +198,8 @@ impl ContactResponse {
             end.stations.iter().map(|&s| contact_mesh.known_node(s)).collect();
         let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::CosseratDisks))?;
         let taut = self.taut(&contact_mesh);
-        let at = (&taut[..], &contact_mesh.mesh.grid.stations[..]);
-        let of = (robot, end.case, &[][..]);
+        let asked = contact_mesh.asked_nodes();
+        let (at, of) = ((&taut[..], &asked[..]), (robot, end.case, end.history));
         let derivatives = self.derivatives(&contact_mesh, of, at, parameters, Some(end))?;
         Ok(end.found(derivatives, nodes))
     }

@@ -13,9 +13,10 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::shape::Solution;
-use crate::statics::friction::{Carried, Carrying, Holes, SubstepEnd};
+use crate::statics::friction::{Carried, Holes, Place, SubstepEnd};
+use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::statics::plastic_steps::Remembering;
 use crate::warm_start::WarmStart;
 
 impl CosseratDisks {
@@ -34,8 +35,6 @@ impl CosseratDisks {
         workspace: &mut Workspace,
         each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
-        refusal::both_frictions_with_derivatives(ModelKind::CosseratDisks, &self.robot)
-            .map_err(|error| (0, error))?;
         let Some(holes) = &self.holes else { return Ok(()) };
         if !case.obstacles.is_empty() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
@@ -80,7 +79,7 @@ impl CosseratDisks {
         workspace.histories.clear();
         workspace.courses.clear();
         // What holes remember depends on the mesh, and so do its changes.
-        let mut carrying: Vec<Carrying> = Vec::new();
+        let mut carrying: Vec<Remembering> = Vec::new();
         for n in 0..steps.len() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             workspace.keeps_trail = true;
@@ -88,7 +87,7 @@ impl CosseratDisks {
             let solved = self
                 .solve_from(&steps[..=n], WarmStart::None, workspace, &mut solution)
                 .and_then(|level| {
-                    carrying.resize(carrying.len().max(level + 1), Carrying::default());
+                    carrying.resize(carrying.len().max(level + 1), Remembering::default());
                     let mut differentiate = || {
                         let of_level = (level, &mut carrying[level]);
                         self.differentiate_sliding(holes, of_level, &steps, parameters, workspace)
@@ -106,21 +105,35 @@ impl CosseratDisks {
     fn differentiate_sliding(
         &self,
         holes: &Holes,
-        (level, carrying): (usize, &mut Carrying),
+        (level, remembering): (usize, &mut Remembering),
         steps: &[Case],
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<Derivatives, SolveError> {
-        let mesh = self.mesh(level)?;
+        let mut mesh = self.mesh(level)?;
         let trail =
             workspace.histories.get_mut(level).and_then(|walked| walked.history.trail.take());
         let Some(trail) = trail else { return Err(SolveError::NoDerivatives) };
-        let found =
-            carrying.go(&trail, parameters.len() + holes.of_cable.len(), |end, carried, place| {
-                let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
-                let at = (&*mesh, end, carried);
-                self.differentiate_end(holes, at, (case, parameters), place.is_last, workspace)
-            });
+        let plastic = workspace.histories[level].plastic.clone();
+        let kept = parameters.len() + holes.of_cable.len();
+        let mut in_holes = core::mem::take(&mut remembering.holes);
+        let mut bent_by = None;
+        let found = in_holes.go(&trail, kept, |end, carried, place| {
+            let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
+            let before = place.step.checked_sub(1);
+            if let Some(left) = before.filter(|_| bent_by != before).and_then(|n| plastic.get(n)) {
+                self.frame.set_plastic(mesh.to_mut(), left);
+                bent_by = before;
+            }
+            let asked = (case, parameters, remembering.before(&self.robot, place.step)?);
+            let at = (&*mesh, end, carried);
+            let found = self.differentiate_end(holes, at, asked, place, workspace)?;
+            if place.is_end_of_step && self.robot.has_bending_friction() {
+                remembering.note(place.step, found.0.plastic_left(&self.robot, &mesh.grid).1);
+            }
+            Ok(found)
+        });
+        remembering.holes = in_holes;
         workspace.histories[level].history.trail = Some(trail);
         found
     }
@@ -130,8 +143,8 @@ impl CosseratDisks {
         &self,
         holes: &Holes,
         (mesh, end, carried): (&Mesh, &SubstepEnd<Vec<Node>>, Option<&[Carried]>),
-        (case, parameters): (&Case, &[Parameter]),
-        is_last: bool,
+        (case, parameters, history): (&Case, &[Parameter], &[PlasticCurvature]),
+        place: Place,
         workspace: &mut Workspace,
     ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
         let Workspace { scratch, commands, meter, .. } = workspace;
@@ -156,6 +169,7 @@ impl CosseratDisks {
         let cables = standing.base.len();
         let order: Vec<usize> = (0..cables).collect();
         let strands = self.frame().strands(holes);
+        let all: Vec<usize> = (0..=mesh.grid.len()).collect();
         let mut starts = Vec::new();
         scratch.chain.starts_into(self.frame(), mesh, &scratch.applied, &mut starts);
         let solved = Solved {
@@ -177,8 +191,13 @@ impl CosseratDisks {
             starts: &starts,
             strains: &[],
             are_strains_met: false,
-            history: &[],
-            nodes: if is_last { &mesh.grid.stations } else { &[] },
+            history,
+            nodes: match place {
+                // What friction against bending keeps changes at all of them.
+                Place { is_end_of_step: true, .. } if self.robot.has_bending_friction() => &all,
+                Place { is_last: true, .. } => &mesh.grid.stations,
+                _ => &[],
+            },
             open: None,
             sliding: Some(SlidingAnswer {
                 holes,

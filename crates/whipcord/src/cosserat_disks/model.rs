@@ -331,7 +331,6 @@ impl CosseratDisks {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        refusal::both_frictions_with_derivatives(ModelKind::CosseratDisks, &self.robot)?;
         if let Some(holes) = self.holes.as_ref().filter(|_| case.obstacles.is_empty()) {
             return self.solve_sliding_with_derivatives(holes, case, parameters, workspace);
         }
@@ -506,17 +505,17 @@ impl CosseratDisks {
             Accuracy::Tolerance(tolerance) => self.solve_to(tolerance, cases, start, workspace)?,
         };
         let walked = workspace.histories.get(level).filter(|_| self.holes.is_some());
-        let [before, left] = walked.map_or_else(Default::default, |walked| walked.plastic.clone());
-        match before {
-            None => self.write(&*self.mesh(level)?, cases, workspace, (found, error), solution),
-            Some(before) => {
+        let plastic = walked.map_or_else(Vec::new, |walked| walked.plastic.clone());
+        match &plastic[..] {
+            [] | [_] => self.write(&*self.mesh(level)?, cases, workspace, (found, error), solution),
+            [.., before, _] => {
                 // Its stability is that of the last step.
                 let mut bent = self.clone();
-                bent.set_plastic(before);
+                bent.set_plastic(before.clone());
                 bent.write(&*bent.mesh(level)?, cases, workspace, (found, error), solution);
             }
         }
-        let left = left.map(|left| left.at_stations(self.stations()));
+        let left = plastic.last().map(|left| left.at_stations(self.stations()));
         solution.plastic_curvature = left.unwrap_or_default();
         Ok(level)
     }

@@ -193,12 +193,11 @@ impl CosseratDisks {
             histories.resize(level + 1, StepHistory::default());
         }
         // Where a step fails the way starts anew.
-        let StepHistory { taken, history, plastic: [mut before, mut left] } =
-            core::mem::take(&mut histories[level]);
+        let StepHistory { taken, history, mut plastic } = core::mem::take(&mut histories[level]);
         let taken = if self.holes.is_some() { taken } else { 0 };
         let keeps_plastic = self.holes.is_some() && self.robot.has_bending_friction();
         if taken == 0 {
-            (before, left) = (None, None);
+            plastic.clear();
         }
         let mut mesh = Cow::Borrowed(mesh);
         scratch.history = match taken {
@@ -208,7 +207,7 @@ impl CosseratDisks {
         };
         let mut found = Found::default();
         for (n, case) in cases.iter().enumerate().skip(taken) {
-            if let Some(left) = &left {
+            if let Some(left) = plastic.last() {
                 self.frame.set_plastic(mesh.to_mut(), left);
             }
             let Workspace { scratch, commands, courses, meter, .. } = &mut *workspace;
@@ -224,12 +223,11 @@ impl CosseratDisks {
             if keeps_plastic {
                 let leaves = self.with_answer(case, &mesh, (None, &[]), workspace, plastic_left);
                 // The sections of a rod without cables have no equilibrium to miss.
-                before = left.replace(leaves.map_err(|_| SolveError::NoDerivatives)?);
+                plastic.push(leaves.map_err(|_| SolveError::NoDerivatives)?);
             }
         }
         let history = workspace.scratch.history.clone();
-        workspace.histories[level] =
-            StepHistory { taken: cases.len(), history, plastic: [before, left] };
+        workspace.histories[level] = StepHistory { taken: cases.len(), history, plastic };
         Ok(found)
     }
 }

@@ -53,8 +53,8 @@ pub(super) struct Progress {
 pub(super) struct StepHistory {
     pub taken: usize,
     pub history: History<Vec<Node>>,
-    /// What friction against bending held before the last of these steps, and what that left.
-    pub plastic: [Option<PlasticCurvature>; 2],
+    /// What friction against bending held after each of these steps; none without it.
+    pub plastic: Vec<PlasticCurvature>,
 }
 
 impl Workspace {

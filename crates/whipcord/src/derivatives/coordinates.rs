@@ -53,6 +53,8 @@ pub(crate) struct SolvedCoordinates {
     pub parameters: Vec<ParameterChange>,
     /// Length of the backbone in m.
     pub length: f64,
+    /// Whether friction against bending of a joint is about to slide or to stick.
+    pub is_bending_about_to_change: bool,
 }
 
 /// The contacts that hold an answer.
@@ -69,6 +71,7 @@ struct Contacts {
 /// A change at constant tensions.
 #[derive(Clone, Debug, Default)]
 struct Response {
+    coordinates: Vec<f64>,
     /// Of the places.
     twists: Vec<Twist>,
     /// Of the outputs.
@@ -91,6 +94,7 @@ pub struct CoordinateDerivatives {
     contacts: Contacts,
     length: f64,
     are_cables_about_to_change: bool,
+    is_bending_about_to_change: bool,
 }
 
 impl CoordinateDerivatives {
@@ -157,7 +161,7 @@ impl CoordinateDerivatives {
         are_about_to_change: bool,
         gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
     ) -> Result<Self, Critical> {
-        let SolvedCoordinates { system, places, cables, parameters, length } = solved;
+        let SolvedCoordinates { system, places, cables, parameters, length, .. } = solved;
         let KnownPlaces { stations, disks, contacts: touching, .. } = places;
         let tip = disks.last().copied().unwrap_or(0);
         let mut derivatives = Self {
@@ -171,6 +175,7 @@ impl CoordinateDerivatives {
             contacts: Contacts { are_about_to_change, ..Contacts::default() },
             length,
             are_cables_about_to_change: false,
+            is_bending_about_to_change: solved.is_bending_about_to_change,
         };
         let alone = match holes {
             None => derivatives.length_scale(),
@@ -266,7 +271,7 @@ impl CoordinateDerivatives {
             let [x, y, z, u, v, w] = core::array::from_fn(|a| dot(system.row(place, a), &moved));
             Twist { linear: Vec3::new(x, y, z), angular: Vec3::new(u, v, w) }
         });
-        Response { twists: twists.collect(), lengths, base }
+        Response { twists: twists.collect(), lengths, base, coordinates: moved }
     }
 
     fn by_tension(&self, cable: usize) -> Response {
@@ -281,8 +286,29 @@ impl CoordinateDerivatives {
         self.respond(self.system.row(place, component), (&[], at_base))
     }
 
+    /// How the coordinates change with a parameter while the commands are held, and what the parameter changes at constant coordinates of what
+    /// friction against bending keeps.
+    pub(crate) fn kept_by(&self, parameter: usize) -> (Vec<f64>, &[f64]) {
+        let cause = Cause::Parameter(parameter);
+        let mut response = self.caused(cause);
+        self.complete(&mut response, Hold::Commands, cause);
+        (response.coordinates, &self.parameters[parameter].kept)
+    }
+
     /// A change at constant tensions completed by the tensions that keep what is held.
     fn completed(&self, mut response: Response, hold: Hold, cause: Cause) -> Change {
+        let [pulls, base] = self.complete(&mut response, hold, cause);
+        let Response { twists, lengths, base: at_base, .. } = response;
+        let (lengths, tensions) = match &self.sliding {
+            Some(sliding) => (sliding.cable_lengths(&lengths), base),
+            None => (lengths, pulls),
+        };
+        let (places, strains) = (self.places.clone(), Vec::new());
+        Change { places, twists, strains, base: at_base, lengths, tensions }
+    }
+
+    /// The same, and the changes of the tensions, where cables rub of those of all passages and of those below the base.
+    fn complete(&self, response: &mut Response, hold: Hold, cause: Cause) -> [Vec<f64>; 2] {
         let outputs = &response.lengths;
         let [pulls, base] = match &self.sliding {
             Some(sliding) => sliding.tensions(hold, outputs, cause),
@@ -299,18 +325,13 @@ impl CoordinateDerivatives {
         for (column, &tension) in self.by_tension.iter().zip(&pulls) {
             response.add(tension, column);
         }
-        let Response { twists, lengths, base: at_base } = response;
-        let (lengths, tensions) = match &self.sliding {
-            Some(sliding) => (sliding.cable_lengths(&lengths), base),
-            None => (lengths, pulls),
-        };
-        let (places, strains) = (self.places.clone(), Vec::new());
-        Change { places, twists, strains, base: at_base, lengths, tensions }
+        [pulls, base]
     }
 
     /// Nothing that changes at constant tensions.
     fn still(&self) -> Response {
         Response {
+            coordinates: vec![0.0; self.system.coordinates],
             twists: vec![Twist::default(); self.system.positions.len()],
             lengths: vec![0.0; self.by_tension.first().map_or(0, |column| column.lengths.len())],
             base: Wrench::default(),
@@ -472,7 +493,14 @@ impl CoordinateDerivatives {
             contact: self.is_contact_about_to_change(),
             hole: self.is_hole_about_to_change(),
             cable: self.is_cable_about_to_change(),
+            bending: self.is_bending_about_to_change(),
         }
+    }
+
+    /// As [`crate::Linearization::is_bending_about_to_change`].
+    #[must_use]
+    pub const fn is_bending_about_to_change(&self) -> bool {
+        self.is_bending_about_to_change
     }
 
     /// Whether a contact of the answer is about to open or to close, to stick or to slide.
@@ -647,6 +675,7 @@ impl Response {
             *twist = *twist + *by * f;
         }
         add(&mut self.lengths, f, &other.lengths);
+        add(&mut self.coordinates, f, &other.coordinates);
         self.base.add(f, &other.base);
     }
 

@@ -70,6 +70,16 @@ impl Forcing {
         }
     }
 
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            force_balance: self.force_balance + other.force_balance,
+            moment_balance: self.moment_balance + other.moment_balance,
+            force: self.force + other.force,
+            torque: self.torque + other.torque,
+            rate: self.rate + other.rate,
+        }
+    }
+
     /// What a forcing is worth where the other is a sensitivity.
     pub fn dot(&self, other: &Self) -> f64 {
         self.force_balance.dot(other.force_balance)

@@ -74,6 +74,8 @@ pub(crate) struct ParameterChange {
     /// Of the length that each cable is to keep, with its own stretch at its tension; where cables rub, of what
     /// [`Equations::targets`] has there.
     pub targets: Vec<f64>,
+    /// Of what friction against bending keeps of the answer.
+    pub kept: Vec<f64>,
 }
 
 /// The equations at given coordinates and tensions.
@@ -86,6 +88,8 @@ pub(crate) struct Equations {
     /// The length that each cable is to keep, with its own stretch; or what the equations of the holes have besides.
     pub targets: Vec<f64>,
     pub base: Wrench,
+    /// What friction against bending keeps; empty without it.
+    pub kept: Vec<f64>,
 }
 
 impl ParameterChange {
@@ -96,7 +100,7 @@ impl ParameterChange {
 
     /// Takes a part of it.
     pub fn scale(&mut self, part: f64) {
-        let lists = [&mut self.force, &mut self.lengths, &mut self.targets];
+        let lists = [&mut self.force, &mut self.lengths, &mut self.targets, &mut self.kept];
         lists.into_iter().flatten().for_each(|value| *value *= part);
         self.base = Wrench { force: self.base.force * part, moment: self.base.moment * part };
     }
@@ -106,21 +110,22 @@ impl ParameterChange {
         scale: f64,
         mut equations: impl FnMut(f64) -> Result<Equations, SolveError>,
     ) -> Result<Self, SolveError> {
-        let (mut coordinates, mut outputs) = (0, 0);
+        let (mut coordinates, mut outputs, mut of_holes) = (0, 0, 0);
         let values = |by: f64| -> Result<Vec<f64>, SolveError> {
-            let Equations { residuals, lengths, targets, base } = equations(by)?;
-            (coordinates, outputs) = (residuals.len(), lengths.len());
+            let Equations { residuals, lengths, targets, base, kept } = equations(by)?;
+            (coordinates, outputs, of_holes) = (residuals.len(), lengths.len(), targets.len());
             let base = [base.force, base.moment].map(<[f64; 3]>::from).concat();
-            Ok([residuals, lengths, base, targets].concat())
+            Ok([residuals, lengths, base, targets, kept].concat())
         };
         let mut change = derivative(values, PARAMETER_STEP * scale)?;
+        let kept = change.split_off(coordinates + outputs + 6 + of_holes);
         let targets = change.split_off(coordinates + outputs + 6);
         let base = change.split_off(coordinates + outputs);
         let lengths = change.split_off(coordinates);
         change.iter_mut().for_each(|residual| *residual = -*residual);
         let vector = |at: usize| [base[at], base[at + 1], base[at + 2]].into();
         let base = Wrench { force: vector(0), moment: vector(3) };
-        Ok(Self { force: change, lengths, base, targets })
+        Ok(Self { force: change, lengths, base, targets, kept })
     }
 }
 

@@ -166,6 +166,8 @@ impl Derivatives {
             .has_bending_friction()
             .then(|| StepEnds::new(&linear, &answer, grid))
             .transpose()?;
+        let strains = ends.as_ref().map_or_else(Vec::new, |ends| ends.strains(&linear));
+        let is_bending_about_to_change = grid.is_friction_at_limit(&strains);
         let partials = parameters
             .iter()
             .enumerate()
@@ -212,6 +214,7 @@ impl Derivatives {
             ends,
             length: robot.backbone().length,
             are_cables_about_to_change: false,
+            is_bending_about_to_change,
         };
         let mut contact_gain = ContactGain::default();
         if let Some(AnswerOnWay { contacts, .. }) = on_way {
@@ -349,6 +352,13 @@ impl Derivatives {
         self.are_cables_about_to_change
     }
 
+    /// Whether friction against bending of a section is about to slide or to stick, as where a command is repeated: the answer has one-sided
+    /// derivatives there, and these are the derivatives of the side that the answer is on.
+    #[must_use]
+    pub const fn is_bending_about_to_change(&self) -> bool {
+        self.is_bending_about_to_change
+    }
+
     /// What is about to change at the answer.
     #[must_use]
     pub fn one_sided(&self) -> OneSided {
@@ -356,6 +366,7 @@ impl Derivatives {
             contact: self.is_contact_about_to_change(),
             hole: self.is_hole_about_to_change(),
             cable: self.is_cable_about_to_change(),
+            bending: self.is_bending_about_to_change(),
         }
     }
 

@@ -98,7 +98,16 @@ impl Partial {
         partial.lengths = partial.act(setting, linear, ends);
         partial.added = partial.wrench(setting);
         if parameter.grows_with_loads() && setting.of_loads != 1.0 {
-            partial.take_part(setting.of_loads);
+            // What the steps before left changes by itself.
+            let whole = partial.history.take().map(|history| (history, partial.clone()));
+            if let Some((history, with_history)) = whole {
+                partial.act(setting, linear, ends);
+                partial.take_part(setting.of_loads - 1.0);
+                partial.add_acting(&with_history);
+                partial.history = Some(history);
+            } else {
+                partial.take_part(setting.of_loads);
+            }
         }
         if !setting.strands.rub() {
             partial.targets =
@@ -113,6 +122,20 @@ impl Partial {
         lists.into_iter().flatten().for_each(|forcing| *forcing = forcing.times(part));
         if let Some((_, wrench)) = &mut self.added {
             *wrench = Wrench { force: wrench.force * part, moment: wrench.moment * part };
+        }
+    }
+
+    /// Adds what acts in another one.
+    fn add_acting(&mut self, other: &Self) {
+        let sum = |own: &mut Vec<Forcing>, other: &[Forcing]| {
+            own.resize(other.len().max(own.len()), Forcing::default());
+            own.iter_mut().zip(other).for_each(|(own, other)| *own = own.plus(other));
+        };
+        sum(&mut self.forcing, &other.forcing);
+        sum(&mut self.at_nodes, &other.at_nodes);
+        sum(&mut self.at_ends, &other.at_ends);
+        if let (Some((_, own)), Some((_, other))) = (&mut self.added, &other.added) {
+            own.add(1.0, other);
         }
     }
 
@@ -333,6 +356,7 @@ impl Partial {
             );
         self.forcing.clear();
         self.at_nodes.clear();
+        self.at_ends.clear();
         let mut lengths = vec![0.0; setting.strands.outputs()];
         let mut rest = vec![0.0; setting.strands.count()];
         if !acts {

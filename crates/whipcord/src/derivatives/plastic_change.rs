@@ -9,6 +9,7 @@ use super::of_answer::Solved;
 use super::rod::Derivatives;
 use super::sliding_holes::Cause;
 use super::step_ends::StepEnds;
+use super::strands::PLACES;
 use crate::robot::Robot;
 use crate::section::{Fault, Strain};
 use crate::statics::grid::Grid;
@@ -55,7 +56,7 @@ impl Derivatives {
         (PlasticCurvature::left(grid, &strains), changes)
     }
 
-    /// How the strain in front of the end of a step changes with a parameter.
+    /// How the strain in front of the end of a step changes with a parameter and with the tensions of all strands.
     fn arriving_strain(
         &self,
         ends: &StepEnds,
@@ -64,19 +65,25 @@ impl Derivatives {
         raw: &Raw,
         tensions: &[f64],
     ) -> Strain {
-        let cables = tensions.len();
         let NodeChange { turn, moment, force, .. } = raw.nodes[k];
         let (map, mut acting): (&StepMap, Effect) = match self.linear.spans() {
             Some(spans) => spans.rod_step(k, p),
-            None => (self.elimination.map(k), self.maps.effects_of(k)[cables + p]),
+            None => {
+                let effect = self.maps.effects_of(k)[self.strands.inputs() + p];
+                (self.elimination.map(k), effect)
+            }
         };
         let mut forcing: Forcing = self.partials[p].at_end(k);
         if self.linear.spans().is_none() {
-            for (effect, &tension) in self.maps.effects_of(k).iter().zip(tensions) {
-                acting = acting.plus(&effect.times(tension));
+            let effects = self.maps.effects_of(k);
+            for (strand, &tension) in tensions.iter().enumerate() {
+                if let Some(input) = self.strands.input(k, strand) {
+                    acting = acting.plus(&effects[input].times(tension));
+                }
             }
             let pulls = ends.pulls(k, self.steps[k].active);
-            for ((pull, _), &tension) in pulls.iter().zip(tensions) {
+            for (cable, (pull, _)) in pulls.iter().enumerate() {
+                let tension = self.strands.tension((k, cable), PLACES - 1, tensions);
                 forcing.force_balance += tension * pull.linear;
                 forcing.moment_balance += tension * pull.angular;
             }

@@ -83,6 +83,7 @@ pub struct Derivatives {
     /// Length of the backbone in m.
     pub(super) length: f64,
     pub(super) are_cables_about_to_change: bool,
+    pub(super) is_bending_about_to_change: bool,
 }
 
 /// A cable as what holds it has it.

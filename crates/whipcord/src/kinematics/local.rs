@@ -98,12 +98,19 @@ pub struct OneSided {
     pub hole: bool,
     /// A cable of given length is about to go slack or to become taut.
     pub cable: bool,
+    /// Friction against bending of the backbone is about to slide or to stick.
+    pub bending: bool,
 }
 
 impl OneSided {
-    /// As in JSON: `contact`, `hole`, `cable`.
+    /// As in JSON: `contact`, `hole`, `cable`, `bending`.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
-        let all = [(self.contact, "contact"), (self.hole, "hole"), (self.cable, "cable")];
+        let all = [
+            (self.contact, "contact"),
+            (self.hole, "hole"),
+            (self.cable, "cable"),
+            (self.bending, "bending"),
+        ];
         all.into_iter().filter_map(|(is_about_to_change, name)| is_about_to_change.then_some(name))
     }
 }

@@ -4,6 +4,7 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::contact_adapter::{ContactAdapter, Watched};
 use super::friction::Rubbing;
+use super::plastic_derivatives::Asked;
 use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::contact::{self, NotedWay, Unobstructed};
@@ -113,21 +114,34 @@ impl Linkage {
         adapter.notes = Some(NotedWay::default());
         let mut carrying = Carrying::default();
         let mut found = Vec::new();
+        // How the plastic angles change that the steps before left; lost where one of them has no derivatives.
+        let mut history: Option<Vec<Vec<f64>>> = Some(Vec::new());
         let followed = contact::solve_rubbing(
             &mut adapter,
             &self.robot,
             case,
-            |adapter, (solution, has_touched)| {
-                let asked = (&steps[..], parameters);
-                let mut differentiate = || match &adapter.notes {
-                    Some(way) => {
-                        let workspace = &mut *adapter.workspace;
-                        self.differentiate_noted((rubbing, way), asked, &mut carrying, workspace)
-                    }
-                    None => Err(SolveError::NoDerivatives),
+            |adapter, (mut solution, has_touched)| {
+                let step = found.len();
+                let ContactAdapter { model, notes, workspace, .. } = &mut *adapter;
+                let keeps_history = model.keeps_history();
+                let mut differentiate = || {
+                    let (Some(way), Some(rubbing)) = (notes.as_ref(), &model.friction) else {
+                        return Err(SolveError::NoDerivatives);
+                    };
+                    let history = history.as_deref().ok_or(SolveError::NoDerivativesOfRest)?;
+                    let asked = Asked { parameters, stations: &self.stations, step, history };
+                    let asked = (&steps[..], asked);
+                    model.differentiate_noted((rubbing, way), asked, &mut carrying, workspace)
                 };
-                let derivatives = asks(found.len()).then(&mut differentiate);
+                let derivatives = (asks(step) || keeps_history).then(&mut differentiate);
                 let derivatives = contact::where_it_counts(derivatives, has_touched)?;
+                if keeps_history {
+                    let q = &workspace.scratch.chain.q;
+                    let behind = |of| model.history_behind(q, parameters, of);
+                    history = derivatives.as_ref().map(behind);
+                }
+                adapter.keep_plastic(&mut solution);
+                let derivatives = derivatives.filter(|_| asks(step));
                 found.push(((solution, derivatives), has_touched));
                 Ok(())
             },
@@ -138,14 +152,23 @@ impl Linkage {
             found,
             each,
             |alone, parameters| match parameters {
-                Some(parameters) => {
+                Some(parameters) if self.keeps_history() => {
                     let of = (alone, parameters);
-                    let (solution, derivatives) =
-                        self.slide_with_derivatives(rubbing, of, &self.stations, workspace)?;
-                    Ok((solution, Some(derivatives)))
+                    let found = self.differentiate_last_step(of, &self.stations, workspace)?;
+                    Ok((found.0, Some(found.1)))
+                }
+                Some(parameters) => {
+                    let of = (alone, Asked::new(parameters, &self.stations));
+                    let found = self.slide_with_derivatives(rubbing, of, workspace)?;
+                    Ok((found.0, Some(found.1)))
                 }
                 None => {
                     workspace.forget();
+                    if self.keeps_history() {
+                        let bent =
+                            contact::last_of(|each| self.bend_in_steps(alone, workspace, each))?;
+                        return Ok((bent, None));
+                    }
                     Ok((self.solve_alone(alone, None, workspace)?, None))
                 }
             },
@@ -160,7 +183,7 @@ impl Linkage {
         &self,
         case: &Case,
         warm_start: Option<&Solution>,
-        parameters: &[Parameter],
+        asked: Asked<'_>,
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         case.check(&self.robot)?;
@@ -172,13 +195,15 @@ impl Linkage {
         let mut free = FreeChain { model: self, workspace, watched: &watched.places };
         if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
             let alone = Case { obstacles: Vec::new(), ..case.clone() };
-            return self.solve_with_derivatives(&alone, Some(&solution), parameters, workspace);
+            // With friction against bending it is found as without derivatives.
+            let near = if self.keeps_history() { warm_start } else { Some(&solution) };
+            return self.differentiate_step(&alone, near, asked, workspace);
         }
         let mut adapter = ContactAdapter::new(self, watched, workspace);
         let (solution, holding) =
             contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
         let pushed = core::mem::take(&mut adapter.case);
-        let derivatives = self.differentiate(&pushed, &holding, parameters, workspace)?;
+        let derivatives = self.differentiate(&pushed, &holding, asked, workspace)?;
         Ok((solution, derivatives))
     }
 }

@@ -75,7 +75,7 @@ struct State {
 /// The chain among obstacles.
 pub(super) struct ContactAdapter<'a> {
     /// One of its own where its joints keep what steps of actuation left.
-    model: Cow<'a, Linkage>,
+    pub(super) model: Cow<'a, Linkage>,
     /// Its chain and tensions are where the robot stands.
     pub(super) workspace: &'a mut Workspace,
     watched: Watched,

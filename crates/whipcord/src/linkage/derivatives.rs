@@ -10,6 +10,7 @@ use super::layout::{self, Section};
 use super::loads::AppliedLoads;
 use super::motion::Coordinates;
 use super::places::Places;
+use super::plastic_derivatives::Asked;
 use super::task::{Right, Task};
 use super::{Linkage, Workspace};
 use crate::case::Case;
@@ -20,7 +21,6 @@ use crate::derivatives::{
 };
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
-use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::{Solution, Wrench};
 
@@ -39,7 +39,11 @@ impl Linkage {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
-        refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
+        if self.keeps_history() {
+            let of = (case, parameters);
+            let found = self.differentiate_last_step(of, &self.stations, workspace);
+            return workspace.meter.checked(found);
+        }
         if let Some(rubbing) = self.friction.as_ref().filter(|_| case.obstacles.is_empty()) {
             return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
         }
@@ -48,13 +52,28 @@ impl Linkage {
             let found = self.rub_and_differentiate(rubbing, (case, parameters), workspace);
             return workspace.meter.checked(found);
         }
+        let asked = Asked::new(parameters, &self.stations);
+        self.differentiate_step(case, warm_start, asked, workspace)
+    }
+
+    /// The same of one step of cables that do not rub, from the plastic angles that its joints keep.
+    pub(super) fn differentiate_step(
+        &self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        asked: Asked<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         if case.obstacles.is_empty() {
-            let solution = self.solve(case, warm_start, workspace)?;
-            let derivatives =
-                self.differentiate(case, &Holding::default(), parameters, workspace)?;
+            workspace.forget();
+            let mut solution = Solution::empty(self.kind);
+            let status = self.solve_from_here(case, warm_start.into(), workspace, &mut solution)?;
+            let solution = workspace.answered(status, solution)?;
+            let derivatives = self.differentiate(case, &Holding::default(), asked, workspace)?;
             return Ok((solution, derivatives));
         }
-        let found = self.differentiate_among_obstacles(case, warm_start, parameters, workspace);
+        workspace.meter.start(&self.options.cancel, self.options.budget);
+        let found = self.differentiate_among_obstacles(case, warm_start, asked, workspace);
         workspace.meter.checked(found)
     }
 
@@ -63,23 +82,25 @@ impl Linkage {
         &self,
         case: &Case,
         holding: &Holding,
-        parameters: &[Parameter],
+        asked: Asked<'_>,
         workspace: &mut Workspace,
     ) -> Result<CoordinateDerivatives, SolveError> {
         let coordinates = self.division.coordinates() * self.sections.len();
-        let at = [&self.stations[..], &self.robot.disks().arc_lengths, &holding.places];
+        let at = [asked.stations, &self.robot.disks().arc_lengths, &holding.places];
         let places = KnownPlaces::new(self.kind, coordinates, at)?;
         let Workspace { scratch, loads, commands, tensions, meter, .. } = workspace;
         let task = self.task(loads, tensions, meter);
         let system = self.linear_system(&places.arc_lengths, &task, &mut scratch.chain)?;
-        let parameters = parameters
-            .iter()
-            .map(|parameter| {
-                self.by_parameter(parameter, case, |sections, robot, case| {
-                    self.equations(sections, robot, case, &scratch.chain.q, tensions)
-                })
-            })
-            .collect::<Result<Vec<_>, _>>()?;
+        let q = &scratch.chain.q;
+        let by_parameter = |(p, parameter): (usize, &Parameter)| {
+            let mut change = self.by_parameter(parameter, case, q, |sections, robot, case| {
+                self.equations(sections, robot, case, q, tensions)
+            })?;
+            self.add_history(q, asked.before(p), &mut change);
+            Ok(change)
+        };
+        let parameters = asked.parameters.iter().enumerate().map(by_parameter);
+        let parameters = parameters.collect::<Result<Vec<_>, SolveError>>()?;
         let cable = |(i, command): (usize, &_)| CoordinateCable {
             command: *command,
             is_taut: tensions[i] > 0.0,
@@ -91,6 +112,7 @@ impl Linkage {
             cables: commands.iter().enumerate().map(cable).collect(),
             parameters,
             length: self.robot.backbone().length,
+            is_bending_about_to_change: self.is_joint_about_to_change(q),
         };
         let change = holding.is_about_to_change;
         CoordinateDerivatives::of(solved, change, |compliance| holding.gain(compliance))
@@ -135,11 +157,12 @@ impl Linkage {
     }
 
     /// How the equations, which are those of sections, a robot and a case, change with a parameter at the coordinates and tensions of
-    /// an answer.
+    /// an answer, where the friction of the joints stays on the branch of its law that it is on.
     pub(super) fn by_parameter(
         &self,
         parameter: &Parameter,
         case: &Case,
+        q: &[Coordinates],
         equations: impl Fn(&[Section], &Robot, &Case) -> Equations,
     ) -> Result<ParameterChange, SolveError> {
         parameter.check(&self.robot, case)?;
@@ -147,7 +170,8 @@ impl Linkage {
         let moment = section.stiffness[1] * section.length / self.robot.backbone().length;
         let scale = parameter.scale(&self.robot, case, moment);
         ParameterChange::by_differences(scale, |by| {
-            let (sections, robot, case) = self.moved(parameter, case, by)?;
+            let (mut sections, robot, case) = self.moved(parameter, case, by)?;
+            self.stay_on_branches(&mut sections, q);
             Ok(equations(&sections, &robot, &case))
         })
     }
@@ -171,6 +195,13 @@ impl Linkage {
                         // The sections have no such strains.
                         StiffnessPart::Shear | StiffnessPart::Extension => {}
                     }
+                }
+                let given = self.robot.backbone().bending_friction;
+                if part == StiffnessPart::Bending
+                    && given.is_none_or(|given| given.yield_stiffness.is_none())
+                {
+                    let joints = sections.iter_mut().flat_map(|section| &mut section.friction);
+                    joints.flat_map(|joint| &mut joint.stiffness).for_each(|k| *k *= 1.0 + by);
                 }
             }
             Parameter::HoleAngle { cable, disk } => {
@@ -212,7 +243,8 @@ impl Linkage {
             asked + robot.cable_stretch(i, rest, tensions[i])
         };
         let targets = rest.iter().enumerate().map(target).collect();
-        Equations { residuals, lengths: chain.lengths, targets, base: chain.base }
+        let kept = self.kept_angles(sections, q);
+        Equations { residuals, lengths: chain.lengths, targets, base: chain.base, kept }
     }
 }
 

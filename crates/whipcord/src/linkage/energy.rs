@@ -18,16 +18,43 @@ impl Section {
         Vec3::new(of(1 + 2 * joint), of(2 + 2 * joint), 0.0)
     }
 
+    /// What the friction of a joint acts on, about x and y against rest.
+    pub fn bend_of_friction(&self, division: &Division, joint: usize, q: &Coordinates) -> Vec3 {
+        match division.energy {
+            Energy::Coordinates => self.bend(joint, q),
+            Energy::RotationVector => {
+                let [x, y, _] = self.turned(q).map(|turned| turned.value);
+                Vec3::new(x, y, 0.0)
+            }
+        }
+    }
+
+    /// How that changes with the coordinates, by axes.
+    pub fn bend_rates(
+        &self,
+        division: &Division,
+        joint: usize,
+        q: &Coordinates,
+    ) -> [Coordinates; BENDING_AXES] {
+        let mut rates = [[0.0; MOST]; BENDING_AXES];
+        match division.energy {
+            Energy::Coordinates => {
+                (rates[0][1 + 2 * joint], rates[1][2 + 2 * joint]) = (1.0, 1.0);
+            }
+            Energy::RotationVector => {
+                for (rates, turned) in rates.iter_mut().zip(self.turned(q)) {
+                    let Vec3 { x, y, z } = turned.gradient;
+                    rates[..3].copy_from_slice(&[x, y, z]);
+                }
+            }
+        }
+        rates
+    }
+
     /// Lets its joints keep what their friction holds at these coordinates.
     pub fn keep_plastic(&mut self, division: &Division, q: &Coordinates) {
         for k in 0..self.friction.len() {
-            let bend = match division.energy {
-                Energy::Coordinates => self.bend(k, q),
-                Energy::RotationVector => {
-                    let [x, y, _] = self.turned(q).map(|turned| turned.value);
-                    Vec3::new(x, y, 0.0)
-                }
-            };
+            let bend = self.bend_of_friction(division, k, q);
             self.friction[k].plastic = self.friction[k].left(bend);
         }
     }

@@ -4,6 +4,7 @@
 use super::friction::{Rubbing, Turned};
 use super::layout::Section;
 use super::motion::Coordinates;
+use super::plastic_derivatives::Asked;
 use super::task::Task;
 use super::{Linkage, Workspace};
 use crate::case::Case;
@@ -30,15 +31,15 @@ impl Linkage {
         parameters: &[Parameter],
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
-        self.slide_with_derivatives(rubbing, (case, parameters), &self.stations, workspace)
+        let asked = Asked::new(parameters, &self.stations);
+        self.slide_with_derivatives(rubbing, (case, asked), workspace)
     }
 
-    /// The same, of cross-sections at these arc lengths in m as stations of the derivatives.
+    /// The same, with what is asked.
     pub(super) fn slide_with_derivatives(
         &self,
         rubbing: &Rubbing,
-        (case, parameters): (&Case, &[Parameter]),
-        stations: &[f64],
+        (case, asked): (&Case, Asked<'_>),
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
         case.check(&self.robot)?;
@@ -47,13 +48,13 @@ impl Linkage {
         let mut carrying = Carrying::default();
         let solution = self.go_on(case, workspace)?;
         let steps: Vec<Case> = case.leading_steps().collect();
-        let asked = (&steps[..], parameters, stations);
+        let asked = (&steps[..], asked);
         let derivatives = self.differentiate_trail(rubbing, asked, &mut carrying, workspace)?;
         Ok((solution, derivatives))
     }
 
-    /// The answers to all steps of a case of cables that rub, in order; those that are asked for, by their number from 0, with their
-    /// derivatives.
+    /// The answers to all steps of a case in order, whose cables rub or whose backbone has friction against bending; those that are asked for,
+    /// by their number from 0, with their derivatives.
     pub(crate) fn solve_steps_with_derivatives(
         &self,
         case: &Case,
@@ -62,8 +63,10 @@ impl Linkage {
         workspace: &mut Workspace,
         mut each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
     ) -> Result<(), (usize, SolveError)> {
-        refusal::bending_friction_with_derivatives(self.kind, &self.robot)
-            .map_err(|error| (0, error))?;
+        if self.keeps_history() {
+            let of = (case, parameters);
+            return self.differentiate_in_steps(of, &self.stations, &asks, workspace, each);
+        }
         let Some(rubbing) = &self.friction else { return Ok(()) };
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
         if !case.obstacles.is_empty() {
@@ -80,7 +83,7 @@ impl Linkage {
             // The workspace remembers the steps before.
             workspace.friction.taken = 0;
             let solution = self.go_on(step, workspace).map_err(|error| (n, error))?;
-            let asked = (&steps[..], parameters, &self.stations[..]);
+            let asked = (&steps[..], Asked::new(parameters, &self.stations));
             let mut differentiate =
                 || self.differentiate_trail(rubbing, asked, &mut carrying, workspace);
             let derivatives = asks(n).then(&mut differentiate).transpose();
@@ -90,35 +93,42 @@ impl Linkage {
     }
 
     /// The answer to a case whose first steps the workspace has taken.
-    fn go_on(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
+    pub(super) fn go_on(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+    ) -> Result<Solution, SolveError> {
         let mut solution = Solution::empty(self.kind);
         let status = self.solve_from_here(case, WarmStart::None, workspace, &mut solution)?;
         workspace.answered(status, solution)
     }
 
-    /// The derivatives of the answer that the workspace is at, after some steps of a case, at these stations.
-    fn differentiate_trail(
+    /// The derivatives of the answer that the workspace is at, after some steps of a case.
+    pub(super) fn differentiate_trail(
         &self,
         rubbing: &Rubbing,
-        (steps, parameters, stations): (&[Case], &[Parameter], &[f64]),
+        (steps, asked): (&[Case], Asked<'_>),
         carrying: &mut Carrying,
         workspace: &mut Workspace,
     ) -> Result<CoordinateDerivatives, SolveError> {
         let Some(trail) = workspace.friction.history.trail.take() else {
             return Err(SolveError::NoDerivatives);
         };
-        let kept = parameters.len() + rubbing.holes.of_cable.len();
+        let kept = asked.parameters.len() + rubbing.holes.of_cable.len();
         let found = carrying.go(&trail, kept, |end, carried, place| {
             let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
+            if self.keeps_history() && place.step != asked.step {
+                return Err(SolveError::NoDerivativesOfRest);
+            }
             let at = End {
                 shape: &end.shape,
                 standing: &end.standing,
                 carried,
-                stations: if place.is_last { stations } else { &[] },
+                stations: if place.is_last { asked.stations } else { &[] },
                 is_last: place.is_last,
                 noted: None,
             };
-            self.differentiate_sliding((rubbing, &at), (case, parameters), workspace)
+            self.differentiate_sliding((rubbing, &at), (case, asked), workspace)
         });
         workspace.friction.history.trail = Some(trail);
         found
@@ -128,16 +138,19 @@ impl Linkage {
     pub(super) fn differentiate_noted(
         &self,
         (rubbing, way): (&Rubbing, &NotedWay<Vec<Coordinates>>),
-        (steps, parameters): (&[Case], &[Parameter]),
+        (steps, asked): (&[Case], Asked<'_>),
         carrying: &mut Carrying,
         workspace: &mut Workspace,
     ) -> Result<CoordinateDerivatives, SolveError> {
-        let kept = parameters.len() + rubbing.holes.of_cable.len();
+        let kept = asked.parameters.len() + rubbing.holes.of_cable.len();
         let stands = workspace.scratch.chain.q.clone();
         let found = carrying.go(way, kept, |end, carried, place| {
             let noted = &end.shape;
             if noted.holding.forgets {
                 return Err(refusal::rubbing_objects(self.kind));
+            }
+            if self.keeps_history() && noted.at.step != asked.step {
+                return Err(SolveError::NoDerivativesOfRest);
             }
             let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
             let case = noted.case_by_fractions(&cases);
@@ -146,11 +159,11 @@ impl Linkage {
                 shape: &noted.state,
                 standing: &end.standing,
                 carried,
-                stations: if place.is_last { &self.stations } else { &noted.next },
+                stations: if place.is_last { asked.stations } else { &noted.next },
                 is_last: place.is_last,
                 noted: Some((noted, &cases)),
             };
-            self.differentiate_sliding((rubbing, &at), (&case, parameters), workspace)
+            self.differentiate_sliding((rubbing, &at), (&case, asked), workspace)
         });
         workspace.scratch.chain.q = stands;
         found.map(|mut derivatives| {
@@ -163,9 +176,10 @@ impl Linkage {
     fn differentiate_sliding(
         &self,
         (rubbing, end): (&Rubbing, &End<'_>),
-        (case, parameters): (&Case, &[Parameter]),
+        (case, asked): (&Case, Asked<'_>),
         workspace: &mut Workspace,
     ) -> Result<(CoordinateDerivatives, Vec<Carried>), SolveError> {
+        let parameters = asked.parameters;
         let Rubbing { holes, sections, .. } = rubbing;
         let &End { shape, standing, carried, stations, is_last, noted } = end;
         let coordinates = self.division.coordinates() * sections.len();
@@ -184,7 +198,7 @@ impl Linkage {
         let mut sources = Vec::with_capacity(parameters.len());
         let is_length = |cable: usize| standing.commands[cable].is_length();
         let none = vec![0.0; holes.count()];
-        for parameter in parameters {
+        for (p, parameter) in parameters.iter().enumerate() {
             if parameter.is_of_drives() {
                 parameter.check(&self.robot, case)?;
                 let source = |case: &Case| {
@@ -198,16 +212,20 @@ impl Linkage {
                     }
                     None => source(case),
                 });
-                changes.push(ParameterChange::none(coordinates, 2 * holes.count()));
+                let mut change = ParameterChange::none(coordinates, 2 * holes.count());
+                self.add_history(shape, asked.before(p), &mut change);
+                changes.push(change);
                 continue;
             }
-            let mut change = self.by_parameter(parameter, case, |sections, robot, case| {
-                self.sliding_equations((sections, robot, case), shape, tensions)
-            })?;
+            let mut change =
+                self.by_parameter(parameter, case, shape, |sections, robot, case| {
+                    self.sliding_equations((sections, robot, case), shape, tensions)
+                })?;
             if let Some((noted, _)) = noted {
                 change.scale(noted.part_of(parameter));
             }
             sources.push(source(&mut change, holes.count(), holes.of_cable.len(), is_length));
+            self.add_history(shape, asked.before(p), &mut change);
             changes.push(change);
         }
         let cables = standing.commands.iter().map(|command| CoordinateCable {
@@ -221,6 +239,7 @@ impl Linkage {
             cables: cables.collect(),
             parameters: changes,
             length: self.robot.backbone().length,
+            is_bending_about_to_change: self.is_joint_about_to_change(shape),
         };
         let holes = AnswerHoles {
             holes,
@@ -250,6 +269,7 @@ impl Linkage {
         q: &[Coordinates],
         tensions: &[f64],
     ) -> Equations {
+        let kept = self.kept_angles(sections, q);
         let rubbing = Rubbing::of(robot, &self.division, sections);
         let Rubbing { holes, sections, rest, .. } = &rubbing;
         let (residuals, chain) = self.residuals(sections, robot, case, q, tensions);
@@ -271,6 +291,7 @@ impl Linkage {
             lengths: [&chain.lengths[..], &turns].concat(),
             targets: targets.map(|v| &v[..]).concat(),
             base: chain.base,
+            kept,
         }
     }
 }

@@ -11,6 +11,7 @@
 use whipcord_numerics::Pose;
 
 use super::places::Places;
+use super::plastic_derivatives::Asked;
 use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::derivatives::Place;
@@ -35,11 +36,16 @@ impl Linkage {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Local), SolveError> {
         refusal::among_obstacles("derivatives", self.kind, case)?;
-        refusal::bending_friction_with_derivatives(self.kind, &self.robot)?;
-        if let Some(rubbing) = &self.friction {
-            let at = [arc_length];
+        let at = [arc_length];
+        if self.keeps_history() {
             let (solution, derivatives) =
-                self.slide_with_derivatives(rubbing, (case, &[]), &at, workspace)?;
+                self.differentiate_last_step((case, &[]), &at, workspace)?;
+            return Ok((solution, derivatives.at(Place::Station(0))?));
+        }
+        if let Some(rubbing) = &self.friction {
+            let asked = Asked::new(&[], &at);
+            let (solution, derivatives) =
+                self.slide_with_derivatives(rubbing, (case, asked), workspace)?;
             return Ok((solution, derivatives.at(Place::Station(0))?));
         }
         let solution = self.solve(case, warm_start, workspace)?;

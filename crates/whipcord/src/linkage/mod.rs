@@ -6,7 +6,7 @@
 //! robot into sections, `loads` gathers what acts on it; `chain` is the equilibrium of all sections and
 //! the linear system of a step, for a `task`, with the signs of its `pivots`; `statics` finds it, `stability` judges it, `stable_branch` finds another where it is not stable, `derivatives` differentiates it, `local` at one place, `tip_rates` at the tip in memory that is kept;
 //! `places` are cross-sections that wrenches act on, `contact` is the chain among obstacles; `friction` gives every
-//! passage of a cable a tension of its own, for `actuation_steps` with friction at the holes.
+//! passage of a cable a tension of its own, for `actuation_steps` with friction at the holes; `plastic_derivatives` carries along what friction against bending keeps.
 
 mod actuation_steps;
 mod bending_friction;
@@ -29,6 +29,7 @@ mod path;
 mod pivots;
 mod place_wrench;
 mod places;
+mod plastic_derivatives;
 mod stability;
 mod stable_branch;
 mod statics;

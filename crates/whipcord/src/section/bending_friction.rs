@@ -15,6 +15,9 @@ use whipcord_numerics::{Mat3, Vec3};
 /// The bending axes: x and y.
 pub(crate) const BENDING_AXES: usize = 2;
 
+/// A spring that is so near to its limit, as a part of that, is at it.
+const NEAR: f64 = 1e-6;
+
 /// Friction against bending of a section, by bending axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct BendingFriction {
@@ -99,6 +102,24 @@ impl BendingFriction {
         } else {
             (moment - self.limit[axis] * stretch.signum()) / elastic
         }
+    }
+
+    /// Takes the branch of eq. (1) that this friction is on at `u − u*` for the whole of the law: for differences beside an answer.
+    pub fn stay_on_branch_of(&mut self, answer: &Self, bend: Vec3) {
+        for axis in 0..BENDING_AXES {
+            match answer.sliding(axis, bend) {
+                None => self.limit[axis] = f64::INFINITY,
+                Some(sign) => self.plastic[axis] = -sign * f64::INFINITY,
+            }
+        }
+    }
+
+    /// Whether a spring is at its limit about some axis at `u − u*`: there friction begins to slide on one side and sticks on the other.
+    pub fn is_at_limit(&self, bend: Vec3) -> bool {
+        (0..BENDING_AXES).any(|axis| {
+            let (limit, stretch) = (self.limit[axis], bend[axis] - self.plastic[axis]);
+            limit > 0.0 && (self.stiffness[axis] * stretch.abs() - limit).abs() <= NEAR * limit
+        })
     }
 
     /// `κ⁺` of eq. (2) at `u − u*`.

@@ -100,6 +100,17 @@ fn neighbours(grid: &Grid) -> Vec<usize> {
 }
 
 impl Grid {
+    /// Whether friction against bending is where it begins to slide at an end of a step with these strains, at start and end of each.
+    pub fn is_friction_at_limit(&self, strains: &[[Strain; 2]]) -> bool {
+        strains.iter().enumerate().any(|(k, strains)| {
+            (0..2).any(|end| {
+                let section = &self.at_end(k, end).section;
+                let bend = strains[end].angular - section.rest_curvature;
+                section.friction().is_some_and(|friction| friction.is_at_limit(bend))
+            })
+        })
+    }
+
     /// Gives the sections the plastic curvature that earlier steps of actuation left.
     pub fn set_plastic(&mut self, plastic: &PlasticCurvature) {
         set(&mut self.gauss, &self.steps, &GAUSS_3.nodes, plastic);

@@ -3,6 +3,7 @@
 //! In every step the plastic curvature that the steps before left is given, and the rod is a nonlinear elastic one
 //! ([`crate::section`]); what it leaves itself is the start of the next step.
 
+use super::friction::Carrying;
 use super::plastic_curvature::PlasticCurvature;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
@@ -15,6 +16,36 @@ use crate::shape::Solution;
 
 /// Derivatives of a step, the plastic curvature that it leaves, and how this changes with each parameter.
 pub(crate) type Differentiated<D> = (D, PlasticCurvature, Vec<PlasticCurvature>);
+
+/// How what friction remembers changes from step to step of actuation, on one grid.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Remembering {
+    /// In the holes.
+    pub holes: Carrying,
+    /// Of the plastic curvature that each step leaves, with each parameter.
+    plastic: Vec<Vec<PlasticCurvature>>,
+}
+
+impl Remembering {
+    /// How the plastic curvature changes that a step of a robot starts from, with each parameter; none where it keeps none.
+    ///
+    /// # Errors
+    /// [`SolveError::NoDerivativesOfRest`] where that is not known of the step before.
+    pub fn before(&self, robot: &Robot, step: usize) -> Result<&[PlasticCurvature], SolveError> {
+        match step.checked_sub(1).filter(|_| robot.has_bending_friction()) {
+            None => Ok(&[]),
+            Some(before) => {
+                self.plastic.get(before).map(Vec::as_slice).ok_or(SolveError::NoDerivativesOfRest)
+            }
+        }
+    }
+
+    /// Notes the same of that which it leaves.
+    pub fn note(&mut self, step: usize, changes: Vec<PlasticCurvature>) {
+        self.plastic.truncate(step);
+        self.plastic.push(changes);
+    }
+}
 
 /// A rod that is solved from a plastic curvature that is given.
 pub(crate) trait PlasticRod: Clone {

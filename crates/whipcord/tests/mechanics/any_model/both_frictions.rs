@@ -278,29 +278,6 @@ fn among_obstacles_with_both_frictions() {
     }
 }
 
-#[test]
-fn derivatives_with_both_frictions_are_refused() {
-    let robot = robot(Some(friction()), 6, MU);
-    for kind in MODELS {
-        let model = model_with_forces(kind, Stations::default(), Actuation::Tension);
-        assert!(!model.has_derivatives(&robot), "{kind}");
-        for obstacles in [vec![], vec![wall(0.05)]] {
-            let case = among(moments(&[0.02, 0.01]), obstacles);
-            let mut prepared = model.prepare(&robot, &case.loads).unwrap();
-            let refused = prepared.solve_with_derivatives(&case, None, &[]).map(|_| ());
-            let in_steps = prepared
-                .solve_steps_with_derivatives(&case, &[], |_| true, |_, _| ())
-                .map_err(|(_, e)| e);
-            for refused in [refused, in_steps] {
-                let Err(SolveError::Unsupported { path, .. }) = refused else {
-                    panic!("{kind}: {refused:?}")
-                };
-                assert_eq!(path, "backbone.yield_moment");
-            }
-        }
-    }
-}
-
 /// Random numbers between 0 and 1.
 struct Random(u64);
 

@@ -238,6 +238,16 @@ fn derivatives_with_friction_against_bending_in_contact(kind: ModelKind) -> Resu
     derivatives_of(kind, &held(&finger(9)), &among(Case::with_tensions(&[4.0]), vec![wall(0.05)]))
 }
 
+fn derivatives_with_both_frictions(kind: ModelKind) -> Result<(), SolveError> {
+    let rubbing = with_cable(|cable| cable.friction = Some(0.3));
+    derivatives_of(kind, &held(&rubbing), &Case::with_tensions(&[2.0]))
+}
+
+fn derivatives_with_both_frictions_in_contact(kind: ModelKind) -> Result<(), SolveError> {
+    let rubbing = with_cable(|cable| cable.friction = Some(0.3));
+    derivatives_of(kind, &held(&rubbing), &among(Case::with_tensions(&[4.0]), vec![wall(0.05)]))
+}
+
 fn derivatives_in_contact(kind: ModelKind) -> Result<(), SolveError> {
     derivatives_of(kind, &finger(9), &touching())
 }
@@ -258,7 +268,7 @@ fn batches(kind: ModelKind) -> Result<(), SolveError> {
 
 type Question = fn(ModelKind) -> Result<(), SolveError>;
 
-const QUESTIONS: [(&str, Question); 24] = [
+const QUESTIONS: [(&str, Question); 26] = [
     ("dead loads", dead_loads),
     ("follower loads", follower_loads),
     ("distributed loads", distributed_loads),
@@ -275,6 +285,11 @@ const QUESTIONS: [(&str, Question); 24] = [
     (
         "derivatives with friction against bending in contact",
         derivatives_with_friction_against_bending_in_contact,
+    ),
+    ("derivatives with friction at holes and against bending", derivatives_with_both_frictions),
+    (
+        "derivatives with friction at holes and against bending in contact",
+        derivatives_with_both_frictions_in_contact,
     ),
     ("stability", stability),
     ("stability in contact without friction", stability_in_contact),

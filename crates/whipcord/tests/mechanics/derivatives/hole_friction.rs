@@ -6,6 +6,7 @@ use whipcord::derivatives::Cotangent;
 use whipcord::{Actuation, Disks, Loads, ModelKind, Motor, Wrench};
 
 /// A case with several steps, and its robot.
+#[derive(Clone)]
 pub(super) struct Sliding {
     pub name: &'static str,
     pub robot: Robot,
@@ -16,11 +17,11 @@ pub(super) fn rubbing(routing: Routing, mu: f64) -> Cable {
     Cable { friction: Some(mu), ..Cable::new(format!("{routing:?}"), routing) }
 }
 
-fn robot(cables: Vec<Cable>) -> Robot {
+pub(super) fn robot(cables: Vec<Cable>) -> Robot {
     Robot::new(paper_backbone(), Disks::equally_spaced(0.18, 6, 0.008), cables).unwrap()
 }
 
-fn tip_loads() -> Loads {
+pub(super) fn tip_loads() -> Loads {
     Loads {
         tip_force: Vec3::new(0.05, -0.08, 0.02),
         tip_moment: Vec3::new(1e-3, 2e-3, 1e-3),
@@ -40,7 +41,7 @@ pub(super) fn commands(of: &[f64]) -> Vec<CableCommand> {
     of.iter().map(command).collect()
 }
 
-fn in_steps(steps: &[&[f64]], loads: &Loads) -> Case {
+pub(super) fn in_steps(steps: &[&[f64]], loads: &Loads) -> Case {
     let steps: Vec<_> = steps.iter().map(|step| commands(step)).collect();
     let (last, before) = steps.split_last().unwrap();
     Case {
@@ -82,7 +83,11 @@ fn whole_steps() -> Vec<Sliding> {
     ]
 }
 
-fn check(tested: Tested, Sliding { name, robot, case }: &Sliding, tolerance: f64) -> String {
+pub(super) fn check(
+    tested: Tested,
+    Sliding { name, robot, case }: &Sliding,
+    tolerance: f64,
+) -> String {
     let mut failures = String::new();
     let (solution, derivatives) = differentiated(tested, robot, case, &[]);
     let near = |case: &Case| solve_near(tested, robot, case, &solution);

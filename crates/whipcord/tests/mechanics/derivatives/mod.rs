@@ -40,6 +40,7 @@ macro_rules! for_every_model {
 
 mod backward;
 mod bending_friction;
+mod bending_friction_steps;
 mod command_changes;
 mod commands_and_compliance;
 mod contact;
@@ -263,6 +264,10 @@ fn parameters(tested: Tested, robot: &Robot, case: &Case) -> Vec<(Parameter, f64
         Parameter::Stiffness { row: 2, column: 4 },
         Parameter::DiskMass,
         Parameter::HoleRadius,
+        Parameter::YieldMoment { axis: None },
+        Parameter::YieldMoment { axis: Some(1) },
+        Parameter::YieldStiffness { axis: None },
+        Parameter::YieldStiffness { axis: Some(0) },
     ];
     for segment in 0..robot.backbone().segments.len() {
         let parts = [StiffnessPart::Shear, StiffnessPart::Extension];
