@@ -69,7 +69,7 @@ class Derivatives:
     @property
     def one_sided(self) -> tuple[str, ...]:
         """What is about to change at the answer, so that these are derivatives of the side that the answer is on: ``"contact"`` (opens, closes, sticks or slides),
-        ``"hole"`` (a cable sticks or slides in it) and ``"cable"`` (goes slack or becomes taut)."""
+        ``"hole"`` (a cable sticks or slides in it), ``"cable"`` (goes slack or becomes taut) and ``"bending"`` (friction against bending sticks or slides)."""
         return tuple(self._inner.one_sided())
 
     @property
@@ -253,7 +253,8 @@ class Place:
     estimated_error: float | None
     """Relative error, where the numbers come from differences of solutions; None where they are exact."""
     one_sided: tuple[str, ...]
-    """What is about to change at the answer, so that the numbers are derivatives of the side that the answer is on: ``"contact"``, ``"hole"``, ``"cable"``."""
+    """What is about to change at the answer, so that the numbers are derivatives of the side that the answer is on: ``"contact"``, ``"hole"``, ``"cable"``,
+    ``"bending"``."""
     lengths_dependent: bool
     """Whether the commanded lengths depend on each other, so that the tensions are not determined, and a command counts by the part that does not contradict
     the others."""

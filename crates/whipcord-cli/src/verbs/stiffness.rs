@@ -238,6 +238,7 @@ fn summary(
         let change = match what {
             "contact" => "a contact is about to open, to close, to stick or to slide",
             "hole" => "a cable is about to stick or to slide in a hole",
+            "bending" => "friction against bending of the backbone is about to stick or to slide",
             _ => "a cable is about to go slack or to become taut",
         };
         text += &format!("derivatives of one side: {change}\n");
