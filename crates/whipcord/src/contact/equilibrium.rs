@@ -146,6 +146,11 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// Whether the equilibrium is stable: by eq. (20) where that is defined, else by eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
         self.unstable = None;
+        if self.rubs && self.objects.are_held_in_part() && self.do_all_stick() {
+            // Steps that their memory keeps short lead through poses in which a part of a force that is taken away holds an object: none
+            // of these need be stable, the last one is judged.
+            return Ok(None);
+        }
         let is_held = self.is_touching() || !self.dampers.all.is_empty();
         if is_held {
             // It is linearised once more.
@@ -189,6 +194,18 @@ impl<M: Compliant> PathTracker<'_, M> {
             gap >= -OVERLAP && (pair.force <= 0.0 || gap <= OVERLAP)
         };
         self.pairs.near.iter().all(clear)
+    }
+
+    /// Whether no contact that pushes slides.
+    fn do_all_stick(&self) -> bool {
+        let sticks = |grip: Option<Grip>| grip.is_some_and(|grip| grip.sticks);
+        self.pairs.near.iter().filter(|pair| pair.force > 0.0).all(|pair| sticks(pair.grip))
+            && self
+                .objects
+                .near
+                .iter()
+                .filter(|pair| pair.force > 0.0)
+                .all(|pair| sticks(pair.grip))
     }
 
     /// Whether nothing is near obstacles but disks without friction.

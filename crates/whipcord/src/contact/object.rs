@@ -205,6 +205,11 @@ impl Objects {
         self.are_held = false;
     }
 
+    /// Whether a part is left of what held them when they were released.
+    pub fn are_held_in_part(&self) -> bool {
+        self.list.iter().any(|object| object.held > 0.0)
+    }
+
     /// The one that was held with most, and with what.
     pub fn most_held(&self) -> Option<(&Object, Wrench)> {
         let of = |object: &Object| {

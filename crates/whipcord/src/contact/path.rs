@@ -191,7 +191,22 @@ impl<M: Noting> PathTracker<'_, M> {
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
-        let longest_step = if self.rubs { RUBBING_STEP } else { 1.0 };
+        self.go_in_steps(asked, at, acting, self.longest_step())
+    }
+
+    /// The longest step of a way that the holes remember.
+    pub(super) const fn longest_step(&self) -> f64 {
+        if self.rubs { RUBBING_STEP } else { 1.0 }
+    }
+
+    /// The same in steps that are no longer than a part of the way.
+    pub(super) fn go_in_steps(
+        &mut self,
+        asked: &Case,
+        at: impl Fn(f64) -> Case,
+        acting: impl Fn(f64) -> Acting,
+        longest_step: f64,
+    ) -> Result<(), SolveError> {
         let (mut way, mut step) = (0.0, longest_step);
         self.reached = 0.0;
         let mut jumps = Jumps::default();

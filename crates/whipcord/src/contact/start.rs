@@ -96,18 +96,37 @@ impl<M: Noting> PathTracker<'_, M> {
         at: &impl Fn(f64) -> Case,
         to_base: &Pose,
     ) -> Result<(), SolveError> {
+        match self.release_after_steps(case, at, to_base, self.longest_step()) {
+            // Short steps let the robot slide farther along an object that is held, until friction pushes that with all it can.
+            Err(error) if self.rubs && error.is_obstruction() => {
+                self.release_after_steps(case, at, to_base, 1.0)
+            }
+            gone => gone,
+        }
+    }
+
+    /// The same, with objects that are held in steps that are no longer than a part of the way.
+    fn release_after_steps(
+        &mut self,
+        case: &Case,
+        at: &impl Fn(f64) -> Case,
+        to_base: &Pose,
+        longest_step: f64,
+    ) -> Result<(), SolveError> {
         self.odd = None;
         self.pairs.near.clear();
         self.model.reset();
         self.objects = Objects::new(case, None, self.model.force_scale(), self.length);
         self.objects.are_held = true;
         self.start((&at(0.0), [0.0; 2]), None, to_base)?;
-        self.go(case, at, |_| Acting::ALL)?;
+        self.go_in_steps(case, at, |_| Acting::ALL, longest_step)?;
         self.objects.load(case, case, 1.0, 0.0);
         self.objects.balance(&self.pairs, self.model);
         self.objects.release();
         self.odd = None;
-        let gone = self.go(case, |_| at(1.0), |way| Acting { held: 1.0 - way, ..Acting::ALL });
+        // The commands stay: nothing that the holes remember is lost in a long step.
+        let release = |way: f64| Acting { held: 1.0 - way, ..Acting::ALL };
+        let gone = self.go_in_steps(case, |_| at(1.0), release, 1.0);
         gone.map_err(|error| match error {
             SolveError::Obstructed { reached, touching, why } if error_of_object(&why) => {
                 // As much as still held it.

@@ -227,17 +227,22 @@ fn an_object_that_overlaps_at_rest_is_refused() {
     assert!((depth - 1e-3).abs() < 1e-9);
 }
 
+/// A box that stands on a table beside the finger.
+fn box_on_a_table(friction: f64, mass: f64) -> Case {
+    let table = Vec3::new(0.125, 0.0, 0.11);
+    let table = block("table", Vec3::new(0.2, 0.2, 0.02), table, friction);
+    let size = Vec3::new(0.03, 0.03, 0.08);
+    let pushed = movable(block("box", size, Vec3::new(0.045, 0.0, 0.16), friction), mass);
+    under_gravity(1.0, -Vec3::Z, vec![pushed, table])
+}
+
 /// A finger pulled against a box on a table pushes it along: all contacts with the table slide.
 #[test]
 fn a_finger_pushes_a_box_along_a_table() {
     let mass = 0.02;
     for kind in WITH_FORCES {
         for friction in [0.0, 0.1] {
-            let table = Vec3::new(0.125, 0.0, 0.11);
-            let table = block("table", Vec3::new(0.2, 0.2, 0.02), table, friction);
-            let size = Vec3::new(0.03, 0.03, 0.08);
-            let pushed = movable(block("box", size, Vec3::new(0.045, 0.0, 0.16), friction), mass);
-            let case = under_gravity(1.0, -Vec3::Z, vec![pushed, table]);
+            let case = box_on_a_table(friction, mass);
             let solution = solved(kind, &finger(9), &case);
             let state = &solution.objects[0];
             let moved = state.pose.position - Vec3::new(0.045, 0.0, 0.16);
@@ -284,6 +289,42 @@ fn a_ball_is_squeezed_against_a_wall() {
         assert_eq!(lost(kind, &squeezed(0.5, 0.05, 3.0)), "ball");
         assert_eq!(lost(kind, &squeezed(0.05, 0.005, 3.0)), "ball");
     }
+}
+
+/// A cable that hardly rubs leads to what one leads to that does not, and one that rubs leaves the robot straighter.
+#[test]
+fn cables_that_rub_in_their_holes_move_and_hold_objects() {
+    let rubbing = |friction: f64| {
+        let bare = finger(9);
+        let cable = Cable { friction: Some(friction), ..bare.cables()[0].clone() };
+        Robot::new(bare.backbone().clone(), bare.disks().clone(), vec![cable]).unwrap()
+    };
+    let mut failures = String::new();
+    for kind in WITH_FORCES {
+        let cases =
+            [squeezed(0.5, 0.005, 3.0), box_on_a_table(0.0, 0.02), box_on_a_table(0.1, 0.02)];
+        for (number, case) in cases.iter().enumerate() {
+            let smooth = solved(kind, &finger(9), case);
+            for friction in [1e-7, 0.2] {
+                let solution = match model(kind).solve(&rubbing(friction), case) {
+                    Ok(solution) => solution,
+                    Err(error) => {
+                        failures += &format!("{kind}, case {number}, {friction}: {error}\n");
+                        continue;
+                    }
+                };
+                assert_balanced(case, &solution);
+                let apart = solution.disks.distances(&smooth.disks).fold(0.0, f64::max) / LENGTH;
+                let tip = |solution: &Solution| solution.disks.poses[9].position.x;
+                if friction == 1e-7 && apart > 1e-6 {
+                    failures += &format!("{kind}, case {number}: {apart:.1e}\n");
+                } else if friction > 1e-7 && tip(&solution) > tip(&smooth) - 1e-6 {
+                    failures += &format!("{kind}, case {number}, {friction}: bent more\n");
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
 }
 
 /// Once held, it is held as the tension changes from step to step, and let go where that is too low.
