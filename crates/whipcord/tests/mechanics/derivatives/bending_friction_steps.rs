@@ -1,6 +1,7 @@
 //! Friction against bending, alone and beside friction of cables: derivatives through all steps against differences of these, at answers at which
 //! some joints slide and others stick.
 
+use super::friction_in_contact::off_differences;
 use super::hole_friction::{
     Sliding, both_ways, check, commands, in_steps, moved, robot, rubbing, tip_loads,
 };
@@ -169,15 +170,15 @@ fn soft_drives(tested: Tested) {
         for (i, parameter) in numbers.iter().enumerate() {
             let change = derivatives.parameter(i, Hold::Commands);
             let size = parameter.value(&robot, &case).unwrap();
-            let off = [1e-3, 1e-4, 4e-3].map(|step| {
+            let off = |step: f64| {
                 let solve = |by: f64| {
                     let (robot, case) = parameter.moved(&robot, &case, by)?;
                     solve_near(tested, &robot, &case, &solution)
                 };
                 off_above(1e-9, &change, &differentiate(solve, step * size).unwrap(), &robot)
-            });
-            if off.into_iter().fold(1.0, f64::min) > 1e-6 {
-                failures += &format!("{:?}, {mu}: {parameter}: {off:?}\n", solution.model);
+            };
+            if let Err(all) = off_with_all([1e-3, 1e-4, 4e-3], 1e-6, off) {
+                failures += &format!("{:?}, {mu}: {parameter}: {all:?}\n", solution.model);
             }
         }
     }
@@ -200,37 +201,9 @@ fn check_at_obstacles(tested: Tested, sliding: &Sliding, tolerance: f64) -> Stri
     let (solution, derivatives) = differentiated(tested, robot, case, &list);
     assert!(!solution.contacts.is_empty(), "{:?}, {name}: nothing touches", solution.model);
     assert!(derivatives.one_sided().names().count() == 0, "{:?}, {name}", solution.model);
-    let mut failures = String::new();
-    let mut compare =
-        |what: String, change: &Change, step: f64, near: &dyn Fn(f64) -> (Robot, Case)| {
-            let all = [1.0, 0.25, 0.0625, 0.0156].map(|part| {
-                let solve = |by: f64| {
-                    let (robot, case) = near(by);
-                    solve_near(tested, &robot, &case, &solution)
-                };
-                off_above(1e-9, change, &differentiate(solve, part * step).unwrap(), robot)
-            });
-            let off = all.into_iter().fold(1.0, f64::min);
-            if off.is_nan() || off > tolerance {
-                failures += &format!("{:?}, {name}, {what}: {all:?}\n", solution.model);
-            }
-        };
-    for cable in 0..robot.cables().len() {
-        let command = case.commands[cable];
-        let size = command.tension.unwrap_or(1e-3);
-        compare(format!("command {cable}"), &derivatives.command(cable), 2e-3 * size, &|by| {
-            let mut case = case.clone();
-            case.commands[cable] = moved(command, by);
-            (robot.clone(), case)
-        });
-    }
-    for (p, (parameter, step)) in AT_OBSTACLES.iter().enumerate() {
-        let change = derivatives.parameter(p, Hold::Commands);
-        compare(parameter.to_string(), &change, *step, &|by| {
-            parameter.moved(robot, case, by).unwrap()
-        });
-    }
-    failures
+    let answer = (&solution, &derivatives);
+    let failures = off_differences(tested, sliding, answer, &AT_OBSTACLES, tolerance);
+    if failures.is_empty() { failures } else { format!("{:?}, {name}\n{failures}", solution.model) }
 }
 
 fn among(cables: Vec<Cable>, steps: &[&[f64]], obstacle: Obstacle) -> Sliding {
@@ -358,16 +331,16 @@ fn rods_that_rub() {
                             let (robot, case) = near(by);
                             solve(&robot, &case, &[]).0.disks.tip().position
                         };
-                        let offs = [1e-3, 1e-4, 1e-5].map(|part| {
+                        let off = |part: f64| {
                             let h = part * scale;
                             let difference = (at(h) - at(-h)) * (0.5 / h);
                             (difference - exact).norm() * scale / length
-                        });
+                        };
                         let size = exact.norm() * scale / length;
                         let tolerance = if touches { 1e-6 + 1e-4 * size } else { 1e-6 };
-                        if offs.into_iter().fold(1.0, f64::min) > tolerance {
+                        if let Err(all) = off_with_all([1e-3, 1e-4, 1e-5], tolerance, off) {
                             failures += &format!(
-                                "{:?} {touches} {name} {what}: {offs:?} of {size}\n",
+                                "{:?} {touches} {name} {what}: {all:?} of {size}\n",
                                 solution.model
                             );
                         }

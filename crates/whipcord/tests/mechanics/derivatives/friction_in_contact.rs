@@ -63,21 +63,21 @@ fn holes(solution: &Solution, state: SlipState) -> usize {
     all.filter(|&&of| of == state).count()
 }
 
-/// By commands in the last step and in all, and by parameters.
-fn check(tested: Tested, sliding: &Sliding, tolerance: f64) -> Solution {
-    let Sliding { name, robot, case } = sliding;
-    let list = PARAMETERS.map(|(parameter, _)| parameter);
-    let (solution, derivatives) = differentiated(tested, robot, case, &list);
-    assert!(!solution.contacts.is_empty(), "{:?}, {name}: nothing touches", solution.model);
-    assert!(!derivatives.is_contact_about_to_change(), "{:?}, {name}", solution.model);
-    assert!(!derivatives.is_hole_about_to_change(), "{:?}, {name}", solution.model);
-    let mut failures = offsets(tested, sliding, tolerance);
+/// By commands in the last step, and by parameters with steps for their differences.
+pub(super) fn off_differences(
+    tested: Tested,
+    Sliding { robot, case, .. }: &Sliding,
+    (solution, derivatives): (&Solution, &Linearization),
+    parameters: &[(Parameter, f64)],
+    tolerance: f64,
+) -> String {
+    let mut failures = String::new();
     let mut compare =
         |what: String, change: &Change, step: f64, near: &dyn Fn(f64) -> (Robot, Case)| {
             let off = |step: f64| {
                 let solve = |by: f64| {
                     let (robot, case) = near(by);
-                    solve_near(tested, &robot, &case, &solution)
+                    solve_near(tested, &robot, &case, solution)
                 };
                 off_above(1e-9, change, &differentiate(solve, step).unwrap(), robot)
             };
@@ -96,12 +96,26 @@ fn check(tested: Tested, sliding: &Sliding, tolerance: f64) -> Solution {
             (robot.clone(), case)
         });
     }
-    for (p, (parameter, step)) in PARAMETERS.iter().enumerate() {
+    for (p, (parameter, step)) in parameters.iter().enumerate() {
         let change = derivatives.parameter(p, Hold::Commands);
         compare(parameter.to_string(), &change, *step, &|by| {
             parameter.moved(robot, case, by).unwrap()
         });
     }
+    failures
+}
+
+/// By commands in the last step and in all, and by parameters.
+fn check(tested: Tested, sliding: &Sliding, tolerance: f64) -> Solution {
+    let Sliding { name, robot, case } = sliding;
+    let list = PARAMETERS.map(|(parameter, _)| parameter);
+    let (solution, derivatives) = differentiated(tested, robot, case, &list);
+    assert!(!solution.contacts.is_empty(), "{:?}, {name}: nothing touches", solution.model);
+    assert!(!derivatives.is_contact_about_to_change(), "{:?}, {name}", solution.model);
+    assert!(!derivatives.is_hole_about_to_change(), "{:?}, {name}", solution.model);
+    let mut failures = offsets(tested, sliding, tolerance);
+    let answer = (&solution, &derivatives);
+    failures += &off_differences(tested, sliding, answer, &PARAMETERS, tolerance);
     assert!(failures.is_empty(), "{:?}, {name}\n{failures}", solution.model);
     solution
 }
