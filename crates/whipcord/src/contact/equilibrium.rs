@@ -198,14 +198,10 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     /// Whether no contact that pushes slides.
     fn do_all_stick(&self) -> bool {
-        let sticks = |grip: Option<Grip>| grip.is_some_and(|grip| grip.sticks);
-        self.pairs.near.iter().filter(|pair| pair.force > 0.0).all(|pair| sticks(pair.grip))
-            && self
-                .objects
-                .near
-                .iter()
-                .filter(|pair| pair.force > 0.0)
-                .all(|pair| sticks(pair.grip))
+        let of_robot = self.pairs.near.iter().map(|pair| (pair.force, pair.grip));
+        let of_objects = self.objects.near.iter().map(|pair| (pair.force, pair.grip));
+        let mut pushing = of_robot.chain(of_objects).filter(|(force, _)| *force > 0.0);
+        pushing.all(|(_, grip)| grip.is_some_and(|grip| grip.sticks))
     }
 
     /// Whether nothing is near obstacles but disks without friction.
