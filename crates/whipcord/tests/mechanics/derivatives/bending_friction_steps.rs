@@ -1,39 +1,13 @@
 //! Friction against bending, alone and beside friction of cables: derivatives through all steps against differences of these, at answers at which
 //! some joints slide and others stick.
 
-use super::friction_in_contact::off_differences;
-use super::hole_friction::{
-    Sliding, both_ways, check, commands, in_steps, moved, robot, rubbing, tip_loads,
-};
+use super::friction_in_contact::{of, off_differences};
+use super::hole_friction::{Sliding, both_ways, check, in_steps, moved, robot, rubbing, tip_loads};
 use super::*;
 use crate::common::{helix, straight};
-use crate::contact::{finger, sphere, wall};
+use crate::contact::{sphere, wall};
 use whipcord::robot::BendingFriction;
 use whipcord::{Backbone, Loads, Motor, Obstacle};
-
-/// Tests of each model of sections, under its name.
-macro_rules! for_models_of_sections {
-    ($($name:ident),*) => {
-        mod arcs {
-            $(#[test]
-            fn $name() {
-                super::$name(crate::derivatives::Tested::Arcs);
-            })*
-        }
-        mod rigid_bodies {
-            $(#[test]
-            fn $name() {
-                super::$name(crate::derivatives::Tested::RigidBodies);
-            })*
-        }
-        mod four_bar_sections {
-            $(#[test]
-            fn $name() {
-                super::$name(crate::derivatives::Tested::FourBar);
-            })*
-        }
-    };
-}
 
 for_models_of_sections!(
     steps_there_and_back,
@@ -207,18 +181,8 @@ fn check_at_obstacles(tested: Tested, sliding: &Sliding, tolerance: f64) -> Stri
 }
 
 fn among(cables: Vec<Cable>, steps: &[&[f64]], obstacle: Obstacle) -> Sliding {
-    let bare = finger(6);
-    let robot = Robot::new(bare.backbone().clone(), bare.disks().clone(), cables).unwrap();
-    let steps: Vec<_> = steps.iter().map(|step| commands(step)).collect();
-    let (last, before) = steps.split_last().unwrap();
-    let mut case = Case {
-        commands: last.clone(),
-        before: before.to_vec(),
-        obstacles: vec![obstacle],
-        ..Case::default()
-    };
-    case.loads.tip_force = Vec3::new(0.01, 0.02, -0.01);
-    Sliding { name: "at an obstacle", robot: held(&robot, 3e-3, None), case }
+    let smooth = of("at an obstacle", cables, steps, obstacle);
+    Sliding { robot: held(&smooth.robot, 3e-3, None), ..smooth }
 }
 
 fn at_obstacles(mu: [f64; 2], stiffness: Option<f64>) -> [Sliding; 3] {

@@ -22,7 +22,12 @@ fn robot(cables: Vec<Cable>) -> Robot {
     Robot::new(bare.backbone().clone(), bare.disks().clone(), cables).unwrap()
 }
 
-fn of(name: &'static str, cables: Vec<Cable>, steps: &[&[f64]], obstacle: Obstacle) -> Sliding {
+pub(super) fn of(
+    name: &'static str,
+    cables: Vec<Cable>,
+    steps: &[&[f64]],
+    obstacle: Obstacle,
+) -> Sliding {
     let steps: Vec<_> = steps.iter().map(|step| commands(step)).collect();
     let (last, before) = steps.split_last().unwrap();
     let mut case = Case {

@@ -17,6 +17,13 @@ macro_rules! for_every_model {
                 super::$name(crate::derivatives::Tested::Disks);
             })*
         }
+        for_models_of_sections!($($name),*);
+    };
+}
+
+/// The same of the models of sections.
+macro_rules! for_models_of_sections {
+    ($($name:ident),*) => {
         mod arcs {
             $(#[test]
             fn $name() {
