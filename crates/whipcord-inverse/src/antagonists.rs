@@ -105,16 +105,8 @@ impl Piece {
     pub fn least(&self, gradient: &[f64], center: &[f64], half: &[f64]) -> Option<f64> {
         let mut sum: f64 = gradient.iter().zip(half).map(|(g, h)| -g.abs() * h).sum();
         for Group { common, members } in &self.groups {
-            let (low, mut high) =
-                (center[*common] - half[*common], center[*common] + half[*common]);
             let ends = |k: usize| [center[k] - half[k], center[k] + half[k]];
-            for Member { weight, more, most } in members {
-                let least = more.map_or(0.0, |k| ends(k)[0]);
-                high = high.min((most - least) / weight);
-            }
-            if high < low {
-                return None;
-            }
+            let [low, high] = common_pull(*common, members, ends)?;
             // Convex in c: it is least at an end or where a tension gets to its limit.
             let at = |c: f64| -> f64 {
                 let others = members.iter().filter_map(|Member { weight, more, most }| {
@@ -138,6 +130,14 @@ impl Piece {
         Some(sum)
     }
 
+    /// Whether anything of a box is within the limits.
+    pub fn has_part_of(&self, center: &[f64], half: &[f64]) -> bool {
+        let ends = |k: usize| [center[k] - half[k], center[k] + half[k]];
+        self.groups
+            .iter()
+            .all(|Group { common, members }| common_pull(*common, members, ends).is_some())
+    }
+
     /// Writes the rows `A (x − center) ≤ b` of the limits that a box reaches beyond.
     pub fn rows(&self, center: &[f64], half: &[f64], rows: &mut Vec<f64>, limits: &mut Vec<f64>) {
         rows.clear();
@@ -157,6 +157,20 @@ impl Piece {
             }
         }
     }
+}
+
+/// The least and the greatest common pull that the limits leave of a box, with the ends of its coordinates; `None` where they leave nothing.
+fn common_pull(
+    common: usize,
+    members: &[Member],
+    ends: impl Fn(usize) -> [f64; 2],
+) -> Option<[f64; 2]> {
+    let [low, mut high] = ends(common);
+    for Member { weight, more, most } in members {
+        let least = more.map_or(0.0, |k| ends(k)[0]);
+        high = high.min((most - least) / weight);
+    }
+    (low <= high).then_some([low, high])
 }
 
 /// Two or three cables to the same place whose offsets cancel all along, each cable in one group at most.

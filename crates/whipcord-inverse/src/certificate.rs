@@ -6,12 +6,13 @@ use std::rc::Rc;
 
 use whipcord::derivatives::Place;
 use whipcord::{SolveError, Vec3};
-use whipcord_numerics::{Programme, QuadraticProgramme};
 
 use crate::antagonists::Piece;
-use crate::curvature::{CurvatureBound, Memory, TensionBox};
+use crate::derivative_bounds::{DerivativeBounds, Memory, OfPoint, TensionBox};
 use crate::few_steps::ERROR_OF_PROOF;
 use crate::forward::Forward;
+use crate::rod_cells::State;
+use crate::taylor::{Bound, Taylor};
 
 /// Why there is no proof.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,19 +65,8 @@ struct Node {
     half: Vec<f64>,
     /// Whether the bound is that of a solve in its middle, or that of the box that it is a part of.
     is_solved: bool,
-    /// The point and its rates in the middle of a box that contains this one.
-    tangent: Option<Rc<Tangent>>,
-}
-
-/// A point as a linear function of the tensions, and what it differs by in a box.
-struct Tangent {
-    /// The tensions in the middle.
-    center: Vec<f64>,
-    /// From the target to the point in the middle.
-    miss: Vec3,
-    motions: Vec<Vec3>,
-    /// In m.
-    remainder: f64,
+    /// The point about the middle of a box that contains this one.
+    taylor: Option<Rc<Taylor>>,
 }
 
 impl PartialEq for Node {
@@ -118,16 +108,23 @@ pub(crate) struct Goal {
 /// How well shapes are known, as a part of the length: what solves are solved to, twice.
 const UNCERTAINTY: f64 = 2.0 * ERROR_OF_PROOF;
 
+/// Error of the second derivatives, as a part of their bound: their integrals are of the fourth order of pieces along which nothing turns much.
+const ERROR_OF_SECOND: f64 = 1e-3;
+
+/// Error of the points from these integrals as a part of the length: far more than it is, because they only say where a bound is worth its time.
+const ERROR_OF_MIDDLE: f64 = 1e-3;
+
 /// A lower bound of the distance of a point from its target over a box of tensions by branch and bound.
 ///
-/// Over a box of half widths `h` about `τ₀` with the miss `r` and the Jacobian `J`, for every unit vector `n`
+/// Over a box of half widths `h` about `τ₀` with the miss `r`, the Jacobian `J` and the second derivatives `H`, for every unit vector `n`
 ///
 /// ```text
-/// ‖p(τ) − x‖ ≥ n·r − Σ|n·Jᵢ|hᵢ − ½ max ‖∂_δ² p‖                  (12)
+/// ‖p(τ) − x‖ ≥ min n·(r + J δ) − ½ max ‖∂_δ² p‖                                          (12)
+/// ‖p(τ) − x‖ ≥ min n·(r + J δ + ½ H(δ, δ)) − ⅙ max ‖∂_δ³ p‖
 /// ```
 ///
-/// over the coordinates of a [`Piece`] of the tensions, with the bound of [`CurvatureBound`]; `n` points along the least miss of the linear problem. No box is nearer than the whole robot is long. The halves of a box have the bound (12) of its
-/// tangent over their part at first, and only where that is the least of all bounds one of their own; the box with
+/// over the coordinates of a [`Piece`] of the tensions, with the bounds of [`DerivativeBounds`]; `n` points along the least miss of the polynomial. No box is nearer than the whole robot is long. The halves of a box have the bound (12) of its
+/// polynomial over their part at first, and only where that is the least of all bounds one of their own; the box with
 /// the least bound is halved until all bounds are beyond the distance, or the boxes are spent. What is returned is a bound in any case.
 ///
 /// # Errors
@@ -138,35 +135,30 @@ pub(crate) fn least_distance(
     tensions: &[[f64; 2]],
     boxes: usize,
 ) -> Result<Result<(f64, usize), NoProof>, SolveError> {
-    let n = tensions.len();
-    let Some(curvature) = CurvatureBound::of(forward.robot(), goal.arc_length) else {
+    let Some(bounds) = DerivativeBounds::of(forward.robot(), goal.arc_length) else {
         return Ok(Err(NoProof::Model));
     };
-    let reach = 2.0 * forward.robot().backbone().length;
     let uncertainty = UNCERTAINTY * forward.robot().backbone().length;
-    let mut solver = Bound::default();
     let greatest: Vec<f64> = tensions.iter().map(|[_, b]| *b).collect();
     let way = (goal.point - forward.case.base.position).norm();
-    let bound = (way - curvature.farthest(&greatest) - uncertainty).max(0.0);
+    let bound = (way - bounds.farthest(&greatest) - uncertainty).max(0.0);
     let pieces = Piece::all(forward.robot(), tensions);
-    let mut memory = Memory::default();
-    let mut heap = BinaryHeap::new();
-    let bend = |piece: &Piece| -> Vec<f64> {
-        piece.edges.iter().map(|edge| curvature.bending(edge)).collect()
-    };
-    let weights: Vec<Vec<f64>> = pieces.iter().map(bend).collect();
-    for (number, piece) in pieces.iter().enumerate() {
-        let ranges = || piece.ranges.iter();
-        heap.push(Node {
+    let of = |piece: &Piece| piece.edges.iter().map(|edge| bounds.weight(edge)).collect();
+    let weights: Vec<Vec<f64>> = pieces.iter().map(of).collect();
+    let mut heap: BinaryHeap<Node> = pieces
+        .iter()
+        .enumerate()
+        .map(|(number, piece)| Node {
             bound,
             piece: number,
-            center: ranges().map(|[a, b]| 0.5 * (a + b)).collect(),
-            half: ranges().map(|[a, b]| 0.5 * (b - a)).collect(),
+            center: piece.ranges.iter().map(|[a, b]| 0.5 * (a + b)).collect(),
+            half: piece.ranges.iter().map(|[a, b]| 0.5 * (b - a)).collect(),
             is_solved: false,
-            tangent: None,
-        });
-    }
-    let (mut middle, mut most, mut edges) = (Vec::new(), vec![0.0; n], Vec::new());
+            taylor: None,
+        })
+        .collect();
+    let mut middles = Middles { bounds, uncertainty, work: Work::default() };
+    let mut bound = Bound::default();
     let mut spent = 0;
     loop {
         let Some(mut node) = heap.pop() else { return Ok(Ok((goal.distance, spent))) };
@@ -177,60 +169,108 @@ pub(crate) fn least_distance(
         if !node.is_solved {
             spent += 1;
             node.is_solved = true;
-            piece.tensions(&node.center, &mut middle);
-            edges.clear();
-            most.fill(0.0);
-            for (edge, half) in piece.edges.iter().zip(&node.half) {
-                edges.extend(edge.iter().map(|of| of * half));
-                most.iter_mut().zip(edge).for_each(|(most, of)| *most += (of * half).abs());
-            }
-            let of = TensionBox { center: &middle, half: &most, edges: &edges };
-            // Where a box is too large for a bound its parts may have one.
-            let second = curvature.second_derivative(of, &mut memory);
-            let remainder = second.map_or(f64::INFINITY, |second| 0.5 * second) + uncertainty;
-            if remainder < reach {
-                match forward.evaluate_answer(&middle, &[goal.place]) {
-                    Ok(evaluation) => {
-                        let tangent = Tangent {
-                            center: middle.clone(),
-                            miss: place_of(&evaluation.solution, goal.place) - goal.point,
-                            motions: evaluation
-                                .rates
-                                .motions
-                                .iter()
-                                .map(|of| of[0].linear)
-                                .collect(),
-                            remainder,
-                        };
-                        let own = solver.bound(&tangent, piece, &node.center, &node.half);
-                        node.bound = node.bound.max(own);
-                        node.tangent = Some(Rc::new(tangent));
-                    }
-                    Err(error @ SolveError::Cancelled { .. }) => return Err(error),
-                    // Without an answer in the middle of the box there is no bound of it; its parts may have one.
-                    Err(_) => {}
-                }
+            node.taylor = None;
+            if let Some(taylor) = middles.taylor(forward, goal, piece, &node)? {
+                let range = [node.bound, goal.distance];
+                node.bound = bound.of(&taylor, piece, &node.center, &node.half, range);
+                node.taylor = Some(Rc::new(taylor));
             }
             heap.push(node);
             continue;
         }
-        // The coordinate along which the robot bends most.
-        let bend = |i: usize| node.half[i] * weights[node.piece][i];
-        let split = (0..n).max_by(|&a, &b| bend(a).total_cmp(&bend(b))).unwrap_or(0);
+        // The coordinate along which the robot changes most.
+        let change = |i: usize| node.half[i] * weights[node.piece][i];
+        let split =
+            (0..tensions.len()).max_by(|&a, &b| change(a).total_cmp(&change(b))).unwrap_or(0);
         for side in [-0.5, 0.5] {
             let mut center = node.center.clone();
             let mut half = node.half.clone();
             center[split] += side * half[split];
             half[split] *= 0.5;
-            let of_whole = node.tangent.as_ref().map(|of| solver.bound(of, piece, &center, &half));
-            let bound = of_whole.map_or(node.bound, |bound| bound.max(node.bound));
-            let tangent = node.tangent.clone();
+            if !piece.has_part_of(&center, &half) {
+                continue;
+            }
+            let range = [node.bound, goal.distance];
+            let of_whole =
+                node.taylor.as_ref().map(|of| bound.of(of, piece, &center, &half, range));
+            let bound = of_whole.unwrap_or(node.bound);
+            let taylor = node.taylor.clone();
             // What is beyond the distance needs no box of its own.
             if bound >= goal.distance {
                 continue;
             }
-            heap.push(Node { bound, center, half, is_solved: false, tangent, piece: node.piece });
+            heap.push(Node { bound, center, half, is_solved: false, taylor, piece: node.piece });
         }
+    }
+}
+
+/// The polynomials about the middles of boxes.
+struct Middles {
+    bounds: DerivativeBounds,
+    /// In m.
+    uncertainty: f64,
+    work: Work,
+}
+
+/// Memory of [`Middles`].
+#[derive(Default)]
+struct Work {
+    state: State,
+    memory: Memory,
+    middle: Vec<f64>,
+    edges: Vec<f64>,
+}
+
+impl Middles {
+    /// The polynomial of a box; `None` where it has no bound, which its parts may have.
+    fn taylor(
+        &mut self,
+        forward: &mut Forward,
+        goal: &Goal,
+        piece: &Piece,
+        node: &Node,
+    ) -> Result<Option<Taylor>, SolveError> {
+        let Work { state, memory, middle, edges } = &mut self.work;
+        let rod = &self.bounds.rod;
+        piece.tensions(&node.center, middle);
+        edges.clear();
+        piece.edges.iter().for_each(|edge| edges.extend(edge));
+        if rod.bend(forward.case.base.rotation, middle, edges, state).is_none() {
+            return Ok(None);
+        }
+        let of = TensionBox { center: middle, edges, half: &node.half };
+        let Some(OfPoint { second, third }) = self.bounds.of_point(of, state, memory) else {
+            return Ok(None);
+        };
+        let [first, second] = [0.5 * second, third / 6.0 + 0.5 * ERROR_OF_SECOND * second];
+        let remainder = first.min(second) + self.uncertainty;
+        // No bound is beyond the distance in the middle.
+        let length = forward.robot().backbone().length;
+        let distance = (forward.case.base.position + state.end() - goal.point).norm();
+        if distance + ERROR_OF_MIDDLE * length - remainder <= node.bound {
+            return Ok(None);
+        }
+        let evaluation = match forward.evaluate_answer(middle, &[goal.place]) {
+            Ok(evaluation) => evaluation,
+            Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+            Err(_) => return Ok(None),
+        };
+        let motions = &evaluation.rates.motions;
+        let along = |edge: &Vec<f64>| {
+            let by = edge.iter().zip(motions).filter(|(by, _)| **by != 0.0);
+            by.fold(Vec3::ZERO, |sum, (by, motion)| sum + motion[0].linear * *by)
+        };
+        let mut taylor = Taylor {
+            center: node.center.clone(),
+            miss: place_of(&evaluation.solution, goal.place) - goal.point,
+            first: piece.edges.iter().map(along).collect(),
+            second: Vec::new(),
+            remainder,
+        };
+        if second < first {
+            rod.second_derivatives(middle, edges, state, &mut taylor.second);
+        }
+        Ok(Some(taylor))
     }
 }
 
@@ -241,76 +281,4 @@ fn place_of(solution: &whipcord::Solution, place: Place) -> Vec3 {
         Place::Tip | Place::Station(_) => poses.len() - 1,
     };
     poses[number].position
-}
-
-/// The linear bound over a box.
-#[derive(Default)]
-struct Bound {
-    solver: QuadraticProgramme,
-    matrix: Vec<f64>,
-    gradient: Vec<f64>,
-    lower: Vec<f64>,
-    rows: Vec<f64>,
-    limits: Vec<f64>,
-    step: Vec<f64>,
-    tensions: Vec<f64>,
-    /// Of the point with each coordinate.
-    motions: Vec<Vec3>,
-}
-
-impl Bound {
-    /// The least `n·(r + J d)` without the remainder, with the direction `n` of the least `‖r + J d‖` over what is within the limits of a box within that of the tangent; infinite
-    /// where nothing is.
-    fn bound(&mut self, tangent: &Tangent, piece: &Piece, center: &[f64], half: &[f64]) -> f64 {
-        let Tangent { motions, remainder, .. } = tangent;
-        let n = half.len();
-        piece.tensions(center, &mut self.tensions);
-        let moved = motions.iter().zip(self.tensions.iter().zip(&tangent.center));
-        let miss =
-            moved.fold(tangent.miss, |miss, (motion, (to, from))| miss + *motion * (to - from));
-        self.motions.clear();
-        self.motions.extend(piece.edges.iter().map(|edge| {
-            let by = edge.iter().zip(motions).filter(|(by, _)| **by != 0.0);
-            by.fold(Vec3::ZERO, |sum, (by, motion)| sum + *motion * *by)
-        }));
-        self.matrix.clear();
-        self.gradient.clear();
-        for a in &self.motions {
-            self.matrix.extend(self.motions.iter().map(|b| a.dot(*b)));
-            self.gradient.push(a.dot(miss));
-        }
-        let trace: f64 = (0..n).map(|i| self.matrix[i * n + i]).sum();
-        for i in 0..n {
-            self.matrix[i * n + i] += 1e-9 * trace;
-        }
-        self.lower.clear();
-        self.lower.extend(half.iter().map(|h| -h));
-        piece.rows(center, half, &mut self.rows, &mut self.limits);
-        let programme = Programme {
-            matrix: &self.matrix,
-            gradient: &self.gradient,
-            lower: &self.lower,
-            upper: half,
-            rows: &self.rows,
-            limits: &self.limits,
-        };
-        let mut nearest = miss;
-        if self.solver.minimise(&programme, &mut self.step).is_ok() {
-            for (motion, d) in self.motions.iter().zip(&self.step) {
-                nearest += *motion * *d;
-            }
-        }
-        let mut best = f64::NEG_INFINITY;
-        for direction in [nearest, miss] {
-            let size = direction.norm();
-            let along = direction * (1.0 / size.max(f64::MIN_POSITIVE));
-            self.gradient.clear();
-            self.gradient.extend(self.motions.iter().map(|motion| along.dot(*motion)));
-            let Some(least) = piece.least(&self.gradient, center, half) else {
-                return f64::INFINITY;
-            };
-            best = best.max(along.dot(miss) + least);
-        }
-        best - remainder
-    }
 }

@@ -57,14 +57,19 @@ impl CrossedSection {
             })
     }
 
+    /// The cables that cross the section, with their offsets from the backbone in m.
+    pub fn cables(&self) -> impl Iterator<Item = (usize, Vec3)> + '_ {
+        self.cables.iter().copied().zip(self.crossings.iter().map(|crossing| crossing.offset))
+    }
+
     /// The equilibrium under the tensions in N of all cables of the robot: writes the stretch of each cable that crosses the section and what it exerts under 1 N, force and
-    /// moment in the frame of the section, beside what is there already for the others, and returns the norm of the strain `v`. `None` where a cable would be compressed to nothing.
+    /// moment in the frame of the section, beside what is there already for the others, and returns the strains `v` and `u`. `None` where a cable would be compressed to nothing.
     pub fn pulls(
         &self,
         tensions: &[f64],
         stretches: &mut [f64],
         pulls: &mut [[Vec3; 2]],
-    ) -> Option<f64> {
+    ) -> Option<[Vec3; 2]> {
         let mut strain = self.section.rest_strain();
         // There are seldom more cables than that.
         let mut few = [0.0; 16];
@@ -84,6 +89,6 @@ impl CrossedSection {
             stretches[cable] = stretch;
             pulls[cable] = [linear, angular];
         }
-        Some(strain.linear.norm())
+        Some([strain.linear, strain.angular])
     }
 }
