@@ -9,7 +9,7 @@
 //!
 //! In directions that nothing determines an object stays where it is, by a stiffness far below that of the robot.
 
-use whipcord_numerics::{DenseLu, Pose, Vec3};
+use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
 use super::body::{Nearest, wrench_of};
 use super::friction::Grip;
@@ -19,7 +19,7 @@ use super::object::Objects;
 use super::pair::Pair;
 use super::scene::Scene;
 use super::step::of_objects;
-use super::two_bodies::{Block, Differences, End, axis_of, carried, dot, put};
+use super::two_bodies::{Block, Differences, End, axis_of, carried, put};
 use crate::statics::hold::Critical;
 
 /// The stiffness that keeps an object, relative to that of the robot.

@@ -19,7 +19,7 @@
 //! (I − CG) X − CB δf = X₀ + C G₋ X₋,   R X = −R₋ X₋,   δW = G X + B δf + G₋ X₋                (19)
 //! ```
 
-use whipcord_numerics::{DenseLu, Pose, Vec3};
+use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
 use super::body::{tangents, wrench_of};
 use super::carried::Carried;
@@ -31,7 +31,6 @@ use super::object::Objects;
 use super::pair::{OVERLAP, Pair};
 use super::pairs::Pairs;
 use super::scene::Scene;
-use super::two_bodies::dot;
 use crate::derivatives::ContactGain;
 use crate::obstacle::Obstacle;
 use crate::shape::Part;

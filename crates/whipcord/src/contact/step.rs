@@ -1,6 +1,6 @@
 //! One step of Newton's method on the conditions of contact.
 
-use whipcord_numerics::{DenseLu, Pose, Vec3};
+use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
 use super::body::{Nearest, along};
 use super::complementarity::{Complementarity, Contact};
@@ -14,7 +14,7 @@ use super::pairs::Pairs;
 use super::scene::Scene;
 use super::sliding::Slide;
 use super::stability::{ConstrainedStability, PushingContact};
-use super::two_bodies::{Block, Bodies, Differences, End, Line, TwoBodies, dot};
+use super::two_bodies::{Block, Bodies, Differences, End, Line, TwoBodies};
 use crate::error::SolveError;
 use crate::shape::Wrench;
 

@@ -4,7 +4,7 @@
 //! the first body, about its reference point c, and the opposite one on the second about its centre y. Motions of the first body
 //! are differentiated; those of the second follow, because nothing but direction changes when both move together.
 
-use whipcord_numerics::{Pose, Vec3};
+use whipcord_numerics::{Pose, Vec3, dot};
 
 use super::body::{Nearest, tangents, wrench_of};
 use super::differences::{differences as central, one_sided};
@@ -210,8 +210,4 @@ pub(super) fn axis_of(motion: usize) -> Vec3 {
     let mut axis = [0.0; 3];
     axis[motion % 3] = 1.0;
     Vec3::from(axis)
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

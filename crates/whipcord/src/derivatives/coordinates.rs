@@ -20,11 +20,11 @@
 
 use std::sync::Arc;
 
-use whipcord_numerics::{Twist, Vec3};
+use whipcord_numerics::{Twist, Vec3, dot};
 
 use super::backward::{Cotangent, Gradient};
 use super::change::{Change, Place, Places};
-use super::linear_system::{KnownPlaces, LinearSystem, ParameterChange, add, dot};
+use super::linear_system::{KnownPlaces, LinearSystem, ParameterChange, add};
 use super::local::local;
 use super::sliding_holes::{AnswerHoles, Cause, SlidingHoles};
 use super::touching::{ContactGain, Remembered, components};

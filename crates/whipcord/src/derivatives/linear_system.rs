@@ -1,6 +1,6 @@
 //! The equations of a model with generalised coordinates at an answer, linearised, and how they change with a parameter.
 
-use whipcord_numerics::{Vec3, derivative};
+use whipcord_numerics::{Vec3, derivative, dot};
 
 use super::column::unit_wrench;
 use crate::error::SolveError;
@@ -168,10 +168,6 @@ impl KnownPlaces {
         let (stations, disks, contacts) = (numbers(stations), numbers(disks), numbers(contacts));
         Ok(Self { arc_lengths, stations, disks, contacts })
     }
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `sum += f · other`.

@@ -6,9 +6,8 @@
 //! former, with what its worth of the pushes is worth to `X₀`.
 
 use super::column::Raw;
-use whipcord_numerics::Twist;
+use whipcord_numerics::{Twist, dot};
 
-use super::linear_system::dot;
 use super::node_change::NodeChange;
 use super::sliding_holes::{AnswerHoles, Cause};
 use crate::shape::Wrench;
