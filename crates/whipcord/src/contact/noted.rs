@@ -138,17 +138,14 @@ impl<S> NotedEnd<'_, S> {
         }
     }
 
-    /// Of the derivatives there: those at its stations, whose nodes are these, and what goes on to the next.
+    /// Of the derivatives there: those at its stations, whose nodes are these, and what goes on to the next, which is not known before that is.
     pub fn found(
         &self,
         derivatives: Derivatives,
         nodes: Vec<usize>,
-    ) -> (Derivatives, Vec<Carried>) {
+    ) -> (Derivatives, Option<Vec<Carried>>) {
         let derivatives = derivatives.at_stations(nodes);
-        let carried = match self.is_last {
-            true => derivatives.carried(),
-            false => derivatives.carried_with_places(),
-        };
+        let carried = (!self.is_last).then(|| derivatives.carried_with_places());
         (derivatives, carried)
     }
 }

@@ -152,7 +152,7 @@ pub(crate) trait ContactRod: Default {
         robot: &Robot,
         end: &NotedEnd<'_, Self::Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Vec<Carried>), SolveError>;
+    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError>;
 
     /// Takes a part of Newton's step, with what changes of the pushes do, or less; the part that it has taken.
     fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64;
@@ -219,6 +219,8 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
     notes: Option<NotedWay<R::Kept>>,
     /// What friction against bending holds from the steps of actuation before.
     plastic: Option<PlasticCurvature>,
+    /// The same where the step of actuation before began.
+    plastic_before: Option<PlasticCurvature>,
 }
 
 impl<'a, R: ContactRod> RodAdapter<'a, R> {
@@ -253,6 +255,7 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
             has_moments: false,
             notes: None,
             plastic: None,
+            plastic_before: None,
         };
         adapter.found.refinement().steps = steps;
         if options.stations.arc_lengths(robot).len() <= FEW_STATIONS {
@@ -288,7 +291,7 @@ impl<R: ContactRod> RodAdapter<'_, R> {
 
     fn set_plastic(&mut self, left: PlasticCurvature) {
         self.found.set_plastic(&left);
-        self.plastic = Some(left);
+        self.plastic_before = self.plastic.replace(left);
     }
 
     /// The plastic curvature that the answer at which it stands leaves.
@@ -310,12 +313,19 @@ impl<R: ContactRod> RodAdapter<'_, R> {
         let kept = parameters.len() + self.robot.cables().len();
         let asked = self.options.stations.arc_lengths(self.robot);
         let bends = self.robot.has_bending_friction();
-        let mut holes = core::mem::take(&mut remembering.holes);
-        let found = holes.go(&way, kept, |end, carried, place| {
+        let (none, mut held_of) = (PlasticCurvature::default(), step);
+        let found = remembering.go(&way, kept, |of_bends, end, carried, place| {
             let noted = &end.shape;
-            if bends && noted.at.step != step {
-                // Where that stood the backbone held something else.
-                return Err(SolveError::NoDerivativesOfRest);
+            if bends && noted.at.step != held_of {
+                // Where that stood the backbone held what was left before.
+                match (noted.at.step + 1 == step, &self.plastic_before) {
+                    (false, _) if noted.at.step != step => {
+                        return Err(SolveError::NoDerivativesOfRest);
+                    }
+                    (false, _) => self.found.set_plastic(self.plastic.as_ref().unwrap_or(&none)),
+                    (true, left) => self.found.set_plastic(left.as_ref().unwrap_or(&none)),
+                }
+                held_of = noted.at.step;
             }
             let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
             let number = way.ends.iter().position(|of| core::ptr::eq(of, end));
@@ -325,7 +335,7 @@ impl<R: ContactRod> RodAdapter<'_, R> {
                 before: before.map(|before| &before.shape.state),
                 standing: &end.standing,
                 carried,
-                history: remembering.before(self.robot, step)?,
+                history: of_bends.before(self.robot, noted.at.step)?,
                 case: &noted.case_by_fractions(&cases),
                 cases: &cases,
                 stations: if place.is_last { &asked } else { &noted.next },
@@ -334,11 +344,10 @@ impl<R: ContactRod> RodAdapter<'_, R> {
             let found = self.found.differentiate_noted(self.robot, &end, parameters)?;
             if place.is_last && bends {
                 let grid = self.found.grid().ok_or(SolveError::NoDerivatives)?;
-                remembering.note(step, found.0.plastic_left(self.robot, grid).1);
+                of_bends.note(step, found.0.plastic_left(self.robot, grid).1);
             }
             Ok(found)
         });
-        remembering.holes = holes;
         let found = found.map(|mut derivatives| {
             derivatives.remember_change(way.was_between());
             derivatives

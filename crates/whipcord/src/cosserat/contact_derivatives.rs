@@ -135,7 +135,7 @@ impl ContactResponse {
         robot: &Robot,
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
         if end.noted.holding.forgets {
             return Err(refusal::rubbing_objects(ModelKind::Cosserat));
         }

@@ -412,7 +412,7 @@ impl ContactRod for ContactResponse {
         robot: &Robot,
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Vec<Carried>), SolveError> {
+    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
         self.differentiate_there(robot, end, parameters)
     }
 

@@ -104,9 +104,8 @@ impl Cosserat {
         };
         let plastic = workspace.friction.levels[level].plastic.clone();
         let kept = parameters.len() + friction.holes.of_cable.len();
-        let mut holes = take(&mut remembering.holes);
         let mut bent_by = None;
-        let found = holes.go(&trail, kept, |end, carried, place| {
+        let found = remembering.go(&trail, kept, |bends, end, carried, place| {
             let (Some(case), Some(answer)) = (steps.get(place.step), answers.get(place.step))
             else {
                 return Err(SolveError::NoDerivatives);
@@ -116,15 +115,15 @@ impl Cosserat {
                 grid.to_mut().set_plastic(left);
                 bent_by = before;
             }
-            let asked = (case, parameters, remembering.before(&self.robot, place.step)?);
+            let asked = (case, parameters, bends.before(&self.robot, place.step)?);
             let at = (&*grid, &friction, answer);
-            let found = self.differentiate_end(at, (end, carried), asked, place, workspace)?;
+            let (derivatives, carried) =
+                self.differentiate_end(at, (end, carried), asked, place, workspace)?;
             if place.is_end_of_step && self.robot.has_bending_friction() {
-                remembering.note(place.step, found.0.plastic_left(&self.robot, &grid).1);
+                bends.note(place.step, derivatives.plastic_left(&self.robot, &grid).1);
             }
-            Ok(found)
+            Ok((derivatives, Some(carried)))
         });
-        remembering.holes = holes;
         if let Some(walked) = workspace.friction.levels.get_mut(level) {
             (walked.history.trail, walked.answers) = (Some(trail), answers);
         }

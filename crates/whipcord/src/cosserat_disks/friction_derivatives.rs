@@ -116,24 +116,23 @@ impl CosseratDisks {
         let Some(trail) = trail else { return Err(SolveError::NoDerivatives) };
         let plastic = workspace.histories[level].plastic.clone();
         let kept = parameters.len() + holes.of_cable.len();
-        let mut in_holes = core::mem::take(&mut remembering.holes);
         let mut bent_by = None;
-        let found = in_holes.go(&trail, kept, |end, carried, place| {
+        let found = remembering.go(&trail, kept, |bends, end, carried, place| {
             let case = steps.get(place.step).ok_or(SolveError::NoDerivatives)?;
             let before = place.step.checked_sub(1);
             if let Some(left) = before.filter(|_| bent_by != before).and_then(|n| plastic.get(n)) {
                 self.frame.set_plastic(mesh.to_mut(), left);
                 bent_by = before;
             }
-            let asked = (case, parameters, remembering.before(&self.robot, place.step)?);
+            let asked = (case, parameters, bends.before(&self.robot, place.step)?);
             let at = (&*mesh, end, carried);
-            let found = self.differentiate_end(holes, at, asked, place, workspace)?;
+            let (derivatives, carried) =
+                self.differentiate_end(holes, at, asked, place, workspace)?;
             if place.is_end_of_step && self.robot.has_bending_friction() {
-                remembering.note(place.step, found.0.plastic_left(&self.robot, &mesh.grid).1);
+                bends.note(place.step, derivatives.plastic_left(&self.robot, &mesh.grid).1);
             }
-            Ok(found)
+            Ok((derivatives, Some(carried)))
         });
-        remembering.holes = in_holes;
         workspace.histories[level].history.trail = Some(trail);
         found
     }

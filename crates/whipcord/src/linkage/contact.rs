@@ -116,6 +116,7 @@ impl Linkage {
         let mut found = Vec::new();
         // How the plastic angles change that the steps before left; lost where one of them has no derivatives.
         let mut history: Option<Vec<Vec<f64>>> = Some(Vec::new());
+        let mut before: Option<(Self, Vec<Vec<f64>>)> = None;
         let followed = contact::solve_rubbing(
             &mut adapter,
             &self.robot,
@@ -125,20 +126,21 @@ impl Linkage {
                 let ContactAdapter { model, notes, workspace, .. } = &mut *adapter;
                 let keeps_history = model.keeps_history();
                 let mut differentiate = || {
-                    let (Some(way), Some(rubbing)) = (notes.as_ref(), &model.friction) else {
-                        return Err(SolveError::NoDerivatives);
-                    };
+                    let way = notes.as_ref().ok_or(SolveError::NoDerivatives)?;
                     let history = history.as_deref().ok_or(SolveError::NoDerivativesOfRest)?;
                     let asked = Asked { parameters, stations: &self.stations, step, history };
                     let asked = (&steps[..], asked);
-                    model.differentiate_noted((rubbing, way), asked, &mut carrying, workspace)
+                    let before = before.as_ref();
+                    model.differentiate_noted(way, asked, before, &mut carrying, workspace)
                 };
                 let derivatives = (asks(step) || keeps_history).then(&mut differentiate);
                 let derivatives = contact::where_it_counts(derivatives, has_touched)?;
                 if keeps_history {
                     let q = &workspace.scratch.chain.q;
                     let behind = |of| model.history_behind(q, parameters, of);
-                    history = derivatives.as_ref().map(behind);
+                    let behind = derivatives.as_ref().map(behind);
+                    before = core::mem::replace(&mut history, behind)
+                        .map(|history| (model.clone().into_owned(), history));
                 }
                 adapter.keep_plastic(&mut solution);
                 let derivatives = derivatives.filter(|_| asks(step));

@@ -128,33 +128,42 @@ impl Linkage {
                 is_last: place.is_last,
                 noted: None,
             };
-            self.differentiate_sliding((rubbing, &at), (case, asked), workspace)
+            let (derivatives, carried) =
+                self.differentiate_sliding((rubbing, &at), (case, asked), workspace)?;
+            Ok((derivatives, Some(carried)))
         });
         workspace.friction.history.trail = Some(trail);
         found
     }
 
-    /// The derivatives of the last equilibrium that was noted on the way to an answer among obstacles.
+    /// The derivatives of the last equilibrium that was noted on the way to an answer among obstacles. Where joints keep something, `before` is
+    /// the chain with what they held in the step of actuation before, and how that changes with each parameter.
     pub(super) fn differentiate_noted(
         &self,
-        (rubbing, way): (&Rubbing, &NotedWay<Vec<Coordinates>>),
+        way: &NotedWay<Vec<Coordinates>>,
         (steps, asked): (&[Case], Asked<'_>),
+        before: Option<&(Self, Vec<Vec<f64>>)>,
         carrying: &mut Carrying,
         workspace: &mut Workspace,
     ) -> Result<CoordinateDerivatives, SolveError> {
-        let kept = asked.parameters.len() + rubbing.holes.of_cable.len();
+        let kept = asked.parameters.len() + self.robot.cables().len();
         let stands = workspace.scratch.chain.q.clone();
         let found = carrying.go(way, kept, |end, carried, place| {
             let noted = &end.shape;
             if noted.holding.forgets {
                 return Err(refusal::rubbing_objects(self.kind));
             }
-            if self.keeps_history() && noted.at.step != asked.step {
-                return Err(SolveError::NoDerivativesOfRest);
-            }
+            let (chain, asked) = match before {
+                _ if !self.keeps_history() || noted.at.step == asked.step => (self, asked),
+                Some((chain, history)) if noted.at.step + 1 == asked.step => {
+                    (chain, Asked { step: noted.at.step, history, ..asked })
+                }
+                _ => return Err(SolveError::NoDerivativesOfRest),
+            };
+            let rubbing = chain.friction.as_ref().ok_or(SolveError::NoDerivatives)?;
             let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
             let case = noted.case_by_fractions(&cases);
-            self.accept(&case, workspace)?;
+            chain.accept(&case, workspace)?;
             let at = End {
                 shape: &noted.state,
                 standing: &end.standing,
@@ -163,7 +172,10 @@ impl Linkage {
                 is_last: place.is_last,
                 noted: Some((noted, &cases)),
             };
-            self.differentiate_sliding((rubbing, &at), (&case, asked), workspace)
+            let (derivatives, carried) =
+                chain.differentiate_sliding((rubbing, &at), (&case, asked), workspace)?;
+            // What the next equilibrium remembers is not known before that is.
+            Ok((derivatives, (!place.is_last).then_some(carried)))
         });
         workspace.scratch.chain.q = stands;
         found.map(|mut derivatives| {

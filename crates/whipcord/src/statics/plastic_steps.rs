@@ -3,7 +3,7 @@
 //! In every step the plastic curvature that the steps before left is given, and the rod is a nonlinear elastic one
 //! ([`crate::section`]); what it leaves itself is the start of the next step.
 
-use super::friction::Carrying;
+use super::friction::{Carried, Carrying, Place, SubstepEnd, Trail};
 use super::plastic_curvature::PlasticCurvature;
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
@@ -21,12 +21,34 @@ pub(crate) type Differentiated<D> = (D, PlasticCurvature, Vec<PlasticCurvature>)
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Remembering {
     /// In the holes.
-    pub holes: Carrying,
-    /// Of the plastic curvature that each step leaves, with each parameter.
-    plastic: Vec<Vec<PlasticCurvature>>,
+    holes: Carrying,
+    /// Along the backbone.
+    bends: RememberedBends,
 }
 
 impl Remembering {
+    /// [`Carrying::go`], with what friction against bending remembers.
+    pub fn go<S, D>(
+        &mut self,
+        trail: &Trail<S>,
+        kept: usize,
+        mut differentiate: impl FnMut(
+            &mut RememberedBends,
+            &SubstepEnd<S>,
+            Option<&[Carried]>,
+            Place,
+        ) -> Result<(D, Option<Vec<Carried>>), SolveError>,
+    ) -> Result<D, SolveError> {
+        let Self { holes, bends } = self;
+        holes.go(trail, kept, |end, carried, place| differentiate(bends, end, carried, place))
+    }
+}
+
+/// How the plastic curvature that each step leaves changes with each parameter.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RememberedBends(Vec<Vec<PlasticCurvature>>);
+
+impl RememberedBends {
     /// How the plastic curvature changes that a step of a robot starts from, with each parameter; none where it keeps none.
     ///
     /// # Errors
@@ -35,15 +57,15 @@ impl Remembering {
         match step.checked_sub(1).filter(|_| robot.has_bending_friction()) {
             None => Ok(&[]),
             Some(before) => {
-                self.plastic.get(before).map(Vec::as_slice).ok_or(SolveError::NoDerivativesOfRest)
+                self.0.get(before).map(Vec::as_slice).ok_or(SolveError::NoDerivativesOfRest)
             }
         }
     }
 
     /// Notes the same of that which it leaves.
     pub fn note(&mut self, step: usize, changes: Vec<PlasticCurvature>) {
-        self.plastic.truncate(step);
-        self.plastic.push(changes);
+        self.0.truncate(step);
+        self.0.push(changes);
     }
 }
 

@@ -28,8 +28,8 @@ pub(crate) struct Place {
 
 impl Carrying {
     /// Goes over the ends of the substeps that are new on a trail. So many changes are those of more than a step. `differentiate` is asked
-    /// for the derivatives at an end, and for the changes of what the holes remember there from those before. The derivatives at
-    /// the last.
+    /// for the derivatives at an end, and for the changes of what the holes remember there from those before; `None` at the last where
+    /// these are not known before the next end is, so that it is gone over once more then. The derivatives at the last.
     ///
     /// # Errors
     /// Those of `differentiate`, and [`SolveError::NoDerivativesOfRest`] where the trail does not tell how it went.
@@ -41,7 +41,7 @@ impl Carrying {
             &SubstepEnd<S>,
             Option<&[Carried]>,
             Place,
-        ) -> Result<(D, Vec<Carried>), SolveError>,
+        ) -> Result<(D, Option<Vec<Carried>>), SolveError>,
     ) -> Result<D, SolveError> {
         let known = self.done.checked_sub(1).and_then(|last| trail.ends.get(last));
         if known.is_none_or(|end| end.standing.tensions != self.tensions) {
@@ -69,8 +69,10 @@ impl Carrying {
             };
             let before = within.as_deref().or(self.changes.as_deref());
             let (derivatives, there) = differentiate(end, before, place)?;
-            match &end.stops {
-                Some(stops) => {
+            match (&end.stops, there) {
+                (_, None) if is_last => {}
+                (_, None) => return Err(SolveError::NoDerivativesOfRest),
+                (Some(stops), Some(there)) => {
                     let mut changes =
                         before.map(<[_]>::to_vec).ok_or(SolveError::NoDerivativesOfRest)?;
                     // The commands of a step begin to change in it.
@@ -81,7 +83,7 @@ impl Carrying {
                     }
                     within = Some(changes);
                 }
-                None => {
+                (None, Some(there)) => {
                     (self.changes, within) = (Some(there), None);
                     self.tensions.clone_from(&end.standing.tensions);
                     self.done = number + 1;
