@@ -20,6 +20,7 @@ use super::pair::Pair;
 use super::scene::Scene;
 use super::step::of_objects;
 use super::two_bodies::{Block, Differences, End, axis_of, carried, put};
+use crate::derivatives::ContactGain;
 use crate::statics::hold::Critical;
 
 /// The stiffness that keeps an object, relative to that of the robot.
@@ -36,6 +37,8 @@ pub(super) struct Carried {
     /// How many unknowns there are.
     unknowns: usize,
     stiffness: Vec<[f64; 6]>,
+    /// In kg.
+    masses: Vec<f64>,
     pub is_about_to_change: bool,
 }
 
@@ -59,6 +62,9 @@ impl Carried {
                     let turning = straight * object.reach * object.reach;
                     core::array::from_fn(|a| if a < 3 { straight } else { turning })
                 })
+                .collect(),
+            masses: (objects.list.iter())
+                .map(|object| scene.get(object.number).movable.map_or(0.0, |body| body.mass))
                 .collect(),
             ..Self::default()
         };
@@ -157,13 +163,13 @@ impl Carried {
         }
     }
 
-    /// How the pushes of the robot's contacts change with the motions that something else would cause without them.
+    /// How the pushes of the robot's contacts change with the motions that something else would cause without them, and with gravity.
     pub fn gain(
         &self,
         n: usize,
         (geometric, unknowns): (&[[[f64; 6]; 6]], &[Unknown]),
         compliance: &[f64],
-    ) -> Result<Vec<f64>, Critical> {
+    ) -> Result<ContactGain, Critical> {
         let moving = n + 6 * self.count;
         let size = moving + self.unknowns;
         // How the wrenches on all change with all unknowns.
@@ -215,13 +221,23 @@ impl Carried {
         }
         let mut lu = DenseLu::default();
         lu.factor(size, &matrix).map_err(|_| Critical)?;
-        let mut gain = vec![0.0; n * n];
-        for (c, column) in lu.inverse_columns(n).iter().enumerate() {
-            for i in 0..n {
-                gain[i * n + c] = dot(&wrenches[i * size..(i + 1) * size], column);
+        let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
+            let row = |i: usize| &wrenches[i * size..(i + 1) * size];
+            (0..n).flat_map(|i| columns.iter().map(move |column| dot(row(i), column))).collect()
+        };
+        let weighed = |axis: usize| {
+            let mut column = vec![0.0; size];
+            for (object, mass) in self.masses.iter().enumerate() {
+                column[n + 6 * object + axis] = -mass;
             }
-        }
-        if gain.iter().all(|x| x.is_finite()) { Ok(gain) } else { Err(Critical) }
+            lu.solve(&mut column);
+            column
+        };
+        let by_gravity = by_rows(&[0, 1, 2].map(weighed));
+        let by_motion = by_rows(&lu.inverse_columns(n));
+        let is_finite = by_motion.iter().chain(&by_gravity).all(|x| x.is_finite());
+        let gain = ContactGain { by_motion, by_gravity, ..ContactGain::default() };
+        if is_finite { Ok(gain) } else { Err(Critical) }
     }
 }
 

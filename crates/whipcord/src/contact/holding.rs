@@ -227,8 +227,7 @@ impl Holding {
     pub fn gain(&self, compliance: &[f64]) -> Result<ContactGain, Critical> {
         let n = 6 * self.places.len();
         if !self.carried.is_empty() {
-            let by_motion = self.carried.gain(n, (&self.geometric, &self.unknowns), compliance)?;
-            return Ok(ContactGain { by_motion, by_before: Vec::new() });
+            return self.carried.gain(n, (&self.geometric, &self.unknowns), compliance);
         }
         let size = n + self.unknowns.len();
         let mut matrix = vec![0.0; size * size];
@@ -294,7 +293,8 @@ impl Holding {
         let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
             (0..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
         };
-        let gain = ContactGain { by_motion: by_rows(&by_motion), by_before: by_rows(&by_before) };
+        let (by_motion, by_before) = (by_rows(&by_motion), by_rows(&by_before));
+        let gain = ContactGain { by_motion, by_before, ..ContactGain::default() };
         let finite = gain.by_motion.iter().chain(&gain.by_before).all(|x| x.is_finite());
         if finite { Ok(gain) } else { Err(Critical) }
     }

@@ -10,7 +10,7 @@ use super::refinement::Refinement;
 use super::steps::solve_rubbing;
 use crate::cancel::Cancel;
 use crate::case::Case;
-use crate::derivatives::Derivatives;
+use crate::derivatives::{Derivatives, gravity_change};
 use crate::error::{Obstruction, SolveError};
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
@@ -372,9 +372,13 @@ impl<R: ContactRod> RodAdapter<'_, R> {
         let node = |&s: &f64| self.found.node(s);
         let stations = self.options.stations.arc_lengths(self.robot).iter().map(node).collect();
         let places = holding.places.iter().map(node).collect();
+        let gravity = parameters.iter().map(|parameter| gravity_change(parameter, &self.case));
+        let gravity: Vec<Vec3> = gravity.collect();
+        let (gain, change) =
+            (|compliance: &[f64]| holding.gain(compliance), holding.is_about_to_change);
         alone
             .at_stations(stations)
-            .touching(places, |compliance| holding.gain(compliance), holding.is_about_to_change)
+            .touching(places, gain, &gravity, change)
             .map_err(|_| SolveError::NoDerivatives)
     }
 

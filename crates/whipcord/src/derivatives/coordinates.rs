@@ -184,7 +184,9 @@ impl CoordinateDerivatives {
         if !touching.is_empty() {
             let gain = gain(&derivatives.compliance_of(&touching))?;
             let places = touching;
-            let remembered = Remembered::new(&gain, 6 * places.len(), holes);
+            let gravity: Vec<Vec3> = derivatives.parameters.iter().map(|of| of.gravity).collect();
+            let remembered =
+                Remembered::new(&gain, 6 * places.len(), holes).weighing(&gain, &gravity);
             let gain = gain.by_motion;
             derivatives.contacts = Contacts { places, gain, remembered, are_about_to_change };
         }

@@ -76,6 +76,8 @@ pub(crate) struct ParameterChange {
     pub targets: Vec<f64>,
     /// Of what friction against bending keeps of the answer.
     pub kept: Vec<f64>,
+    /// Of gravity in the frame of the base, which pulls at movable objects too.
+    pub gravity: Vec3,
 }
 
 /// The equations at given coordinates and tensions.
@@ -103,6 +105,7 @@ impl ParameterChange {
         let lists = [&mut self.force, &mut self.lengths, &mut self.targets, &mut self.kept];
         lists.into_iter().flatten().for_each(|value| *value *= part);
         self.base = Wrench { force: self.base.force * part, moment: self.base.moment * part };
+        self.gravity *= part;
     }
 
     /// By differences of the equations of robots whose parameter differs by so much; `scale` is a change of it that matters.
@@ -125,7 +128,7 @@ impl ParameterChange {
         change.iter_mut().for_each(|residual| *residual = -*residual);
         let vector = |at: usize| [base[at], base[at + 1], base[at + 2]].into();
         let base = Wrench { force: vector(0), moment: vector(3) };
-        Ok(Self { force: change, lengths, base, targets, kept })
+        Ok(Self { force: change, lengths, base, targets, kept, gravity: Vec3::ZERO })
     }
 }
 

@@ -80,5 +80,5 @@ pub(crate) use self::spans::StraightSpan;
 pub(crate) use self::strands::{PLACES, Share, Strands};
 pub(crate) use self::tension_rates::{DrivenCables, TensionRatesMemory};
 pub(crate) use self::tip_rates::{AnswerLists, Driven, TipRatesMemory};
-pub(crate) use self::touching::ContactGain;
+pub(crate) use self::touching::{ContactGain, gravity_change};
 pub use crate::statics::hold::Hold;

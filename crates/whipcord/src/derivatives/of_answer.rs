@@ -19,7 +19,7 @@ use super::step_ends::StepEnds;
 use super::strands::Strands;
 use super::tension_rates::DrivenCables;
 use super::tip_rates::Driven;
-use super::touching::{ContactGain, Remembered, Touching, components, motion};
+use super::touching::{ContactGain, Remembered, Touching, components, gravity_change, motion};
 use crate::case::{Case, Loads};
 use crate::kinematics::OneSided;
 use crate::parameter::Parameter;
@@ -252,8 +252,11 @@ impl Derivatives {
                     is_last: true,
                 };
                 let components = 6 * derivatives.touching.nodes.len();
+                let gravity = |parameter| gravity_change(parameter, case) * setting.of_loads;
+                let gravity: Vec<Vec3> = parameters.iter().map(gravity).collect();
                 derivatives.touching.remembered =
-                    Remembered::new(&contact_gain, components, Some(&answer));
+                    Remembered::new(&contact_gain, components, Some(&answer))
+                        .weighing(&contact_gain, &gravity);
                 let by_tension = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
                 derivatives.sliding = Some(Box::new(SlidingHoles::new(&answer, by_tension)?));
             }
@@ -306,11 +309,13 @@ fn at_rest<'a>(
 
 impl Derivatives {
     /// The derivatives of an answer that touches obstacles at these nodes, from those of the robot alone under what pushes there.
-    /// `gain` makes `K` of the compliance of the nodes, both by rows with a force and a moment to a node.
+    /// `gain` makes `K` of the compliance of the nodes, both by rows with a force and a moment to a node; gravity changes so with each
+    /// parameter.
     pub(crate) fn touching(
         mut self,
         nodes: Vec<usize>,
         gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
+        gravity: &[Vec3],
         is_about_to_change: bool,
     ) -> Result<Self, NoDerivatives> {
         self.touching.is_about_to_change = is_about_to_change;
@@ -320,7 +325,8 @@ impl Derivatives {
         let alone = (self.by_tension.iter().enumerate())
             .map(|(place, column)| column.lengths[place].abs())
             .fold(0.0, f64::max);
-        self.touch(nodes, gain)?;
+        let gain = self.touch(nodes, gain)?;
+        self.touching.remembered = Remembered::default().weighing(&gain, gravity);
         let cables = self.place_of.len();
         self.by_tension = (0..cables).map(|place| self.raw(Source::Tension(place))).collect();
         self.hold()?;

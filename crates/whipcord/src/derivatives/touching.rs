@@ -5,11 +5,14 @@
 //! robot among obstacles is that of the robot alone and `K X₀` times those of the pushes, and a functional of it is one of the
 //! former, with what its worth of the pushes is worth to `X₀`.
 
-use super::column::Raw;
-use whipcord_numerics::{Twist, dot};
+use whipcord_numerics::{Twist, Vec3, dot};
 
+use super::column::Raw;
 use super::node_change::NodeChange;
+use super::replay::AXES;
 use super::sliding_holes::{AnswerHoles, Cause};
+use crate::case::Case;
+use crate::parameter::Parameter;
 use crate::shape::Wrench;
 
 /// How the pushes of the contacts of an answer change, by rows, a force and a moment for each.
@@ -19,6 +22,8 @@ pub(crate) struct ContactGain {
     pub by_motion: Vec<f64>,
     /// With those of the places that rub at the equilibrium before.
     pub by_before: Vec<f64>,
+    /// With gravity in the frame of the base, which pulls at movable objects; empty where there are none.
+    pub by_gravity: Vec<f64>,
 }
 
 impl ContactGain {
@@ -31,10 +36,19 @@ impl ContactGain {
     }
 }
 
-/// What the contacts of an answer push more for what the equilibrium before remembers of each cause.
+/// How gravity changes with a parameter of a case, in the frame of the base.
+pub(crate) fn gravity_change(parameter: &Parameter, case: &Case) -> Vec3 {
+    match parameter {
+        Parameter::Gravity { axis } => case.loads.to_base(case.base.rotation).rotate(AXES[*axis]),
+        _ => Vec3::ZERO,
+    }
+}
+
+/// What the contacts of an answer push more with each cause though the robot does not move: for what the equilibrium before remembers, and
+/// for the weight of objects.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Remembered {
-    /// By each parameter, then by the command of each cable in all steps, then by that in the last.
+    /// By each parameter, then by the command of each cable in all steps, then by that in the last; those that are empty are nothing.
     columns: Vec<Vec<f64>>,
     parameters: usize,
     cables: usize,
@@ -56,11 +70,31 @@ impl Remembered {
         }
     }
 
+    /// The same where gravity changes so with each parameter, in the frame of the base.
+    pub fn weighing(mut self, gain: &ContactGain, gravity: &[Vec3]) -> Self {
+        if gain.by_gravity.is_empty() {
+            return self;
+        }
+        if self.columns.is_empty() {
+            self.parameters = gravity.len();
+            self.columns.resize(gravity.len(), Vec::new());
+        }
+        for (column, gravity) in self.columns.iter_mut().zip(gravity) {
+            if *gravity != Vec3::ZERO {
+                let rows = gain.by_gravity.chunks_exact(3);
+                column.resize(rows.len(), 0.0);
+                let by = rows.map(|row| dot(row, &<[f64; 3]>::from(*gravity)));
+                column.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
+            }
+        }
+        self
+    }
+
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
     }
 
-    /// With a cause; `None` where it remembers nothing.
+    /// With a cause; `None` where there is nothing.
     pub fn of(&self, cause: Cause) -> Option<&[f64]> {
         let column = match cause {
             Cause::Parameter(p) => p,
@@ -68,7 +102,7 @@ impl Remembered {
             Cause::Command(cable) => self.parameters + self.cables + cable,
             Cause::Nothing | Cause::Tension(_) => return None,
         };
-        self.columns.get(column).map(Vec::as_slice)
+        self.columns.get(column).filter(|column| !column.is_empty()).map(Vec::as_slice)
     }
 
     /// What it is worth with a cause, where the pushes are worth this.

@@ -17,7 +17,7 @@ use crate::case::Case;
 use crate::contact::Holding;
 use crate::derivatives::{
     CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, LinearSystem, ParameterChange,
-    SolvedCoordinates,
+    SolvedCoordinates, gravity_change,
 };
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
@@ -169,11 +169,12 @@ impl Linkage {
         let section = &self.sections[0];
         let moment = section.stiffness[1] * section.length / self.robot.backbone().length;
         let scale = parameter.scale(&self.robot, case, moment);
-        ParameterChange::by_differences(scale, |by| {
+        let change = ParameterChange::by_differences(scale, |by| {
             let (mut sections, robot, case) = self.moved(parameter, case, by)?;
             self.stay_on_branches(&mut sections, q);
             Ok(equations(&sections, &robot, &case))
-        })
+        })?;
+        Ok(ParameterChange { gravity: gravity_change(parameter, case), ..change })
     }
 
     /// Sections, robot and case with a parameter changed by this.

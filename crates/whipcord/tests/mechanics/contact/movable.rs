@@ -7,9 +7,9 @@ use crate::common::{WITH_FORCES, model_with_forces};
 use whipcord::derivatives::{Hold, Place};
 use whipcord::obstacle::Superellipsoid;
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Form, Grasp, Loads, Material, Model, ModelKind,
-    MovableBody, Obstacle, Obstruction, Pose, Robot, Routing, Section, Solution, SolveError,
-    Statics as _, Stations, Twist, UnitQuaternion, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Form, Grasp, LoadFrame, Loads, Material, Model,
+    ModelKind, MovableBody, Obstacle, Obstruction, Parameter, Pose, Robot, Routing, Section,
+    Solution, SolveError, Statics as _, Stations, Twist, UnitQuaternion, Vec3,
 };
 
 const LENGTH: f64 = 0.18;
@@ -294,11 +294,6 @@ fn a_ball_is_squeezed_against_a_wall() {
 /// A cable that hardly rubs leads to what one leads to that does not, and one that rubs leaves the robot straighter.
 #[test]
 fn cables_that_rub_in_their_holes_move_and_hold_objects() {
-    let rubbing = |friction: f64| {
-        let bare = finger(9);
-        let cable = Cable { friction: Some(friction), ..bare.cables()[0].clone() };
-        Robot::new(bare.backbone().clone(), bare.disks().clone(), vec![cable]).unwrap()
-    };
     let mut failures = String::new();
     for kind in WITH_FORCES {
         let cases =
@@ -306,7 +301,7 @@ fn cables_that_rub_in_their_holes_move_and_hold_objects() {
         for (number, case) in cases.iter().enumerate() {
             let smooth = solved(kind, &finger(9), case);
             for friction in [1e-7, 0.2] {
-                let solution = match model(kind).solve(&rubbing(friction), case) {
+                let solution = match model(kind).solve(&rubbing_finger(friction), case) {
                     Ok(solution) => solution,
                     Err(error) => {
                         failures += &format!("{kind}, case {number}, {friction}: {error}\n");
@@ -593,4 +588,74 @@ fn an_object_moves_along_with_the_robot() {
             compare(by_force, &pushed, 2e-4);
         }
     }
+}
+
+fn rubbing_finger(friction: f64) -> Robot {
+    let bare = finger(9);
+    let cable = Cable { friction: Some(friction), ..bare.cables()[0].clone() };
+    Robot::new(bare.backbone().clone(), bare.disks().clone(), vec![cable]).unwrap()
+}
+
+/// The robot weighs nothing: gravity moves it by the weight of what it holds, which leans on it across its plane and in it.
+#[test]
+fn gravity_moves_a_robot_by_the_weight_of_objects() {
+    let base = Pose {
+        position: Vec3::new(0.1, 0.0, -0.2),
+        rotation: UnitQuaternion::exp(Vec3::new(0.3, -0.5, 0.8)),
+    };
+    let tilted = |case: &Case| Case {
+        base,
+        obstacles: case.obstacles.iter().map(|it| super::moved(it, &base)).collect(),
+        loads: Loads {
+            frame: LoadFrame::World,
+            gravity: case.loads.gravity.map(|gravity| base.rotation.rotate(gravity)),
+            ..case.loads.clone()
+        },
+        ..case.clone()
+    };
+    let (smooth, leans) = leaning(0.004, 9);
+    let pulled = Case { commands: Case::with_tensions(&[0.3]).commands, ..leans.clone() };
+    let cases = [
+        ("leans", smooth.clone(), leans.clone()),
+        ("leans, tilted", smooth.clone(), tilted(&leans)),
+        ("squeezed", finger(9), squeezed(0.5, 0.005, 3.0)),
+        ("rubs", rubbing_finger(0.2), pulled.clone()),
+        ("rubs, tilted", rubbing_finger(0.2), tilted(&pulled)),
+    ];
+    let parameters = [0, 1, 2].map(|axis| Parameter::Gravity { axis });
+    let mut failures = String::new();
+    for kind in WITH_FORCES {
+        for (name, robot, case) in &cases {
+            let rubs = robot.cables()[0].friction.is_some();
+            let model = model(kind).with_tolerance(1e-8);
+            let mut prepared = model.prepare(robot, &case.loads).unwrap();
+            let (solution, derivatives) =
+                prepared.solve_with_derivatives(case, None, &parameters).unwrap();
+            assert!(!derivatives.is_contact_about_to_change(), "{kind} {name}");
+            let mut largest = 0.0_f64;
+            let mut all = Vec::new();
+            for (p, parameter) in parameters.iter().enumerate() {
+                let mut at = |x: f64| {
+                    let (_, case) = parameter.moved(robot, case, x).unwrap();
+                    let from = (!rubs).then_some(&solution);
+                    let answer = prepared.solve(&case, from).unwrap();
+                    assert_eq!(answer.contacts.len(), solution.contacts.len(), "{kind} {name}");
+                    answer.disks.tip().position
+                };
+                let h = 0.02;
+                let expected = (at(h) - at(-h)) / (2.0 * h);
+                let found = derivatives.parameter(p, Hold::Commands).twist(Place::Tip).linear;
+                let found = case.base.rotation.rotate(found);
+                largest = largest.max(expected.norm());
+                all.push(((found - expected).norm(), found, expected));
+            }
+            assert!(largest > 1e-6, "{kind} {name}: {largest}");
+            for (off, found, expected) in all {
+                if off > 2e-3 * largest {
+                    failures += &format!("{kind} {name}: {found:?} {expected:?}\n");
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures}");
 }
