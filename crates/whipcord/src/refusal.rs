@@ -86,16 +86,6 @@ pub(crate) fn rubbing_backbone(model: ModelKind) -> SolveError {
     }
 }
 
-/// Refuses derivatives with hole friction where movable objects are held by friction: how they slid on the way is not differentiated.
-pub(crate) fn rubbing_objects(model: ModelKind) -> SolveError {
-    SolveError::Unsupported {
-        model,
-        path: "a request for derivatives".to_owned(),
-        what: "derivatives with friction at the holes where contacts with friction hold a movable object, whose slip on the way counts",
-        advice: "take finite differences of solutions, remove the friction of the obstacles or of the holes, or fix the object",
-    }
-}
-
 /// Refuses to follow equilibria under a growing load, on behalf of a model that takes no loads.
 pub(crate) fn branches(model: ModelKind) -> SolveError {
     SolveError::Unsupported {

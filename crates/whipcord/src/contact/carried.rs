@@ -8,15 +8,21 @@
 //! ```
 //!
 //! In directions that nothing determines an object stays where it is, by a stiffness far below that of the robot.
+//!
+//! Where the whole way is differentiated the motions `Y₋` of the objects at the equilibrium before count as those of the cross-sections do
+//! in eq. (19), an object that nothing determines moves on by them, and what an object was held with when it was released, and a part of
+//! which holds it still, changes by `H₋`.
 
 use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
-use super::body::{Nearest, wrench_of};
+use super::body::{Nearest, along, tangents, wrench_of};
+use super::differences::differences;
 use super::friction::Grip;
 use super::held_contact::{ABOUT_TO_CHANGE, Unknown, is_near_change};
 use super::model::Compliant;
-use super::object::Objects;
-use super::pair::Pair;
+use super::object::{Object, Objects};
+use super::object_pair::ObjectPair;
+use super::pair::{OVERLAP, Pair};
 use super::scene::Scene;
 use super::step::of_objects;
 use super::two_bodies::{Block, Differences, End, axis_of, carried, put};
@@ -29,7 +35,21 @@ const STIFFNESS: f64 = 1e-9;
 /// Movable objects, whose numbers follow those of the contacts of the robot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Carried {
+    /// How many move.
     count: usize,
+    /// How many there are, and so parts of what is remembered of each, where any of that is.
+    listed: usize,
+    /// How many contacts of the robot there are.
+    contacts: usize,
+    /// How many cross-sections rub: what is remembered of objects follows that of these.
+    rubbing: usize,
+    /// What the contacts push more, and how much more what they keep at zero changes, with the motions at the equilibrium before.
+    blocks_before: Vec<Block>,
+    rates_before: Vec<(usize, usize, [f64; 6])>,
+    /// The part that is left of what held each object.
+    held: Vec<f64>,
+    /// The contacts of objects that are held, with the place of the cross-section beside the centre and the force on it.
+    holding: Vec<(usize, usize, Vec3, Vec3)>,
     /// How the wrenches on robot and objects change with motions, but for those of cross-sections on themselves.
     blocks: Vec<Block>,
     /// The ends on objects of the unknowns of the robot's contacts, and both ends of those of other contacts.
@@ -43,10 +63,11 @@ pub(super) struct Carried {
 }
 
 impl Carried {
-    /// Of the contacts of the robot, with what they push and how that changes, and of those of objects with obstacles.
+    /// Of the contacts of the robot, with what they push and how that changes, and of those of objects with obstacles; `before` has the
+    /// contacts that rub, and what they push more with the motion of each at the equilibrium before, where that counts.
     pub fn new(
         (geometric, unknowns): (&[[[f64; 6]; 6]], &[Unknown]),
-        touching: &[Pair],
+        (touching, before): (&[Pair], Option<&[(usize, [[f64; 6]; 6])]>),
         objects: &Objects,
         (model, scene): (&impl Compliant, &Scene),
         length: f64,
@@ -55,6 +76,10 @@ impl Carried {
         let scale = model.force_scale();
         let mut all = Self {
             count: objects.count(),
+            listed: before.map_or(0, |_| objects.list.len()),
+            contacts,
+            rubbing: before.map_or(0, <[_]>::len),
+            held: objects.list.iter().map(|object| object.held).collect(),
             unknowns: unknowns.len(),
             stiffness: (objects.list.iter())
                 .map(|object| {
@@ -68,8 +93,19 @@ impl Carried {
                 .collect(),
             ..Self::default()
         };
-        if all.is_empty() {
+        if all.count == 0 {
+            for (k, pair) in touching.iter().enumerate() {
+                let on = objects.list.iter().position(|object| object.number == pair.obstacle);
+                if let Some(object) = on.filter(|_| all.listed > 0) {
+                    let centre = model.pose(pair.member.arc_length).position;
+                    let beside = centre - objects.list[object].pose.position;
+                    all.holding.push((k, object, beside, pair.total()));
+                }
+            }
             return all;
+        }
+        for (place, (k, push)) in before.into_iter().flatten().enumerate() {
+            all.remember_robot((place, *k), push, (touching, unknowns), objects, (model, scene));
         }
         for (k, pair) in touching.iter().enumerate() {
             let Some(object) = objects.of(pair.obstacle) else { continue };
@@ -90,24 +126,45 @@ impl Carried {
                 continue;
             }
             let contact = of_objects(pair, (scene, objects), contacts);
-            let traction = |normal: Vec3| {
-                let Some(grip) = &pair.grip else { return Vec3::ZERO };
-                let along = grip.traction - normal * normal.dot(grip.traction);
-                let part = if grip.sticks { 1.0 } else { grip.traction.norm() / along.norm() };
-                if part.is_finite() { along * part } else { Vec3::ZERO }
+            let grip = pair.grip.map(|mut grip| {
+                if before.is_some() {
+                    // What has not slid, though its traction is at its bound, stays where it was.
+                    grip.sticks |= grip.slip.norm() <= OVERLAP * length;
+                    return Grip { from: scene.carry(pair.other, grip.from), ..grip };
+                }
+                // From the answer on.
+                Grip { from: contact.pose, slip: Vec3::ZERO, ..grip }
+            });
+            let turning = grip.filter(|grip| before.is_some() && !grip.sticks);
+            let turned = |slip: Vec3| {
+                turning.map_or(Vec3::ZERO, |grip| grip.turned(slip, pair.nearest.normal))
             };
-            let force = |nearest: &Nearest| nearest.normal * pair.force + traction(nearest.normal);
+            let traction = |nearest: &Nearest, pose: &Pose| {
+                let Some(grip) = &grip else { return Vec3::ZERO };
+                let along = along(grip.traction, nearest.normal);
+                let part = if grip.sticks { 1.0 } else { grip.traction.norm() / along.norm() };
+                let along = if part.is_finite() { along * part } else { Vec3::ZERO };
+                match turning {
+                    Some(grip) => {
+                        along + turned(grip.slip_at(pose, nearest, pair.rounding) - grip.slip)
+                    }
+                    None => along,
+                }
+            };
+            let force = |nearest: &Nearest, pose: &Pose| {
+                nearest.normal * pair.force + traction(nearest, pose)
+            };
             contact.geometric(force, pair.total(), 6, Differences::Central, &mut all.blocks);
-            // From the answer on.
-            let from: Pose = contact.pose;
-            let sticking = pair.grip.filter(|grip| grip.sticks);
-            let sticking = sticking.map(|grip| Grip { from, slip: Vec3::ZERO, ..grip });
+            let sticking = grip.filter(|grip| grip.sticks);
+            if let Some(grip) = grip.filter(|_| before.is_some()) {
+                all.remember_objects((pair, &grip), &turned, objects, scene);
+            }
             let mut lines = Vec::new();
             contact.lines(pair.force, sticking.as_ref(), &mut lines);
             for (number, line) in lines.iter().enumerate() {
                 for mut end in line.ends().copied() {
                     // What slides bears along the surface in proportion.
-                    if let Some(grip) = pair.grip.filter(|grip| number == 0 && !grip.sticks) {
+                    if let Some(grip) = grip.filter(|grip| number == 0 && !grip.sticks) {
                         let body = objects.list[end.body - contacts];
                         let is_owner = objects.list[end.body - contacts].number == pair.owner;
                         let side = if is_owner { 1.0 } else { -1.0 };
@@ -123,8 +180,104 @@ impl Carried {
         all
     }
 
+    /// Whether no object moves.
     pub fn is_empty(&self) -> bool {
         self.count == 0
+    }
+
+    /// Whether an object has anything of what is remembered.
+    pub fn remembers(&self) -> bool {
+        !self.rates_before.is_empty()
+            || !self.blocks_before.is_empty()
+            || self.count > 0 && self.held.iter().any(|held| *held > 0.0)
+    }
+
+    /// How many numbers what is remembered has.
+    pub const fn numbers_before(&self) -> usize {
+        6 * (self.rubbing + 2 * self.listed)
+    }
+
+    /// Adds what a contact of the robot, of this place among those that rub, remembers: it pushes so with the motion of its cross-section
+    /// at the equilibrium before.
+    fn remember_robot(
+        &mut self,
+        (place, contact): (usize, usize),
+        push: &[[f64; 6]; 6],
+        (touching, unknowns): (&[Pair], &[Unknown]),
+        objects: &Objects,
+        (model, scene): (&impl Compliant, &Scene),
+    ) {
+        let pair = &touching[contact];
+        let s = pair.member.arc_length;
+        let (contacts, centre) = (touching.len(), model.pose(s).position);
+        let own = unknowns.iter().enumerate().filter(|(_, unknown)| unknown.contact == contact);
+        let rates: Vec<_> = own.map(|(number, unknown)| (number, unknown.rate_before)).collect();
+        self.blocks_before.push(Block { row: contact, column: place, matrix: *push });
+        self.rates_before.extend(rates.iter().map(|&(number, rate)| (number, place, rate)));
+        let Some(object) = objects.of(pair.obstacle) else { return };
+        let Object { pose, began, .. } = objects.list[object];
+        let on_object = opposite_rows(push, centre - pose.position);
+        let motions = carried(scene.carried(model.pose_before(s)).position - began.position);
+        let with_object = self.rubbing + object;
+        for (row, matrix) in [(contact, push), (contacts + object, &on_object)] {
+            let matrix_of_object = by_carried(matrix, &motions);
+            self.blocks_before.push(Block { row, column: with_object, matrix: matrix_of_object });
+            if row != contact {
+                self.blocks_before.push(Block { row, column: place, matrix: *matrix });
+            }
+        }
+        let of_object = |(number, rate): (usize, [f64; 6])| {
+            (number, with_object, core::array::from_fn(|b| -dot(&rate, &motions[b])))
+        };
+        self.rates_before.extend(rates.into_iter().map(of_object));
+    }
+
+    /// The same of a contact of objects, whose unknowns are the next ones; `turned` is how the traction turns with the slip.
+    fn remember_objects(
+        &mut self,
+        (pair, grip): (&ObjectPair, &Grip),
+        turned: &impl Fn(Vec3) -> Vec3,
+        objects: &Objects,
+        scene: &Scene,
+    ) {
+        let ObjectPair { owner, other, nearest, rounding, point, .. } = pair;
+        let (owners, others) = (objects.of(*owner), objects.of(*other));
+        let began = |object: usize| objects.list[object].began;
+        let from = owners.map_or_else(|| scene.get(*owner).pose, began);
+        let pose = objects.pose_of(*owner, scene);
+        let slips = differences(6, &from, nearest.arm.norm() + rounding, |from| {
+            [nearest.slip(&scene.carry(*other, *from), &pose, *rounding)]
+        });
+        let slips = slips.map(|[slip]| slip);
+        let contacts = self.contacts;
+        let mut push = |object: usize, column: usize, side: f64, slips: &[Vec3; 6]| {
+            let lever = *point - objects.list[object].pose.position;
+            let mut matrix = [[0.0; 6]; 6];
+            for (b, slip) in slips.iter().enumerate() {
+                let traction = turned(*slip) * side;
+                put(&mut matrix, b, traction, lever.cross(traction));
+            }
+            self.blocks_before.push(Block { row: contacts + object, column, matrix });
+        };
+        let with_other: Option<(usize, [Vec3; 6])> = others.map(|object| {
+            let motions = carried(from.position - began(object).position);
+            let slips = motions.map(|motion| {
+                slips.iter().zip(motion).fold(Vec3::ZERO, |sum, (slip, by)| sum - *slip * by)
+            });
+            (object, slips)
+        });
+        for (object, slips) in owners.map(|object| (object, slips)).into_iter().chain(with_other) {
+            let column = self.rubbing + object;
+            if grip.sticks {
+                for (k, axis) in tangents(nearest.normal).into_iter().enumerate() {
+                    let rate = slips.map(|slip| slip.dot(axis));
+                    self.rates_before.push((self.unknowns + 1 + k, column, rate));
+                }
+                continue;
+            }
+            owners.iter().for_each(|&row| push(row, column, 1.0, &slips));
+            others.iter().for_each(|&row| push(row, column, -1.0, &slips));
+        }
     }
 
     /// What a contact of the robot adds: of what it pushes with and how that changes with the cross-section, how it changes with the
@@ -163,6 +316,29 @@ impl Carried {
         }
     }
 
+    /// What objects that are held will be released with: adds to columns of motions and pushes of the contacts of the robot how it changes, and how
+    /// with gravity.
+    pub fn held_with(&self, (motion, pushes): (&[f64], &[f64]), gravity: Vec3) -> Vec<f64> {
+        let mut found = vec![0.0; 12 * self.listed];
+        let part = |v: &[f64], from: usize| Vec3::new(v[from], v[from + 1], v[from + 2]);
+        for &(contact, object, beside, force) in &self.holding {
+            let (by_force, by_moment) = (part(pushes, 6 * contact), part(pushes, 6 * contact + 3));
+            let moved = part(motion, 6 * contact);
+            let moment = by_moment + beside.cross(by_force) + moved.cross(force);
+            let held = &mut found[6 * (self.listed + object)..][..6];
+            for axis in 0..3 {
+                held[axis] += by_force[axis];
+                held[3 + axis] += moment[axis];
+            }
+        }
+        for (object, mass) in self.masses.iter().enumerate().take(self.listed) {
+            for axis in 0..3 {
+                found[6 * (self.listed + object) + axis] -= mass * gravity[axis];
+            }
+        }
+        found
+    }
+
     /// How the pushes of the robot's contacts change with the motions that something else would cause without them, and with gravity.
     pub fn gain(
         &self,
@@ -198,6 +374,9 @@ impl Carried {
         }
         for (number, unknown) in unknowns.iter().enumerate() {
             matrix[(moving + number) * size + moving + number] = unknown.own;
+            if let Some((other, by)) = unknown.by_other {
+                matrix[(moving + number) * size + moving + other] += by;
+            }
         }
         for i in 0..n {
             for (k, &c) in compliance[i * n..(i + 1) * n].iter().enumerate() {
@@ -221,10 +400,61 @@ impl Carried {
         }
         let mut lu = DenseLu::default();
         lu.factor(size, &matrix).map_err(|_| Critical)?;
-        let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
-            let row = |i: usize| &wrenches[i * size..(i + 1) * size];
-            (0..n).flat_map(|i| columns.iter().map(move |column| dot(row(i), column))).collect()
+        let (objects, tail) = (6 * self.count, 12 * self.listed);
+        // What is pushed more, then how the objects move, and what they were held with changes by.
+        let found = |column: &[f64], more: &[f64], held: Option<usize>| -> Vec<f64> {
+            let push = |i: usize| {
+                dot(&wrenches[i * size..(i + 1) * size], column) + more.get(i).unwrap_or(&0.0)
+            };
+            let mut found: Vec<f64> = (0..n).map(push).collect();
+            found.extend_from_slice(if tail > 0 { &column[n..n + objects] } else { &[] });
+            found.resize(n + tail, 0.0);
+            if let Some(number) = held {
+                found[n + objects + number] += 1.0;
+            }
+            found
         };
+        let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
+            (0..n + tail).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+        };
+        let alone = |column: &Vec<f64>| found(column, &[], None);
+        let remembered = |number: usize| {
+            let (body, b) = (number / 6, number % 6);
+            let mut more = vec![0.0; moving];
+            for Block { row, matrix, .. } in
+                self.blocks_before.iter().filter(|of| of.column == body)
+            {
+                (0..6).for_each(|a| more[6 * row + a] += matrix[a][b]);
+            }
+            let mut column = vec![0.0; size];
+            for (i, value) in column[..n].iter_mut().enumerate() {
+                *value = dot(&compliance[i * n..(i + 1) * n], &more[..n]);
+            }
+            for (value, more) in column[n..moving].iter_mut().zip(&more[n..]) {
+                *value = -more;
+            }
+            let object = body.checked_sub(self.rubbing);
+            let mut held = None;
+            match object {
+                Some(object) if object < self.count => {
+                    // What nothing determines moves on.
+                    column[n + 6 * object + b] -= self.stiffness[object][b];
+                }
+                Some(object) if object >= self.listed => {
+                    let object = object - self.listed;
+                    column[n + 6 * object + b] -= self.held[object];
+                    held = Some(6 * object + b);
+                }
+                _ => {}
+            }
+            for &(unknown, _, rate) in self.rates_before.iter().filter(|(_, of, _)| *of == body) {
+                column[moving + unknown] -= rate[b];
+            }
+            lu.solve(&mut column);
+            found(&column, &more, held)
+        };
+        let before = self.numbers_before();
+        let by_before = by_rows(&(0..before).map(remembered).collect::<Vec<_>>());
         let weighed = |axis: usize| {
             let mut column = vec![0.0; size];
             for (object, mass) in self.masses.iter().enumerate() {
@@ -233,16 +463,30 @@ impl Carried {
             lu.solve(&mut column);
             column
         };
-        let by_gravity = by_rows(&[0, 1, 2].map(weighed));
-        let by_motion = by_rows(&lu.inverse_columns(n));
-        let is_finite = by_motion.iter().chain(&by_gravity).all(|x| x.is_finite());
-        let gain = ContactGain { by_motion, by_gravity, ..ContactGain::default() };
+        let by_gravity = by_rows(&[0, 1, 2].map(|axis| alone(&weighed(axis))));
+        let by_motion: Vec<Vec<f64>> = lu.inverse_columns(n).iter().map(alone).collect();
+        let by_motion = by_rows(&by_motion);
+        let all = by_motion.iter().chain(&by_gravity).chain(&by_before);
+        let is_finite = all.clone().all(|x| x.is_finite());
+        let gain = ContactGain { by_motion, by_before, before, by_gravity };
         if is_finite { Ok(gain) } else { Err(Critical) }
     }
 }
 
+/// What a contact exerts on an object that it has this place beside the centre of, where it pushes the robot so.
+fn opposite_rows(push: &[[f64; 6]; 6], beside: Vec3) -> [[f64; 6]; 6] {
+    let columns: [[f64; 6]; 6] =
+        core::array::from_fn(|b| opposite(&core::array::from_fn(|a| push[a][b]), beside));
+    core::array::from_fn(|a| core::array::from_fn(|b| columns[b][a]))
+}
+
+/// What the motion of an object pushes that carries a cross-section along so, where both together push nothing.
+fn by_carried(matrix: &[[f64; 6]; 6], motions: &[[f64; 6]; 6]) -> [[f64; 6]; 6] {
+    matrix.map(|row| core::array::from_fn(|b| -dot(&row, &motions[b])))
+}
+
 /// What a contact yields of itself, as a part of what would move an object that nothing else holds.
-const SHARING: f64 = 1e-16;
+const SHARING: f64 = 1e-18;
 
 /// The opposite of a wrench, about a centre that it is beside.
 fn opposite(push: &[f64; 6], beside: Vec3) -> [f64; 6] {

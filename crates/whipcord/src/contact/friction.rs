@@ -29,6 +29,14 @@ impl Grip {
         nearest.slip(&self.from, pose, rounding)
     }
 
+    /// How the traction of a contact that slides turns with its slip; with the normal it turns besides.
+    pub fn turned(&self, slip: Vec3, normal: Vec3) -> Vec3 {
+        let direction = self.slip / self.slip.norm();
+        let size = self.traction.norm() / self.slip.norm();
+        let across = slip - direction * direction.dot(slip) - normal * normal.dot(slip);
+        across * -size
+    }
+
     /// Takes over what a step found, or a part of it.
     pub fn take(&mut self, touches: bool, sticks: bool, traction: Vec3, part: f64) {
         let next = self.traction + (traction - self.traction) * part;

@@ -32,7 +32,6 @@ use super::pair::{OVERLAP, Pair};
 use super::pairs::Pairs;
 use super::scene::Scene;
 use crate::derivatives::ContactGain;
-use crate::obstacle::Obstacle;
 use crate::shape::Part;
 use crate::statics::hold::Critical;
 
@@ -54,8 +53,6 @@ pub(crate) struct Holding {
     geometric: Vec<[[f64; 6]; 6]>,
     unknowns: Vec<Unknown>,
     carried: Carried,
-    /// Whether slips are to count from the equilibrium before, and count from here on: where a movable object was is not kept.
-    pub forgets: bool,
     /// Where it counts slips from the equilibrium before: the contacts that rub, and `G₋` of each.
     before: Vec<(usize, [[f64; 6]; 6])>,
 }
@@ -79,11 +76,6 @@ impl Holding {
             holding.is_between |= is_near(BETWEEN);
         }
         let mut touching = merged(pairs, length);
-        // Where a movable object was before is not known.
-        let rubs = touching.iter().any(|pair| pair.grip.is_some())
-            || objects.near.iter().any(|pair| pair.force > 0.0 && pair.grip.is_some());
-        holding.forgets = remembers && objects.count() > 0 && rubs;
-        let remembers = remembers && objects.count() == 0;
         for pair in &mut touching {
             if let Some(grip) = &mut pair.grip {
                 // What has not slid, though its traction is at its bound, stays where it was.
@@ -95,13 +87,15 @@ impl Holding {
             holding.add(pair, model, scene, length);
             if let Some(grip) = pair.grip.filter(|_| remembers) {
                 let from = |s: f64| scene.carried(model.pose_before(s));
-                let along = Along { pair, grip, obstacle: scene.get(pair.obstacle), from: &from };
+                let along = Along { pair, grip, scene, from: &from };
                 holding.remember(numbers, &along, model, length);
             }
         }
-        let Self { geometric, unknowns, .. } = &holding;
+        let Self { geometric, unknowns, before, .. } = &holding;
+        let of_way = remembers.then_some(&before[..]);
+        let contacts = (&touching[..], of_way);
         holding.carried =
-            Carried::new((geometric, unknowns), &touching, objects, (model, scene), length);
+            Carried::new((geometric, unknowns), contacts, objects, (model, scene), length);
         holding.is_about_to_change |= holding.carried.is_about_to_change;
         holding
     }
@@ -175,7 +169,7 @@ impl Holding {
         let Along { pair, grip, .. } = along;
         let (s, body) = (pair.member.arc_length, &pair.member.body);
         let (pose, from) = (model.pose(s), (along.from)(s));
-        let nearest = pair.look(along.obstacle, &pose);
+        let nearest = pair.look(along.scene.get(pair.obstacle), &pose);
         let rates = differences(6, &pose, body.reach(), |pose| [along.slip(pose, &from)]);
         let by_before = differences(6, &from, body.reach(), |from| [along.slip(&pose, from)]);
         // As the contact moves along the backbone, it is another material point that has slid.
@@ -192,16 +186,8 @@ impl Holding {
                 unknown.by_other = by_way.map(|(number, by)| (number, by.dot(axis)));
             }
         } else {
-            let direction = grip.slip / grip.slip.norm();
             let lever = nearest.lever(body.rounding);
-            let size = grip.traction.norm() / grip.slip.norm();
-            // The direction of the traction turns with that of the slip; with the normal it turns already.
-            let turned = |slip: Vec3| {
-                let across = slip
-                    - direction * direction.dot(slip)
-                    - nearest.normal * nearest.normal.dot(slip);
-                wrench_of(across * -size, lever)
-            };
+            let turned = |slip: Vec3| wrench_of(grip.turned(slip, nearest.normal), lever);
             for (b, ([rate], [by])) in rates.into_iter().zip(by_before).enumerate() {
                 let (own, of_before) = (turned(rate), turned(by));
                 for a in 0..6 {
@@ -220,6 +206,11 @@ impl Holding {
     /// The arc lengths in m of the contacts whose slips count from the equilibrium before.
     pub fn remembered(&self) -> impl Iterator<Item = f64> {
         self.before.iter().map(|&(contact, _)| self.places[contact])
+    }
+
+    /// Whether anything here depends on what was at the equilibrium before.
+    pub fn depends_on_before(&self) -> bool {
+        !self.before.is_empty() || self.carried.remembers()
     }
 
     /// How the pushes change with the motions that something else would cause without the contacts, and with those at the equilibrium
@@ -254,7 +245,9 @@ impl Holding {
             }
         }
         let mut lu = DenseLu::default();
-        lu.factor(size, &matrix).map_err(|_| Critical)?;
+        if size > 0 {
+            lu.factor(size, &matrix).map_err(|_| Critical)?;
+        }
         let pushes = |column: &[f64]| {
             let mut pushes = vec![0.0; n];
             for (k, block) in self.geometric.iter().enumerate() {
@@ -269,8 +262,15 @@ impl Holding {
             }
             pushes
         };
-        let by_motion: Vec<Vec<f64>> =
-            lu.inverse_columns(n).iter().map(|column| pushes(column)).collect();
+        // With what objects that are held will be released with.
+        let with_held = |column: &[f64], mut pushes: Vec<f64>, gravity: Vec3| {
+            let held = self.carried.held_with((column, &pushes), gravity);
+            pushes.extend(held);
+            pushes
+        };
+        let by_motion: Vec<Vec<f64>> = (lu.inverse_columns(n).iter())
+            .map(|column| with_held(column, pushes(column), Vec3::ZERO))
+            .collect();
         let mut by_before = Vec::with_capacity(6 * self.before.len());
         for (contact, block) in &self.before {
             for b in 0..6 {
@@ -287,14 +287,19 @@ impl Holding {
                 lu.solve(&mut column);
                 let mut pushes = pushes(&column);
                 (0..6).for_each(|a| pushes[6 * contact + a] += block[a][b]);
-                by_before.push(pushes);
+                by_before.push(with_held(&column, pushes, Vec3::ZERO));
             }
         }
+        let nothing = vec![0.0; n];
+        let by_gravity = [Vec3::X, Vec3::Y, Vec3::Z]
+            .map(|gravity| with_held(&nothing, nothing.clone(), gravity));
         let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
-            (0..n).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+            let rows = columns.first().map_or(0, Vec::len);
+            (0..rows).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
         };
+        let before = by_before.len();
         let (by_motion, by_before) = (by_rows(&by_motion), by_rows(&by_before));
-        let gain = ContactGain { by_motion, by_before, ..ContactGain::default() };
+        let gain = ContactGain { by_motion, by_before, before, by_gravity: by_rows(&by_gravity) };
         let finite = gain.by_motion.iter().chain(&gain.by_before).all(|x| x.is_finite());
         if finite { Ok(gain) } else { Err(Critical) }
     }
@@ -304,15 +309,18 @@ impl Holding {
 struct Along<'a> {
     pair: &'a Pair,
     grip: Grip,
-    obstacle: &'a Obstacle,
-    /// Where the cross-section at an arc length was at the last equilibrium, as the obstacle has carried it along.
+    scene: &'a Scene,
+    /// Where the cross-section at an arc length was at the last equilibrium.
     from: &'a dyn Fn(f64) -> Pose,
 }
 
 impl Along<'_> {
     fn slip(&self, pose: &Pose, from: &Pose) -> Vec3 {
-        let nearest = self.pair.look(self.obstacle, pose);
-        nearest.slip(from, pose, self.pair.member.body.rounding)
+        let obstacle = self.pair.obstacle;
+        let nearest = self.pair.look(self.scene.get(obstacle), pose);
+        // Carried along by an obstacle that moves.
+        let from = self.scene.carry(obstacle, *from);
+        nearest.slip(&from, pose, self.pair.member.body.rounding)
     }
 }
 
@@ -399,7 +407,6 @@ mod tests {
             geometric: vec![[[0.0; 6]; 6]],
             unknowns: vec![Unknown::new(0, unit, unit)],
             carried: Carried::default(),
-            forgets: false,
             before: Vec::new(),
         };
         let compliance: Vec<f64> = (0..36).map(|i| if i % 7 == 0 { 2.0 } else { 0.0 }).collect();

@@ -23,6 +23,8 @@ pub(crate) struct OnWay {
     pub loads: f64,
     /// The part of the way on which a robot is inserted, and of that to the answer.
     pub way: [f64; 2],
+    /// Whether objects that were held on the way have been released.
+    pub is_released: bool,
 }
 
 /// A model that can take note of the equilibria on the way.
@@ -35,6 +37,9 @@ pub(crate) trait Noting: Compliant {
     /// Takes note of an equilibrium that was found and is not kept yet, with its contacts; in place of the last note where that is of the
     /// same place of the way.
     fn note(&mut self, _holding: Holding, _at: OnWay) {}
+
+    /// The way begins anew, at rest.
+    fn forget_notes(&mut self) {}
 
     /// What was noted does not lead to where it is: it has jumped, or was found in another way.
     fn lose_notes(&mut self) {}
@@ -166,7 +171,7 @@ impl<S> NotedWay<S> {
         }
         self.steps.retain(|&first| first < self.ends.len());
         let remembered: Vec<f64> = noted.holding.remembered().collect();
-        if remembered.is_empty() && !standing.sticks() {
+        if !noted.holding.depends_on_before() && !standing.sticks() {
             *self = Self::default();
         }
         match self.ends.last_mut() {

@@ -44,7 +44,7 @@ pub(super) struct Object {
     load: Wrench,
     /// What held it when it was released, and how much of that is left.
     holding: Wrench,
-    held: f64,
+    pub held: f64,
     /// What is left of its balance.
     pub imbalance: Wrench,
     /// Sum of all forces on it, without direction.

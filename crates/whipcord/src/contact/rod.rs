@@ -646,6 +646,10 @@ impl<R: ContactRod> Noting for RodAdapter<'_, R> {
         }
     }
 
+    fn forget_notes(&mut self) {
+        self.notes.iter_mut().for_each(|way| *way = NotedWay::default());
+    }
+
     fn lose_notes(&mut self) {
         self.notes.iter_mut().for_each(|way| way.is_broken = true);
     }

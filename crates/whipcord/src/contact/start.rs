@@ -116,6 +116,8 @@ impl<M: Noting> PathTracker<'_, M> {
         self.odd = None;
         self.pairs.near.clear();
         self.model.reset();
+        self.model.forget_notes();
+        self.on_way.is_released = false;
         self.objects = Objects::new(case, None, self.model.force_scale(), self.length);
         self.objects.are_held = true;
         self.start((&at(0.0), [0.0; 2]), None, to_base)?;
@@ -123,6 +125,7 @@ impl<M: Noting> PathTracker<'_, M> {
         self.objects.load(case, case, 1.0, 0.0);
         self.objects.balance(&self.pairs, self.model);
         self.objects.release();
+        self.on_way.is_released = true;
         self.odd = None;
         // The commands stay: nothing that the holes remember is lost in a long step.
         let release = |way: f64| Acting { held: 1.0 - way, ..Acting::ALL };

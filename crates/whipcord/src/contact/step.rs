@@ -85,7 +85,7 @@ impl Scratch {
             let motions = if pair.member.body.is_ball() { 3 } else { 6 };
             let normal = |nearest: &Nearest| nearest.normal * pair.force;
             if pair.force > 0.0 {
-                let force = |nearest: &Nearest| normal(nearest) + traction;
+                let force = |nearest: &Nearest, _: &Pose| normal(nearest) + traction;
                 contact.geometric(
                     force,
                     normal(&pair.nearest),
@@ -114,7 +114,7 @@ impl Scratch {
             let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
             let normal = |nearest: &Nearest| nearest.normal * pair.force;
             if pair.force > 0.0 {
-                let force = |nearest: &Nearest| normal(nearest) + traction;
+                let force = |nearest: &Nearest, _: &Pose| normal(nearest) + traction;
                 contact.geometric(force, normal(&pair.nearest), 6, quick, &mut self.geometric);
             }
         }

@@ -114,7 +114,6 @@ fn solve_step(
         && error.is_obstruction()
     {
         gone = tracker.hold_and_release(case, &at, &to_base);
-        tracker.lose_notes();
     }
     if let Err(error) = gone {
         tracker.approach(case, &at, error)?;

@@ -132,7 +132,7 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
     /// which this part turns with both bodies.
     pub fn geometric(
         &self,
-        force: impl Fn(&Nearest) -> Vec3,
+        force: impl Fn(&Nearest, &Pose) -> Vec3,
         turning: Vec3,
         motions: usize,
         differences: Differences,
@@ -140,10 +140,10 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
     ) {
         let see = |pose: &Pose| {
             let nearest = (self.look)(pose);
-            [force(&nearest), nearest.lever(self.rounding)]
+            [force(&nearest, pose), nearest.lever(self.rounding)]
         };
         let Bodies { first, second } = self.bodies;
-        let (total, lever) = (force(self.nearest), self.nearest.lever(self.rounding));
+        let (total, lever) = (force(self.nearest, &self.pose), self.nearest.lever(self.rounding));
         let by_first = match differences {
             Differences::Central => central(motions, &self.pose, self.reach, see),
             Differences::OneSided => {

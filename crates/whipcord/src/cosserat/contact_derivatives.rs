@@ -136,9 +136,6 @@ impl ContactResponse {
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
     ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
-        if end.noted.holding.forgets {
-            return Err(refusal::rubbing_objects(ModelKind::Cosserat));
-        }
         self.go_back(&end.noted.state);
         self.holes.put(end.standing);
         let contact_grid = self.contact_grid.clone().ok_or(SolveError::NoDerivatives)?;

@@ -186,9 +186,6 @@ impl ContactResponse {
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
     ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
-        if end.noted.holding.forgets {
-            return Err(refusal::rubbing_objects(ModelKind::CosseratDisks));
-        }
         self.go_back(&end.noted.state);
         self.holes.put(end.standing);
         let contact_mesh = self.contact_mesh.clone().ok_or(SolveError::NoDerivatives)?;

@@ -77,6 +77,8 @@ struct Response {
     /// Of the outputs.
     lengths: Vec<f64>,
     base: Wrench,
+    /// How the objects move, and what they were held with changes by.
+    objects: Vec<f64>,
 }
 
 /// The derivatives of one answer of a model with generalised coordinates; frames and signs as [`super::Derivatives`] has them.
@@ -126,13 +128,14 @@ impl CoordinateDerivatives {
             .map_err(|Critical| SolveError::NoDerivatives)?;
         let Some(sliding) = &derivatives.sliding else { return Ok((derivatives, Vec::new())) };
         let mut carried = sliding.carried(|cause| derivatives.caused(cause).lengths);
-        if !holes.is_last && !derivatives.places.stations.is_empty() {
+        if !holes.is_last {
             for (cause, carried) in sliding.causes().zip(&mut carried) {
-                let response = derivatives.caused(cause);
-                let change = derivatives.completed(response, Hold::Commands, cause);
-                let stations = 0..derivatives.places.stations.len();
+                let mut response = derivatives.caused(cause);
+                derivatives.complete(&mut response, Hold::Commands, cause);
+                let stations = derivatives.places.stations.iter();
                 carried.places =
-                    stations.flat_map(|k| components(change.twist(Place::Station(k)))).collect();
+                    stations.flat_map(|&place| components(response.twists[place])).collect();
+                carried.places.extend(response.objects);
             }
         }
         Ok((derivatives, carried))
@@ -181,12 +184,11 @@ impl CoordinateDerivatives {
             None => derivatives.length_scale(),
             Some(_) => 0.0,
         };
-        if !touching.is_empty() {
+        if !touching.is_empty() || holes.is_some() {
             let gain = gain(&derivatives.compliance_of(&touching))?;
             let places = touching;
             let gravity: Vec<Vec3> = derivatives.parameters.iter().map(|of| of.gravity).collect();
-            let remembered =
-                Remembered::new(&gain, 6 * places.len(), holes).weighing(&gain, &gravity);
+            let remembered = Remembered::new(&gain, holes).weighing(&gain, &gravity);
             let gain = gain.by_motion;
             derivatives.contacts = Contacts { places, gain, remembered, are_about_to_change };
         }
@@ -249,7 +251,10 @@ impl CoordinateDerivatives {
         let mut force = force.to_vec();
         let mut base = own.1;
         let mut moved = system.solve(&force);
-        if !self.contacts.places.is_empty() {
+        let mut objects = Vec::new();
+        if self.contacts.places.is_empty() {
+            objects.extend_from_slice(remembered);
+        } else {
             let motion: Vec<f64> =
                 self.contacts.rows().map(|(k, a)| dot(system.row(k, a), &moved)).collect();
             let mut pushes: Vec<f64> = self
@@ -259,6 +264,7 @@ impl CoordinateDerivatives {
                 .map(|row| dot(row, &motion))
                 .collect();
             add(&mut pushes, 1.0, remembered);
+            objects = pushes.split_off(motion.len());
             for ((place, component), push) in self.contacts.rows().zip(pushes) {
                 add(&mut force, push, system.row(place, component));
                 base.add(push, &system.at_base(place, component));
@@ -273,7 +279,7 @@ impl CoordinateDerivatives {
             let [x, y, z, u, v, w] = core::array::from_fn(|a| dot(system.row(place, a), &moved));
             Twist { linear: Vec3::new(x, y, z), angular: Vec3::new(u, v, w) }
         });
-        Response { twists: twists.collect(), lengths, base, coordinates: moved }
+        Response { twists: twists.collect(), lengths, base, coordinates: moved, objects }
     }
 
     fn by_tension(&self, cable: usize) -> Response {
@@ -337,6 +343,7 @@ impl CoordinateDerivatives {
             twists: vec![Twist::default(); self.system.positions.len()],
             lengths: vec![0.0; self.by_tension.first().map_or(0, |column| column.lengths.len())],
             base: Wrench::default(),
+            objects: Vec::new(),
         }
     }
 
@@ -678,6 +685,8 @@ impl Response {
         }
         add(&mut self.lengths, f, &other.lengths);
         add(&mut self.coordinates, f, &other.coordinates);
+        self.objects.resize(self.objects.len().max(other.objects.len()), 0.0);
+        add(&mut self.objects, f, &other.objects);
         self.base.add(f, &other.base);
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3, magnus_6};
 
 use super::cables::Cables;
-use super::change::{Place, Places};
+use super::change::Places;
 use super::column::{Raw, Source};
 use super::elimination::Elimination;
 use super::linear::Linear;
@@ -19,7 +19,7 @@ use super::step_ends::StepEnds;
 use super::strands::Strands;
 use super::tension_rates::DrivenCables;
 use super::tip_rates::Driven;
-use super::touching::{ContactGain, Remembered, Touching, components, gravity_change, motion};
+use super::touching::{ContactGain, Remembered, Touching, gravity_change, motion};
 use crate::case::{Case, Loads};
 use crate::kinematics::OneSided;
 use crate::parameter::Parameter;
@@ -251,12 +251,10 @@ impl Derivatives {
                     commanded: on_way.map_or([1.0; 2], |on_way| on_way.commanded),
                     is_last: true,
                 };
-                let components = 6 * derivatives.touching.nodes.len();
                 let gravity = |parameter| gravity_change(parameter, case) * setting.of_loads;
                 let gravity: Vec<Vec3> = parameters.iter().map(gravity).collect();
                 derivatives.touching.remembered =
-                    Remembered::new(&contact_gain, components, Some(&answer))
-                        .weighing(&contact_gain, &gravity);
+                    Remembered::new(&contact_gain, Some(&answer)).weighing(&contact_gain, &gravity);
                 let by_tension = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
                 derivatives.sliding = Some(Box::new(SlidingHoles::new(&answer, by_tension)?));
             }
@@ -388,9 +386,6 @@ impl Derivatives {
         nodes: Vec<usize>,
         gain: impl FnOnce(&[f64]) -> Result<ContactGain, Critical>,
     ) -> Result<ContactGain, Critical> {
-        if nodes.is_empty() {
-            return Ok(ContactGain::default());
-        }
         let sources = nodes.iter().flat_map(|&node| (0..6).map(move |i| (node, i)));
         let column = |(node, component)| self.raw(Source::Wrench { node, component });
         let columns: Vec<Raw> = sources.map(column).collect();
@@ -433,23 +428,30 @@ impl Derivatives {
         })
     }
 
-    /// The same, with how the places that touch next move, which are the stations of these derivatives.
+    /// The same, with how the places that touch next move, which are the stations of these derivatives, and the objects.
     pub(crate) fn carried_with_places(&self) -> Vec<Carried> {
         let Some(sliding) = &self.sliding else { return Vec::new() };
         let mut carried = self.carried();
-        let cable_at = |place: usize| self.place_of.iter().position(|&at| at == place);
         for (cause, carried) in sliding.causes().zip(&mut carried) {
-            let change = match cause {
-                Cause::Parameter(p) => Some(self.parameter(p, Hold::Commands)),
-                Cause::Offset(place) => cable_at(place).map(|cable| self.offset(cable)),
-                Cause::Command(place) => cable_at(place).map(|cable| self.command(cable)),
-                Cause::Nothing | Cause::Tension(_) => None,
-            };
-            let twist = |k: usize| change.as_ref().map(|change| change.twist(Place::Station(k)));
-            let stations = 0..self.places.stations.len();
-            carried.places = stations.filter_map(twist).flat_map(components).collect();
+            let moved = self.caused(cause);
+            let stations = self.places.stations.iter();
+            carried.places = stations.flat_map(|&node| motion(&moved, node)).collect();
+            carried.places.extend(self.touching.of_objects(&moved));
         }
         carried
+    }
+
+    /// What a cause changes while the commands are held.
+    fn caused(&self, cause: Cause) -> Raw {
+        if let Cause::Parameter(p) = cause {
+            return self.completing(Source::Parameter(p), Hold::Commands, cause).0;
+        }
+        let mut changed = self.remembered(cause);
+        let [tensions, _] = self.tensions(Hold::Commands, &changed.lengths, cause);
+        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
+            changed.add(tension, column);
+        }
+        changed
     }
 
     /// Whether a cable with friction is about to slide in a hole where it sticks, or has only begun to slide: the answer has one-sided derivatives

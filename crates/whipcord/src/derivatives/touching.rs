@@ -15,24 +15,23 @@ use crate::case::Case;
 use crate::parameter::Parameter;
 use crate::shape::Wrench;
 
-/// How the pushes of the contacts of an answer change, by rows, a force and a moment for each.
+/// How the pushes of the contacts of an answer change, by rows, a force and a moment for each. Among movable objects on a way whose equilibria are all
+/// differentiated the motions of all objects follow, and what each was held with when it was released.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ContactGain {
     /// `K`: with the motions of the places without the contacts.
     pub by_motion: Vec<f64>,
-    /// With those of the places that rub at the equilibrium before.
+    /// With those of the places that rub at the equilibrium before, and with what that had of the objects: so many numbers.
     pub by_before: Vec<f64>,
+    pub before: usize,
     /// With gravity in the frame of the base, which pulls at movable objects; empty where there are none.
     pub by_gravity: Vec<f64>,
 }
 
 impl ContactGain {
-    /// What is pushed more at so many components of pushes, where the places that rub moved so at the equilibrium before.
-    pub fn remembered(&self, components: usize, before: &[f64]) -> Vec<f64> {
-        if before.is_empty() || self.by_before.is_empty() {
-            return vec![0.0; components];
-        }
-        self.by_before.chunks_exact(before.len()).map(|row| dot(row, before)).collect()
+    /// What is pushed more where the places that rub, and objects, moved so at the equilibrium before; what is missing there did not.
+    pub fn remembered(&self, before: &[f64]) -> Vec<f64> {
+        self.by_before.chunks_exact(self.before.max(1)).map(|row| dot(row, before)).collect()
     }
 }
 
@@ -56,7 +55,7 @@ pub(super) struct Remembered {
 
 impl Remembered {
     /// Of what the holes of an answer carry.
-    pub fn new(gain: &ContactGain, components: usize, holes: Option<&AnswerHoles<'_>>) -> Self {
+    pub fn new(gain: &ContactGain, holes: Option<&AnswerHoles<'_>>) -> Self {
         let Some(AnswerHoles { holes, carried: Some(carried), parameters, .. }) = holes else {
             return Self::default();
         };
@@ -64,7 +63,7 @@ impl Remembered {
             return Self::default();
         }
         Self {
-            columns: carried.iter().map(|of| gain.remembered(components, &of.places)).collect(),
+            columns: carried.iter().map(|of| gain.remembered(&of.places)).collect(),
             parameters: parameters.len(),
             cables: holes.of_cable.len(),
         }
@@ -140,11 +139,16 @@ impl Touching {
     /// Adds to a column what the contacts push more for what is remembered of a cause.
     pub fn remember(&self, raw: &mut Raw, cause: Cause) {
         let Some(pushes) = self.remembered.of(cause) else { return };
-        raw.pushes.resize(pushes.len(), 0.0);
-        for (i, push) in pushes.iter().enumerate() {
-            raw.pushes[i] += push;
-            raw.add(*push, &self.columns[i]);
+        raw.pushes.resize(pushes.len().max(raw.pushes.len()), 0.0);
+        raw.pushes.iter_mut().zip(pushes).for_each(|(sum, push)| *sum += push);
+        for (push, column) in pushes.iter().zip(&self.columns) {
+            raw.add(*push, column);
         }
+    }
+
+    /// How the objects move in a column, and what they were held with changes by.
+    pub fn of_objects<'a>(&self, raw: &'a Raw) -> &'a [f64] {
+        raw.pushes.get(self.columns.len()..).unwrap_or(&[])
     }
 
     /// Adds to a functional of columns of the robot among obstacles what makes it one of columns of the robot alone.

@@ -470,6 +470,10 @@ impl Noting for ContactAdapter<'_> {
         }
     }
 
+    fn forget_notes(&mut self) {
+        self.notes.iter_mut().for_each(|way| *way = NotedWay::default());
+    }
+
     fn lose_notes(&mut self) {
         self.notes.iter_mut().for_each(|way| way.is_broken = true);
     }

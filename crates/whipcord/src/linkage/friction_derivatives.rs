@@ -15,7 +15,6 @@ use crate::derivatives::{
 };
 use crate::error::SolveError;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::robot::Robot;
 use crate::shape::Solution;
 use crate::statics::friction::{Carried, Carrying, History, HoleSource, Standing};
@@ -150,9 +149,6 @@ impl Linkage {
         let stands = workspace.scratch.chain.q.clone();
         let found = carrying.go(way, kept, |end, carried, place| {
             let noted = &end.shape;
-            if noted.holding.forgets {
-                return Err(refusal::rubbing_objects(self.kind));
-            }
             let (chain, asked) = match before {
                 _ if !self.keeps_history() || noted.at.step == asked.step => (self, asked),
                 Some((chain, history)) if noted.at.step + 1 == asked.step => {

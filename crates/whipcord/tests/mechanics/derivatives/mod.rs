@@ -56,6 +56,7 @@ mod friction_in_contact;
 mod hole_friction;
 mod kinds_of_load;
 mod locked_in_contact;
+mod objects_that_rub;
 mod segments;
 
 use crate::common;
