@@ -17,8 +17,9 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
+use super::strain_guess::Guess;
 use crate::section::Fault;
-use crate::section::{BodyWrench, Strain, Tangent, equilibrium_within};
+use crate::section::{BodyWrench, Strain, Tangent, equilibrium_within, is_iterated};
 use crate::shape::Wrench;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
@@ -30,6 +31,17 @@ use whipcord_numerics::weighted_sum;
 pub(super) const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 /// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] the samples sit at.
 pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
+
+/// Weights of five equally spaced places in the polynomial through them, in the middle between each two neighbours.
+const BETWEEN: [[f64; 5]; 4] = {
+    const P: f64 = 1.0 / 128.0;
+    [
+        [35.0 * P, 140.0 * P, -70.0 * P, 28.0 * P, -5.0 * P],
+        [-5.0 * P, 60.0 * P, 90.0 * P, -20.0 * P, 3.0 * P],
+        [3.0 * P, -20.0 * P, 90.0 * P, 60.0 * P, -5.0 * P],
+        [-5.0 * P, 28.0 * P, -70.0 * P, 140.0 * P, 35.0 * P],
+    ]
+};
 
 /// One integration from base to tip.
 #[derive(Clone, Debug, Default)]
@@ -134,8 +146,8 @@ impl Trajectory {
         self.strains = steps.flat_map(of).collect();
     }
 
-    /// Starts the sections of the next shot from those of the last one, whose steps were the same or twice as long;
-    /// from their neighbours where they were others.
+    /// Starts the sections of the next shot from those of the last one, whose steps were the same or twice as long, between which a polynomial
+    /// of degree 4 leads; from their neighbours where they were others.
     pub fn refine(&mut self, grid: &Grid) {
         let slots = STAGES * grid.len();
         if self.strains.len() == slots {
@@ -148,7 +160,10 @@ impl Trajectory {
         for k in (0..grid.len() / 2).rev() {
             // At the five equally spaced places of the long step.
             let at = [0, 2, 3, 4, 5].map(|i| self.strains[STAGES * k + i]);
-            let between = |i: usize| (at[i] + at[i + 1]) * 0.5;
+            let between = |i: usize| {
+                let others = BETWEEN[i].iter().zip(&at);
+                others.fold(at[2], |sum, (weight, of)| sum + (*of - at[2]) * *weight)
+            };
             for (half, first) in [0, 2].into_iter().enumerate() {
                 let (near, far) = (between(first), between(first + 1));
                 let short = [at[first], near, near, at[first + 1], far, at[first + 2]];
@@ -193,17 +208,18 @@ impl Trajectory {
         let mut state = pack(UnitQuaternion::IDENTITY, Vec3::ZERO, target.base_moment);
         let mut follower_force = target.follower_force;
         self.poses.push(Pose::IDENTITY);
-        let mut last = grid.shooting.at(0, 0, 0).0.section.rest_strain();
+        let mut guess = Guess::default();
         for k in 0..grid.len() {
-            let neighbour = (!known).then_some(last);
-            let stepped =
-                self.step(grid, loads, target, k, &mut follower_force, &mut state, neighbour);
+            if k > 0 && grid.steps[k - 1].active != grid.steps[k].active {
+                guess.jump();
+            }
+            let guess = (!known).then_some(&mut guess);
+            let stepped = self.step(grid, loads, target, k, &mut follower_force, &mut state, guess);
             if let Err(fault) = stepped {
                 // Half of the sections have new strains: none can be relied on.
                 self.forget();
                 return Err(fault);
             }
-            last = self.strains[STAGES * k + STAGES - 1];
             let (rotation, position, moment) = unpack(&state);
             let follower = loads.follower(k + 1);
             follower_force -= target.load * rotation.rotate(follower.force);
@@ -257,7 +273,7 @@ impl Trajectory {
         }
     }
 
-    /// One step; its sections start from `neighbour` where given, else from the last shot.
+    /// One step; its sections start from `guess` where given, else from the last shot.
     #[expect(clippy::too_many_arguments, reason = "the state of one sweep, passed step by step")]
     #[inline(always)]
     fn step(
@@ -268,7 +284,7 @@ impl Trajectory {
         k: usize,
         follower_force: &mut Vec3,
         state: &mut State,
-        neighbour: Option<Strain>,
+        mut guess: Option<&mut Guess>,
     ) -> Result<(), Fault> {
         let table = &BUTCHER_5;
         let step = grid.steps[k];
@@ -279,7 +295,6 @@ impl Trajectory {
         // What follows the sections and is spread along the step, stage by stage.
         let line = loads.line(k);
         let mut pushes = [Vec3::ZERO; STAGES];
-        let mut neighbour = neighbour;
         for i in 0..STAGES {
             let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
             let section = &node.section;
@@ -299,19 +314,23 @@ impl Trajectory {
                 force -= h * weighted_sum(&pushes[..i], &table.a[i]);
             }
             let wrench = BodyWrench { linear: to_body(force), angular: to_body(moment) };
-            let fault = |kind| Fault { kind, arc_length: step.start + table.c[i] * h };
+            let arc_length = step.start + table.c[i] * h;
+            let fault = |kind| Fault { kind, arc_length };
             let slot = &mut self.strains[STAGES * k + i];
-            if let Some(neighbour) = neighbour {
-                *slot = neighbour;
+            let mut guess = guess.as_deref_mut().filter(|_| is_iterated(section, crossings));
+            if let Some(guess) = &mut guess {
+                *slot = guess.at(arc_length).unwrap_or_else(|| section.rest_strain());
             }
-            equilibrium_within(target.step_tolerance, section, crossings, tensions, wrench, slot)
+            let cables = (crossings, grid.shooting.groups(k, NODE_OF_STAGE[i], step.active));
+            equilibrium_within(target.step_tolerance, section, cables, tensions, wrench, slot)
                 .map_err(fault)?;
             let strain = *slot;
-            if neighbour.is_some() {
-                neighbour = Some(strain);
+            if let Some(guess) = guess {
+                guess.learn(arc_length, strain);
             }
             if target.sample && SAMPLED_STAGES.contains(&i) {
-                let tangent = Tangent::at(section, crossings, tensions, &strain).map_err(fault)?;
+                let tangent =
+                    Tangent::by_groups(section, cables, tensions, &strain).map_err(fault)?;
                 self.samples.push(Sample { strain, wrench, tangent, rotation });
             }
             let velocity = r * strain.linear;

@@ -7,6 +7,7 @@
 //! | `model`, `prepared` | the interface: robot, loads and options to solutions; the model of one robot, and its memory |
 //! | `problem`, `scratch` | what is to be solved on one grid, and memory |
 //! | `unloaded`, `loaded` | the rod without load; the rod integrated from its base under loads |
+//! | `strain_guess` | where the iteration of a section starts |
 //! | `sensitivity` | derivatives of the loaded rod at its tip |
 //! | `solve`, `statics` | equilibrium on one grid: the order of the strategies below |
 //! | `guess`, `relaxation`, `without_load` | initial guesses: the loaded rod after one step; the rod without load |
@@ -59,6 +60,7 @@ mod solve;
 mod stability;
 mod state;
 mod statics;
+mod strain_guess;
 mod tension_nodes;
 mod trace;
 mod unloaded;

@@ -9,6 +9,7 @@ use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
 use super::lanes::run::{Known, solve_run, stability_of_run};
 use super::sensitivity::work;
+use super::strain_guess::Guess;
 use crate::section::Fault;
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::statics::grid::Grid;
@@ -278,53 +279,6 @@ impl Unloaded {
     pub fn integrate(&self, grid: &Grid, poses: &mut Vec<Pose>) {
         integrate(grid, &self.strains, poses);
     }
-}
-
-/// The next strain by extrapolation from the three before it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Guess {
-    known: usize,
-    at: [f64; 3],
-    strains: [Strain; 3],
-}
-
-impl Guess {
-    #[inline]
-    fn at(&self, arc_length: f64) -> Option<Strain> {
-        let [a, b, c] = self.strains;
-        match self.known {
-            0 => None,
-            1 | 2 => Some(c),
-            _ => Some(match extrapolation(self.at, arc_length) {
-                Some([wa, wb]) => c + (a - c) * wa + (b - c) * wb,
-                None => c,
-            }),
-        }
-    }
-
-    /// Forgets all but the last strain, where a cable ends and the strains jump.
-    #[inline]
-    fn jump(&mut self) {
-        self.known = self.known.min(1);
-    }
-
-    #[inline]
-    fn learn(&mut self, arc_length: f64, strain: Strain) {
-        self.known += 1;
-        self.at = [self.at[1], self.at[2], arc_length];
-        self.strains = [self.strains[1], self.strains[2], strain];
-    }
-}
-
-/// Weights of what is known at the first two of three places, less what is known at the third, in what a
-/// parabola through all three has at another place, less the same: a strain that is held, and that no
-/// iteration corrects, is so kept to the last bit. `None` where that place is farther off than the three
-/// are from one another.
-#[inline]
-pub(super) fn extrapolation([a, b, c]: [f64; 3], at: f64) -> Option<[f64; 2]> {
-    (at - c <= c - a).then(|| {
-        [(at - b) * (at - c) / ((a - b) * (a - c)), (at - a) * (at - c) / ((b - a) * (b - c))]
-    })
 }
 
 /// How many of the cables are taut.

@@ -85,7 +85,15 @@ impl Quadrature {
 
     /// The sections at the Gauss nodes, and how the ends of their steps move with them.
     pub fn linearize_points(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
-        let Answer { grid, tensions, poses, strains, .. } = *answer;
+        let Answer { grid, poses, .. } = *answer;
+        Arch::new().dispatch(AllSections { rod: self, answer })?;
+        Arch::new().dispatch(AllPoints { rod: self, steps: &grid.steps, poses });
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn linearize_sections(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
+        let Answer { grid, tensions, strains, .. } = *answer;
         let cables = tensions.len();
         self.points.clear();
         self.points.reserve(POINTS * grid.len());
@@ -104,9 +112,11 @@ impl Quadrature {
                     continue;
                 }
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
-                let tangent =
-                    Tangent::at(&node.section, crossings, active, &strain).map_err(|kind| {
-                        Fault { kind, arc_length: step.start + GAUSS_3.nodes[j] * step.length }
+                let in_groups = (crossings, grid.gauss.groups(k, j, step.active));
+                let tangent = Tangent::by_groups(&node.section, in_groups, active, &strain)
+                    .map_err(|kind| Fault {
+                        kind,
+                        arc_length: step.start + GAUSS_3.nodes[j] * step.length,
                     })?;
                 for (pull, crossing) in self.pulls[at * cables..].iter_mut().zip(crossings) {
                     *pull = crossing.pull(&strain);
@@ -115,7 +125,6 @@ impl Quadrature {
                 self.points.push(Point { strain, compliance, weight, ..Point::default() });
             }
         }
-        Arch::new().dispatch(AllPoints { rod: self, steps: &grid.steps, poses });
         Ok(())
     }
 
@@ -321,6 +330,21 @@ impl Point {
     /// `p′`.
     fn velocity(&self) -> Vec3 {
         self.in_base(self.strain.linear)
+    }
+}
+
+/// [`Quadrature::linearize_sections`] with the instructions that the processor has.
+struct AllSections<'a> {
+    rod: &'a mut Quadrature,
+    answer: &'a Answer<'a>,
+}
+
+impl WithSimd for AllSections<'_> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.rod.linearize_sections(self.answer)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
+use super::cable_sums::{CableGroup, CableSums};
 use super::crossing::{BodyWrench, Crossing, Strain};
 use super::fault::{FOLDED, SectionFault};
 use super::one_cable;
@@ -26,7 +27,7 @@ pub(crate) fn equilibrium(
     wrench: BodyWrench,
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
-    equilibrium_within(STEP_TOLERANCE, section, crossings, tensions, wrench, strain)
+    equilibrium_within(STEP_TOLERANCE, section, (crossings, &[]), tensions, wrench, strain)
 }
 
 /// The last step of the sections of a rod whose own iteration ends at a residual.
@@ -34,12 +35,19 @@ pub(crate) fn step_tolerance(residual: f64) -> f64 {
     (PART_OF_RESIDUAL * residual).sqrt().max(STEP_TOLERANCE)
 }
 
-/// [`equilibrium`] where a Newton step of `tolerance`, as a strain, is the last.
+/// Whether the answer is found by an iteration, which starts from a strain.
+#[inline(always)]
+pub(crate) fn is_iterated(section: &Section, crossings: &[Crossing]) -> bool {
+    crossings.len() > 1 || !crossings.is_empty() && !section.isotropic
+}
+
+/// [`equilibrium`] where a Newton step of `tolerance`, as a strain, is the last; by sums over groups of the cables, where there are any: their
+/// rounding is another.
 #[inline(always)]
 pub(crate) fn equilibrium_within(
     tolerance: f64,
     section: &Section,
-    crossings: &[Crossing],
+    (crossings, groups): (&[Crossing], &[CableGroup]),
     tensions: &[f64],
     wrench: BodyWrench,
     strain: &mut Strain,
@@ -52,7 +60,7 @@ pub(crate) fn equilibrium_within(
         *strain = one_cable::equilibrium(section, crossing, *tension, wrench)?.strain;
         return Ok(());
     }
-    newton_equilibrium_within(tolerance, section, crossings, tensions, wrench, strain)
+    newton_within(tolerance, section, (crossings, groups), tensions, wrench, strain)
 }
 
 /// [`equilibrium`] by Newton's method, for any number of cables and any stiffness.
@@ -64,21 +72,21 @@ pub(crate) fn newton_equilibrium(
     wrench: BodyWrench,
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
-    newton_equilibrium_within(STEP_TOLERANCE, section, crossings, tensions, wrench, strain)
+    newton_within(STEP_TOLERANCE, section, (crossings, &[]), tensions, wrench, strain)
 }
 
 #[inline(always)]
-fn newton_equilibrium_within(
+fn newton_within(
     tolerance: f64,
     section: &Section,
-    crossings: &[Crossing],
+    (crossings, groups): (&[Crossing], &[CableGroup]),
     tensions: &[f64],
     wrench: BodyWrench,
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
     let reach = reach(crossings);
     for _ in 0..UNDAMPED {
-        let Some(step) = newton_step(section, crossings, tensions, wrench, strain) else {
+        let Some(step) = newton_step(section, (crossings, groups), tensions, wrench, strain) else {
             break;
         };
         *strain = *strain + step;
@@ -105,7 +113,7 @@ pub(crate) fn reach(crossings: &[Crossing]) -> f64 {
 #[inline(always)]
 fn newton_step(
     section: &Section,
-    crossings: &[Crossing],
+    (crossings, groups): (&[Crossing], &[CableGroup]),
     tensions: &[f64],
     wrench: BodyWrench,
     strain: &Strain,
@@ -114,6 +122,13 @@ fn newton_step(
     let mut force = wrench.linear - borne.linear;
     let mut moment = wrench.angular - borne.angular;
     let mut hessian = Hessian::at(section, strain);
+    if !groups.is_empty() {
+        let pulls = CableSums::at(groups, tensions, strain);
+        force -= pulls.wrench.linear;
+        moment -= pulls.wrench.angular;
+        hessian.add_all(&pulls);
+        return Some(hessian.factor()?.solve(BodyWrench { linear: force, angular: moment }));
+    }
     for (crossing, &tension) in crossings.iter().zip(tensions) {
         if tension == 0.0 {
             continue;
@@ -158,7 +173,7 @@ pub(crate) fn damped_equilibrium(
         return Err(SectionFault::Diverged);
     }
     for _ in 0..MAX_ITERATIONS {
-        let Some(step) = newton_step(section, crossings, tensions, wrench, &x) else {
+        let Some(step) = newton_step(section, (crossings, &[]), tensions, wrench, &x) else {
             break;
         };
         let size = step.linear.max_abs().max(reach * step.angular.max_abs());

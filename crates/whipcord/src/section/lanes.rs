@@ -40,8 +40,16 @@ impl Lane {
         Self([f(self.0[0]), f(self.0[1]), f(self.0[2]), f(self.0[3])])
     }
 
+    /// The sum of all numbers.
     #[inline(always)]
-    fn with(self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+    pub fn sum(self) -> f64 {
+        let [a, b, c, d] = self.0;
+        (a + b) + (c + d)
+    }
+
+    /// What a function has of the numbers of each lane.
+    #[inline(always)]
+    pub fn with(self, b: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         let (a, b) = (self.0, b.0);
         Self([f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2]), f(a[3], b[3])])
     }
@@ -105,6 +113,12 @@ impl LaneVec {
     #[inline]
     pub fn set(&mut self, lane: usize, v: Vec3) {
         (self.x.0[lane], self.y.0[lane], self.z.0[lane]) = (v.x, v.y, v.z);
+    }
+
+    /// The sum of all vectors.
+    #[inline(always)]
+    pub fn sum(&self) -> Vec3 {
+        Vec3::new(self.x.sum(), self.y.sum(), self.z.sum())
     }
 
     /// `a · v` of each column.

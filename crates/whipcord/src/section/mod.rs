@@ -20,6 +20,7 @@
 
 mod bare;
 mod bending_friction;
+mod cable_sums;
 mod crossed;
 mod crossing;
 pub(crate) mod equilibrium;
@@ -33,9 +34,10 @@ mod tangent;
 mod tests;
 
 pub(crate) use bending_friction::{BENDING_AXES, BendingFriction};
+pub(crate) use cable_sums::CableGroup;
 pub use crossed::CrossedSection;
 pub(crate) use crossing::{BodyWrench, Crossing, Strain};
-pub(crate) use equilibrium::{equilibrium, equilibrium_within, reach, step_tolerance};
+pub(crate) use equilibrium::{equilibrium, equilibrium_within, is_iterated, reach, step_tolerance};
 pub(crate) use fault::{FOLDED, Fault, SectionFault};
 pub use of_robot::{material_stiffness, section_compliance, section_stiffness};
 pub(crate) use properties::{Section, Stiffness};

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Ldlt3, Mat3, Vec3};
 
+use super::cable_sums::{CableGroup, CableSums};
 use super::crossing::{BodyWrench, Crossing, Strain};
 use super::fault::SectionFault;
 use super::lanes::{LaneVec, times, transpose_times};
@@ -37,6 +38,22 @@ impl Tangent {
                 hessian.add(crossing.offset, &pull, tension / stretch);
             }
         }
+        hessian.factor().ok_or(SectionFault::Diverged)
+    }
+
+    /// [`Self::at`] by sums over groups of cables, where there are any; their rounding is another.
+    #[inline(always)]
+    pub fn by_groups(
+        section: &Section,
+        (crossings, groups): (&[Crossing], &[CableGroup]),
+        tensions: &[f64],
+        strain: &Strain,
+    ) -> Result<Self, SectionFault> {
+        if groups.is_empty() {
+            return Self::at(section, crossings, tensions, strain);
+        }
+        let mut hessian = Hessian::at(section, strain);
+        hessian.add_all(&CableSums::at(groups, tensions, strain));
         hessian.factor().ok_or(SectionFault::Diverged)
     }
 
@@ -159,6 +176,30 @@ impl Hessian {
         c2.x -= km.z * m.x;
         c2.y -= km.z * m.y;
         c2.z += rr - km.z * m.z;
+    }
+
+    /// Adds all cables of a section.
+    #[inline(always)]
+    pub fn add_all(&mut self, cables: &CableSums) {
+        let ([w0, w1, w2], [b0, b1, b2]) = (cables.force, cables.mixed);
+        let ([a0, a1, a2], [c0, c1, c2]) = (&mut self.a.rows, &mut self.c.rows);
+        a0.x += w0.x;
+        a1.x += w0.y;
+        a1.y += w1.y;
+        a2.x += w0.z;
+        a2.y += w1.z;
+        a2.z += w2.z;
+        let [r0, r1, r2] = &mut self.b.rows;
+        *r0 += Vec3::new(b0.x, b1.x, b2.x);
+        *r1 += Vec3::new(b0.y, b1.y, b2.y);
+        *r2 += Vec3::new(b0.z, b1.z, b2.z);
+        let [m0, m1, m2] = cables.moment;
+        c0.x += m0.x;
+        c1.x += m0.y;
+        c1.y += m1.y;
+        c2.x += m0.z;
+        c2.y += m1.z;
+        c2.z += m2.z;
     }
 
     /// `None` where it is not positive definite to working precision.

@@ -1,6 +1,6 @@
 use whipcord_numerics::GAUSS_3;
 
-use super::super::unloaded::extrapolation;
+use super::super::strain_guess::extrapolation;
 use super::section::{Guess, Several};
 use crate::section::one_cable::Reduced;
 use crate::statics::grid::Grid;

@@ -57,7 +57,7 @@ pub(super) enum Guess {
     Rest,
     /// At the strain of the section before.
     Last,
-    /// Beyond the three before, of which the first two have these weights, see [`super::super::unloaded::extrapolation`].
+    /// Beyond the three before, of which the first two have these weights, see [`super::super::strain_guess::extrapolation`].
     Beyond([f64; 2]),
     /// Between sections of its run.
     InRun(WaveStart),
