@@ -25,6 +25,9 @@ pub(crate) trait Problem {
         from: (&[f64], &Self::State),
     ) -> Result<Self::State, SolveError>;
 
+    /// Whether an evaluation without derivatives takes about as long as one with them.
+    fn has_cheap_rates(&self) -> bool;
+
     /// Residuals and constraints of an evaluation.
     fn linearize(&self, state: &Self::State) -> Linear;
 
@@ -214,7 +217,9 @@ pub(crate) fn descend<P: Problem>(
             }
             // Whether a step behind this one ends within the tolerance with the derivatives from before this one.
             let next = size * left / linear.distance().max(f64::MIN_POSITIVE);
-            is_chord = stale == 0.0 && known * next * (next + 2.0 * size) <= 0.5 * part;
+            is_chord = stale == 0.0
+                && !problem.has_cheap_rates()
+                && known * next * (next + 2.0 * size) <= 0.5 * part;
         }
         if stale > 0.0 {
             evaluations += 1;

@@ -2,20 +2,19 @@
 
 use std::sync::Arc;
 
-use whipcord::derivatives::{Change, Hold, Place};
-use whipcord::differences::differentiate;
+use whipcord::derivatives::Place;
 use whipcord::{
-    CableCommand, Cancel, Case, Linearization, Mat3, Model, Obstacle, Prepared, Robot, Solution,
-    SolveError, StabilityAnalysis, Twist, Wrench,
+    CableCommand, Cancel, Case, Model, Obstacle, Prepared, Robot, Solution, SolveError,
+    StabilityAnalysis, Twist,
 };
 
 use crate::actuator::{Actuator, Actuators, commanded_shortening, write_commands};
-use crate::evaluation::{Evaluation, Rates};
+use crate::evaluation::Evaluation;
 use crate::few_steps::on_few_steps;
 
 /// A model of a robot that answers for the unknowns of an inverse problem.
 pub(crate) struct Forward {
-    model: Prepared,
+    pub model: Prepared,
     /// With stability and all that the model asks of its answers.
     verifier: Prepared,
     pub actuators: Actuators,
@@ -24,17 +23,19 @@ pub(crate) struct Forward {
     /// The answer to the step before, from which every trial is a step where obstacles rub or move.
     origin: Option<Solution>,
     /// Whether the model has fewer steps than the verifier.
-    is_on_few_steps: bool,
+    pub is_on_few_steps: bool,
     /// What an answer depends on apart from its commands.
     memory: Remembers,
     /// Whether the origin is the answer to a point of a path, from which the robot moves on.
     is_following: bool,
     /// Whether answers have exact derivatives by commands.
-    is_exact: bool,
+    pub is_exact: bool,
     /// A change of each unknown that bends the robot by half a turn.
     pub scales: Vec<f64>,
     /// The tension of each cable that does, where the model knows tensions.
     half_turn_tensions: Vec<f64>,
+    /// The greatest tension in N that each cable may have.
+    pub greatest_tensions: Vec<f64>,
     /// How often the model was solved.
     pub solves: usize,
 }
@@ -97,6 +98,7 @@ impl Forward {
             is_following: false,
             is_exact: model.has_derivatives(robot),
             half_turn_tensions: Vec::new(),
+            greatest_tensions: Vec::new(),
             solves: 0,
         };
         let tensions = (0..robot.cables().len()).map(Actuator::Tension).collect();
@@ -153,7 +155,7 @@ impl Forward {
         list.iter().zip(&evaluation.rates.motions).map(of).collect()
     }
 
-    fn command(&mut self, unknowns: &[f64]) {
+    pub fn command(&mut self, unknowns: &[f64]) {
         let robot = self.model.robot();
         write_commands(&self.actuators.list, robot, unknowns, &mut self.case.commands);
     }
@@ -175,7 +177,9 @@ impl Forward {
         let robot = self.model.robot();
         let values = self.actuators.values(robot, unknowns, shortenings);
         write_commands(&self.actuators.asked, robot, &values, &mut self.case.commands);
-        let mut is_only = || self.verifier.has_one_equilibrium(&self.case).unwrap_or(false);
+        let greatest = &self.greatest_tensions;
+        let mut is_only =
+            || self.verifier.has_one_equilibrium(&self.case, greatest).unwrap_or(false);
         let from = match self.memory {
             Remembers::LastAnswer => self.origin.as_ref(),
             Remembers::Nothing if self.is_following || is_only() => Some(near),
@@ -256,25 +260,6 @@ impl Forward {
         (self.origin, self.actuators, self.is_following) = (origin, actuators, is_following);
     }
 
-    /// The answer for these unknowns and its derivatives, from a neighbouring solution when given.
-    pub fn evaluate(
-        &mut self,
-        unknowns: &[f64],
-        places: &[Place],
-        from: Option<&Solution>,
-    ) -> Result<Evaluation, SolveError> {
-        self.starting(from, |forward, from| match forward.is_exact {
-            true => {
-                forward.command(unknowns);
-                forward.solves += 1;
-                let (solution, changes) =
-                    forward.model.solve_with_command_changes(&forward.case, from)?;
-                Ok(forward.with_rates(unknowns, solution, &changes, places))
-            }
-            false => forward.by_differences(unknowns, places, from),
-        })
-    }
-
     /// The answer for these unknowns by the model of the trials, from a neighbouring solution.
     pub fn trial(&mut self, unknowns: &[f64], near: &Solution) -> Result<Solution, SolveError> {
         self.starting(Some(near), |forward, from| {
@@ -284,27 +269,8 @@ impl Forward {
         })
     }
 
-    /// [`Self::evaluate`] with all the derivatives, where the model has exact ones.
-    pub fn evaluate_with_rates(
-        &mut self,
-        unknowns: &[f64],
-        places: &[Place],
-        from: Option<&Solution>,
-    ) -> Result<(Evaluation, Option<Linearization>), SolveError> {
-        self.starting(from, |forward, from| match forward.is_exact {
-            true => {
-                let found = forward.linearize(unknowns, places, from);
-                found.map(|(evaluation, rates)| (evaluation, Some(rates)))
-            }
-            false => {
-                let found = forward.by_differences(unknowns, places, from);
-                found.map(|evaluation| (evaluation, None))
-            }
-        })
-    }
-
     /// An evaluation from a neighbouring solution, or from where the robot stands if its answers depend on that.
-    fn starting<T>(
+    pub fn starting<T>(
         &mut self,
         from: Option<&Solution>,
         evaluate: impl FnOnce(&mut Self, Option<&Solution>) -> Result<T, SolveError>,
@@ -321,124 +287,6 @@ impl Forward {
         found
     }
 
-    /// [`Self::evaluate`] of a model with exact derivatives, from a neighbouring solution alone, with all the derivatives.
-    pub fn linearize(
-        &mut self,
-        unknowns: &[f64],
-        places: &[Place],
-        from: Option<&Solution>,
-    ) -> Result<(Evaluation, Linearization), SolveError> {
-        self.command(unknowns);
-        self.solves += 1;
-        let (solution, rates) = self.model.solve_with_derivatives(&self.case, from, &[])?;
-        let changes = rates.commands();
-        Ok((self.with_rates(unknowns, solution, &changes, places), rates))
-    }
-
-    /// Motions of the places in the world with a force on the tip along x, y and z of the base, in m/N, the commands held.
-    pub fn motions_with_forces(&self, rates: &Linearization, places: &[Place]) -> [Vec<Twist>; 3] {
-        let turn = self.case.base.rotation;
-        [0, 1, 2].map(|component| {
-            let change = rates.wrench(Place::Tip, component, Hold::Commands);
-            let motion = |place: &Place| {
-                let of = change.twist(*place);
-                Twist { linear: turn.rotate(of.linear), angular: turn.rotate(of.angular) }
-            };
-            places.iter().map(motion).collect()
-        })
-    }
-
-    /// A solution with its rates by the unknowns, from its changes with the command of each cable.
-    fn with_rates(
-        &self,
-        unknowns: &[f64],
-        solution: Solution,
-        by_cable: &[Change],
-        places: &[Place],
-    ) -> Evaluation {
-        let turn = self.case.base.rotation;
-        let mut evaluation = self.without_rates(solution);
-        let mut rates = Rates { at: unknowns.to_vec(), ..Rates::default() };
-        for actuator in &self.actuators.list {
-            let mut motions = vec![Twist::default(); places.len()];
-            let mut tensions = vec![0.0; by_cable.len()];
-            let mut lengths = vec![0.0; by_cable.len()];
-            let mut base = Wrench::default();
-            for (cable, rate) in actuator.cables(self.model.robot()) {
-                let change = &by_cable[cable];
-                base.force += change.base_wrench().force * rate;
-                base.moment += change.base_wrench().moment * rate;
-                for (motion, place) in motions.iter_mut().zip(places) {
-                    let of = change.twist(*place);
-                    motion.linear += turn.rotate(of.linear) * rate;
-                    motion.angular += turn.rotate(of.angular) * rate;
-                }
-                for (sum, of) in tensions.iter_mut().zip(change.tensions()) {
-                    *sum += rate * of;
-                }
-                for (sum, of) in lengths.iter_mut().zip(change.lengths()) {
-                    *sum += rate * of;
-                }
-            }
-            self.push_rates(&evaluation.solution, &mut rates, motions, tensions, lengths);
-            rates.base_rates.push(base);
-        }
-        evaluation.rates = Arc::new(rates);
-        evaluation
-    }
-
-    /// The exact motions of the tip with the unknowns at an answer, beside other rates of it that are nearly its own; `None` where the answers have more than these to
-    /// be exact in, or depend on more than tensions.
-    pub fn with_exact_tip(
-        &mut self,
-        unknowns: &[f64],
-        places: &[Place],
-        Evaluation { solution, rates, .. }: &Evaluation,
-    ) -> Result<Option<Rates>, SolveError> {
-        let cable = |actuator: &Actuator| match *actuator {
-            Actuator::Tension(cable) => Some(cable),
-            Actuator::Shortening(_) | Actuator::Motor(_) => None,
-        };
-        let cables: Option<Vec<usize>> = self.actuators.list.iter().map(cable).collect();
-        let is_tip = places == [Place::Tip] && self.is_on_few_steps && self.actuators.are_direct();
-        let Some(cables) = cables.filter(|_| is_tip) else { return Ok(None) };
-        self.command(unknowns);
-        self.solves += 1;
-        let mut motions = Vec::new();
-        self.model.tip_by_commands(&self.case, solution, &mut motions)?;
-        let turn = self.case.base.rotation;
-        let motion = |&cable: &usize| {
-            let Twist { linear, angular } = motions[cable];
-            vec![Twist { linear: turn.rotate(linear), angular: turn.rotate(angular) }]
-        };
-        Ok(Some(Rates {
-            at: unknowns.to_vec(),
-            motions: cables.iter().map(motion).collect(),
-            tension_rates: rates.tension_rates.clone(),
-            shortening_rates: rates.shortening_rates.clone(),
-            base_rates: rates.base_rates.clone(),
-        }))
-    }
-
-    /// The translational compliance of the tip in m/N in the world, with the commands held; `None` where the robot is about to buckle.
-    pub fn tip_compliance(&self, rates: &Linearization) -> Option<Mat3> {
-        let holds_tensions =
-            self.actuators.asked.iter().all(|actuator| matches!(actuator, Actuator::Tension(_)));
-        let hold = if holds_tensions { Hold::Tensions } else { Hold::Lengths };
-        let local = rates.compliance(Place::Tip, hold).ok()?.blocks[0][0];
-        let turn = self.case.base.rotation.to_matrix();
-        Some(turn * local * turn.transpose())
-    }
-
-    /// [`Self::evaluate`] by the model of the answers.
-    pub fn evaluate_answer(
-        &mut self,
-        unknowns: &[f64],
-        places: &[Place],
-    ) -> Result<Evaluation, SolveError> {
-        self.by_verifier(|forward| forward.evaluate(unknowns, places, None))
-    }
-
     /// What is asked, with another model of the answers.
     pub fn answering_by<T>(&mut self, mut model: Prepared, ask: impl FnOnce(&mut Self) -> T) -> T {
         core::mem::swap(&mut self.verifier, &mut model);
@@ -447,59 +295,11 @@ impl Forward {
         found
     }
 
-    /// [`Self::evaluate_with_rates`] by the model of the answers.
-    pub fn answer_with_rates(
-        &mut self,
-        unknowns: &[f64],
-        places: &[Place],
-        from: Option<&Solution>,
-    ) -> Result<(Evaluation, Option<Linearization>), SolveError> {
-        self.by_verifier(|forward| forward.evaluate_with_rates(unknowns, places, from))
-    }
-
-    fn by_verifier<T>(&mut self, ask: impl FnOnce(&mut Self) -> T) -> T {
+    pub fn by_verifier<T>(&mut self, ask: impl FnOnce(&mut Self) -> T) -> T {
         core::mem::swap(&mut self.model, &mut self.verifier);
         let found = ask(self);
         core::mem::swap(&mut self.model, &mut self.verifier);
         found
-    }
-
-    /// [`Self::evaluate`] of a model without exact derivatives.
-    fn by_differences(
-        &mut self,
-        unknowns: &[f64],
-        places: &[Place],
-        from: Option<&Solution>,
-    ) -> Result<Evaluation, SolveError> {
-        self.command(unknowns);
-        self.solves += 1;
-        let solution = self.model.solve(&self.case, from)?;
-        let mut all = Rates { at: unknowns.to_vec(), ..Rates::default() };
-        let mut moved = unknowns.to_vec();
-        for k in 0..unknowns.len() {
-            let step = 1e-4 * self.scales[k];
-            let solve = |h: f64| {
-                moved.copy_from_slice(unknowns);
-                moved[k] += h;
-                self.command(&moved);
-                self.solves += 1;
-                let near = if self.memory == Remembers::Nothing { Some(&solution) } else { from };
-                self.model.solve(&self.case, near)
-            };
-            let rates = differentiate(solve, step)?;
-            let at = |place: &Place| match *place {
-                Place::Station(station) => rates.stations.get(station),
-                Place::Disk(disk) => rates.disks.get(disk),
-                Place::Tip => rates.disks.last(),
-            };
-            let motions =
-                places.iter().map(|place| at(place).copied().unwrap_or_default()).collect();
-            let none = vec![0.0; solution.cables.len()];
-            self.push_rates(&solution, &mut all, motions, none, rates.lengths);
-        }
-        let mut evaluation = self.without_rates(solution);
-        evaluation.rates = Arc::new(all);
-        Ok(evaluation)
     }
 
     /// Lets this flag end the solves.
@@ -522,24 +322,6 @@ impl Forward {
             rates: Arc::default(),
             solution,
         }
-    }
-
-    fn push_rates(
-        &self,
-        solution: &Solution,
-        rates: &mut Rates,
-        motions: Vec<Twist>,
-        tensions: Vec<f64>,
-        mut lengths: Vec<f64>,
-    ) {
-        let robot = self.model.robot();
-        let states = solution.cables.iter().zip(&tensions).enumerate();
-        for ((cable, (state, tension)), length) in states.zip(&mut lengths) {
-            *length = robot.cable_compliance(cable, state.initial_length) * tension - *length;
-        }
-        rates.shortening_rates.push(lengths);
-        rates.motions.push(motions);
-        rates.tension_rates.push(tensions);
     }
 
     /// The shortening in m that each cable is commanded to in a solution.

@@ -48,6 +48,7 @@ mod options;
 mod path;
 mod predicted;
 mod proof;
+mod rates;
 mod reach;
 mod redundancy;
 mod rod_cells;
@@ -58,6 +59,7 @@ mod solver;
 mod surveying;
 mod target;
 mod taylor;
+mod voxel_search;
 mod workspace;
 
 pub use actuator::{Actuator, CommandedBy};

@@ -83,6 +83,11 @@ impl Problem for Search<'_> {
         Ok(self.forward.with_rates_of(solution, evaluation))
     }
 
+    /// Under loads what they take is regained where they take away what the iteration of the model leaves.
+    fn has_cheap_rates(&self) -> bool {
+        self.forward.has_approximate_rates()
+    }
+
     fn linearize(&self, evaluation: &Evaluation) -> Linear {
         let mut linear = Linear::default();
         self.target.linearize(

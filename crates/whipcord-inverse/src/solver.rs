@@ -74,7 +74,8 @@ impl InverseSolver {
             false => Stations::Equal(STATIONS),
         };
         let model = model.at(stations.clone());
-        let forward = Forward::new(&model, robot, case, actuators)?;
+        let mut forward = Forward::new(&model, robot, case, actuators)?;
+        forward.greatest_tensions = limits.cables.iter().map(|of| of.tension[1]).collect();
         let actuators = &forward.actuators;
         let ranges = Ranges {
             unknowns: actuators.bounds(&actuators.list, robot, limits),
@@ -104,7 +105,8 @@ impl InverseSolver {
         let model = on_few_steps(&self.model).filter(|_| is_smooth);
         let model = model.unwrap_or_else(|| self.model.clone());
         let actuators = self.forward.actuators.clone();
-        let forward = Forward::new(&model, self.forward.robot(), &self.case, actuators)?;
+        let mut forward = Forward::new(&model, self.forward.robot(), &self.case, actuators)?;
+        forward.greatest_tensions.clone_from(&self.forward.greatest_tensions);
         Ok(Self {
             ranges: self.ranges.clone(),
             assumed: self.assumed.clone(),

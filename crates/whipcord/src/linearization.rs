@@ -314,7 +314,8 @@ impl Prepared {
 
     /// The answer to the last step of a case, and how it changes with the command of each cable ([`Linearization::command`]): of a Cosserat rod at a
     /// fraction of the cost of [`Self::solve_with_derivatives`], but under loads with a relative error that is that of a method of order 4 on the
-    /// steps of the answer, and without strains. For iterations that correct themselves, such as those of inverse problems.
+    /// steps of the answer, and without strains. For iterations that correct themselves, such as those of inverse problems: the residual under loads that is
+    /// `corrected` by the changes, as [`crate::cosserat::Cosserat::solve_with_command_changes`] says, saves integrations; 0 where it is not to be.
     ///
     /// # Errors
     /// As [`Self::solve_with_derivatives`].
@@ -322,9 +323,10 @@ impl Prepared {
         &mut self,
         case: &Case,
         warm_start: Option<&Solution>,
+        corrected: f64,
     ) -> Result<(Solution, Vec<Change>), SolveError> {
         if let Self::Cosserat(model, workspace) = self {
-            return model.solve_with_command_changes(case, warm_start, workspace);
+            return model.solve_with_command_changes(case, warm_start, corrected, workspace);
         }
         let (solution, derivatives) = self.solve_with_derivatives(case, warm_start, &[])?;
         Ok((solution, derivatives.commands()))

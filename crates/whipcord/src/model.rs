@@ -301,14 +301,20 @@ impl Prepared {
     }
 
     /// Whether it is proven that the robot has one equilibrium only under a case, so that whatever a solve starts from leads to the same answer:
-    /// where a Cosserat rod without friction and obstacles, whose cables are driven by their tensions, bears dead forces that are weak for its
-    /// stiffness, eq. (16) of its page, or no load. `false` is no statement.
+    /// where a Cosserat rod without friction and obstacles bears dead forces that are weak for its stiffness, eq. (16) of its page, or no load. Of cables that are driven by their
+    /// lengths `greatest` are the tensions in N, by cables of the robot, up to which there is one equilibrium; those of others do not count. `false` is no statement.
     ///
     /// # Errors
     /// [`SolveError`] when the model cannot take the case.
-    pub fn has_one_equilibrium(&mut self, case: &Case) -> Result<bool, SolveError> {
+    pub fn has_one_equilibrium(
+        &mut self,
+        case: &Case,
+        greatest: &[f64],
+    ) -> Result<bool, SolveError> {
         match self {
-            Self::Cosserat(model, workspace) => model.has_one_equilibrium(case, workspace),
+            Self::Cosserat(model, workspace) => {
+                model.has_one_equilibrium(case, greatest, workspace)
+            }
             _ => Ok(false),
         }
     }

@@ -7,6 +7,9 @@
 //! ```text
 //! ∂W/∂z δz + ∂W/∂τ δτ = 0,   δg = ∂g/∂z δz + ∂g/∂τ δτ,   δℓ = ∂ℓ/∂z δz + ∂ℓ/∂τ δτ
 //! ```
+//!
+//! The same derivatives take the step that Newton's method would take next, without another integration: its residual is then the square of
+//! the one that was left.
 
 use whipcord_numerics::{DenseLu, Twist, UnitQuaternion, Vec3};
 
@@ -21,12 +24,15 @@ use crate::kind::ModelKind;
 use crate::shape::{Solution, Wrench};
 use crate::statics::grid::Grid;
 use crate::statics::options::{Accuracy, StabilityAnalysis};
+use crate::statics::scales::Scales;
 
 impl Cosserat {
     /// [`Self::solve`], with how the answer changes with the command of each cable of the robot, at a fraction of the cost of
     /// [`Self::solve_with_derivatives`]. Without load the changes are exact; under loads their relative error is that of a
     /// method of order 4 on the steps of the answer, about 1e-3 with 12 steps: enough for an iteration that
-    /// corrects itself. They have no strains.
+    /// corrects itself. They have no strains. On prescribed steps and without a check of stability the iteration under loads ends at the
+    /// residual `corrected`, where that is greater than the one of the options: what it leaves is taken away by the changes, so that about its square is
+    /// left, and a thousandth of it.
     ///
     /// # Errors
     /// As [`Self::solve_with_derivatives`].
@@ -34,6 +40,7 @@ impl Cosserat {
         &self,
         case: &Case,
         warm_start: Option<&Solution>,
+        corrected: f64,
         workspace: &mut Workspace,
     ) -> Result<(Solution, Vec<Change>), SolveError> {
         let has_history = self.has_friction() || self.robot.has_bending_friction();
@@ -43,17 +50,25 @@ impl Cosserat {
         workspace.meter.start(&self.options.cancel, self.options.budget);
         let mut solution = Solution::empty(ModelKind::Cosserat);
         // On a grid of its own there is no answer on another one that it is compared with.
-        workspace.scratch.is_corrected = matches!(self.options.accuracy, Accuracy::Steps(_))
+        let is_alone = matches!(self.options.accuracy, Accuracy::Steps(_))
             && self.options.stability == StabilityAnalysis::Off;
+        // Cables that were let go are not where their commands lead.
+        let corrected = if is_alone && !self.redundant_cables { corrected } else { 0.0 };
+        workspace.scratch.corrected = corrected;
         let solved = self.solve_keeping_grid(case, warm_start.into(), workspace, &mut solution);
-        workspace.scratch.is_corrected = false;
+        workspace.scratch.corrected = 0.0;
         let grid = workspace.meter.checked(solved)?;
         if workspace.scratch.on_chain {
             return self.with_all_derivatives(case, Some(&solution), workspace);
         }
         let mut changes = core::mem::take(&mut workspace.tension_changes);
         let found = if workspace.scratch.applied.any() {
-            self.under_loads(case, &grid, workspace, &mut changes, &mut solution)
+            self.under_loads(case, &grid, workspace, &mut changes).and_then(|()| {
+                match corrected > 0.0 {
+                    true => self.correct(case, &grid, workspace, &mut solution),
+                    false => Ok(()),
+                }
+            })
         } else {
             let without_load = |solved: &Solved<'_>| changes.without_load(solved);
             self.with_answer(case, &grid, &[], workspace, without_load)
@@ -115,46 +130,77 @@ impl Cosserat {
         Ok((solution, derivatives.commands()))
     }
 
-    /// The changes with the tensions of an answer of single shooting, which is corrected by what it left of the residual.
+    /// The changes with the tensions of an answer of single shooting.
     fn under_loads(
         &self,
         case: &Case,
         grid: &Grid,
         workspace: &mut Workspace,
         changes: &mut TensionChanges,
-        solution: &mut Solution,
     ) -> Result<(), SolveError> {
         let Workspace { scratch, commands, meter, .. } = &mut *workspace;
         let sampled = sample(&self.problem(grid, case, (commands, meter)), scratch);
         sampled.map_err(|fault| self.fault(fault, workspace))?;
         let Workspace { scratch, motions, .. } = workspace;
-        let Scratch { applied, trajectory, poses, tensions, lengths, base_wrench, .. } = scratch;
+        let Scratch { applied, trajectory, poses, tensions, .. } = scratch;
         let cables = tensions.len();
         motions.follows_motions = true;
         motions.compute(grid, applied, 1.0, &trajectory.samples, poses, cables);
         let base = motions.excess.len() - cables;
         let lu = at_base(motions, base).ok_or(SolveError::NoDerivatives)?;
-        let mut left = [0.0; 6];
-        (0..base).for_each(|i| left[i] = -component(&trajectory.excess, i));
-        let left = &mut left[..base];
-        lu.solve(left);
         close(motions, (&lu, base), grid.len() + 1, cables, changes);
+        Ok(())
+    }
+
+    /// Takes away what the answer of [`Self::under_loads`] has left of the residual, by one step of Newton's method without another integration.
+    fn correct(
+        &self,
+        case: &Case,
+        grid: &Grid,
+        workspace: &mut Workspace,
+        solution: &mut Solution,
+    ) -> Result<(), SolveError> {
+        let Workspace { scratch, motions, commands, .. } = &mut *workspace;
+        let Scratch { applied, trajectory, poses, tensions, lengths, base_wrench, newton, .. } =
+            scratch;
+        let cables = tensions.len();
+        let base = motions.excess.len() - cables;
+        let scales = Scales::of(grid, self.robot.backbone().length);
+        core::mem::swap(&mut newton.sensitivity, motions);
+        newton.point.base_moment = base_wrench.moment;
+        newton.point.follower_force = applied.follower_share(base_wrench.force);
+        newton.point.tensions.clone_from(tensions);
+        trajectory.lengths.clone_from(lengths);
+        let is_solved = newton.solve_step(commands, trajectory, &scales);
+        core::mem::swap(&mut newton.sensitivity, motions);
+        if !is_solved {
+            return Err(SolveError::NoDerivatives);
+        }
+        newton.set_trial(1.0);
+        let (from, to) = (&newton.point, &newton.trial);
+        let moment = to.base_moment - from.base_moment;
+        let force = to.follower_force - from.follower_force;
+        let step = |column: usize| match column.checked_sub(base) {
+            Some(cable) => to.tensions[cable] - from.tensions[cable],
+            None if column < 3 => moment[column],
+            None => force[column - 3],
+        };
         let unknowns = base + cables;
         for (pose, by) in poses.iter_mut().zip(motions.motions.chunks_exact(unknowns)) {
             let mut moved = Twist::default();
-            for (by, z) in by.iter().zip(&*left) {
-                moved.linear += *z * by.linear;
-                moved.angular += *z * by.angular;
+            for (column, by) in by.iter().enumerate() {
+                moved.linear += step(column) * by.linear;
+                moved.angular += step(column) * by.angular;
             }
             pose.position += moved.linear;
             pose.rotation = UnitQuaternion::exp(moved.angular) * pose.rotation;
         }
         for (length, by) in lengths.iter_mut().zip(motions.lengths.chunks_exact(unknowns)) {
-            *length += by.iter().zip(&*left).map(|(by, z)| z * by).sum::<f64>();
+            *length += by.iter().enumerate().map(|(column, by)| step(column) * by).sum::<f64>();
         }
-        let by_base = wrench_of(left);
-        base_wrench.moment += by_base.moment;
-        base_wrench.force += by_base.force;
+        base_wrench.moment += moment;
+        base_wrench.force += force;
+        tensions.clone_from(&to.tensions);
         self.write_shape(grid, case, workspace, solution);
         Ok(())
     }

@@ -299,19 +299,23 @@ impl Cosserat {
     pub(crate) fn has_one_equilibrium(
         &self,
         case: &Case,
+        greatest: &[f64],
         workspace: &mut Workspace,
     ) -> Result<bool, SolveError> {
         self.accept(case, workspace)?;
         let Workspace { commands, scratch, .. } = workspace;
-        let is_length = |command: &Command| matches!(command, Command::Length { .. });
         let has_history = self.has_friction() || self.robot.has_bending_friction();
-        if has_history || !case.obstacles.is_empty() || commands.iter().any(is_length) {
+        if has_history || !case.obstacles.is_empty() {
             return Ok(false);
         }
         scratch.applied.gather(&self.grid, &case.loads, case.base.rotation);
+        let limit = |cable: &usize| greatest.get(*cable).copied().unwrap_or(f64::INFINITY);
         scratch.tensions.clear();
-        scratch.tensions.resize(commands.len(), 0.0);
+        scratch.tensions.extend(self.layout.order.iter().map(limit));
         set_tensions(commands, &mut scratch.tensions);
+        if !scratch.tensions.iter().all(|tension| tension.is_finite()) {
+            return Ok(false);
+        }
         Ok(convexity::is_shown(&self.grid, &scratch.applied, &scratch.tensions, 0.0))
     }
 

@@ -243,6 +243,8 @@ impl Cosserat {
             stability: StabilityCheck::Off,
             ..self.problem(coarse, case, (&workspace.tensions, &workspace.meter))
         };
+        let problem =
+            problem::Problem { tolerance: COARSER_RESIDUAL * problem.tolerance, ..problem };
         workspace.scratch.keep_start(&mut workspace.from_coarser);
         workspace.from_coarser.remembered = false;
         workspace.at_tensions.trajectory.steps_left = workspace.scratch.trajectory.steps_left;

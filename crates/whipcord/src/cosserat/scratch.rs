@@ -73,9 +73,9 @@ pub(super) struct Scratch {
     pub(super) stable: bool,
     /// Whether an equilibrium was accepted whose stability was not checked, see [`StabilityCheck::AtAnswer`].
     pub(super) unverified: bool,
-    /// Whether the derivatives of the answer are asked for at once, and it is corrected by them: its last shot is sampled, and may leave
-    /// as much of the residual as they take away.
-    pub(super) is_corrected: bool,
+    /// Where the derivatives of the answer are asked for at once, and it is corrected by them: the residual that its last shot, which is
+    /// sampled, may leave. Zero where it is not.
+    pub(super) corrected: f64,
     /// Whether branches off the path are left alone.
     pub(super) stays_on_path: bool,
     /// What the iterate leaves open at which the budget was spent; it is then in the place of the answer.

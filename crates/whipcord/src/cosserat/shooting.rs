@@ -21,9 +21,6 @@ const EXPECTED_RATIO: f64 = 1e-3;
 const KEEP_RATIO: f64 = 0.1;
 /// The line search gives up here.
 const LEAST_FRACTION: f64 = 1.0 / 256.0;
-/// What a correction by derivatives of order 4 takes of a residual, and the greatest residual that is so corrected: its square is left, too.
-const CORRECTED: f64 = 1e3;
-const GREATEST_CORRECTED: f64 = 1e-4;
 /// What rounding may leave where no step improves any more.
 const ROUNDING: f64 = 1e-9;
 
@@ -44,15 +41,12 @@ pub(super) fn shoot(
     let lengths_driven = commands.iter().any(|c| matches!(c, Command::Length { .. }));
     let tensions = if lengths_driven { commands.len() } else { 0 };
     let scales = Scales::of(problem.grid, problem.length);
-    let is_corrected = scratch.is_corrected && load == 1.0;
+    let corrected = if load == 1.0 { scratch.corrected } else { 0.0 };
+    let is_corrected = corrected > 0.0;
     let Scratch { trajectory, applied, newton, trace, differentiated, .. } = scratch;
     // Where the stability of the answer is asked for, its last shot is sampled.
     let is_checked = problem.is_checked(applied, &newton.point.tensions);
-    // Only what the base bears is corrected, no tensions.
-    let enough = match is_corrected && !lengths_driven {
-        true => (CORRECTED * problem.tolerance).min(GREATEST_CORRECTED).max(problem.tolerance),
-        false => problem.tolerance,
-    };
+    let enough = problem.tolerance.max(corrected);
     let mut effort = Effort { iterations: 0, residual: f64::INFINITY };
     let shoot = |trajectory: &mut Trajectory, point: &Point, sample| -> Result<(), Fault> {
         problem.meter.integrate(problem.grid.len());

@@ -19,6 +19,10 @@
 //! `y′ = −q − y²/k`, `y(L) = 0` has a solution as far as the base: a condition on the loads and the robot, whatever its shape.
 //! In equilibrium `‖v − e₃‖ ≤ (‖F‖ + Στᵢ)/κ`, so that every equilibrium is a strict minimum; an energy that grows with the strains has
 //! one minimum then, since between two there would be a pass.
+//!
+//! Where it is so for all tensions up to some limits, cables of given lengths have one equilibrium within these limits, too: the least energy `W(τ)` under
+//! tensions is a concave function with the lengths for its slope, so that the tensions that give them solve a convex problem, (6) of [`super::lengths`], and of two
+//! solutions either has the shape of the other.
 
 use super::grid::{Grid, SHOOTING_NODES, Softest};
 use super::loads::AppliedLoads;

@@ -4,8 +4,8 @@
 use crate::common::{Wildness, ball, bending_stiffness, robot, samples};
 use whipcord::cosserat::Options;
 use whipcord::{
-    Backbone, Case, Loads, Model, PointLoad, Prepared, Robot, Solution, StabilityAnalysis,
-    Stiffness, Vec3, Wrench,
+    Backbone, CableCommand, Case, Loads, Model, PointLoad, Prepared, Robot, Shortening, Solution,
+    StabilityAnalysis, Stiffness, Vec3, Wrench,
 };
 
 fn prepared(robot: &Robot, loads: &Loads, stability: StabilityAnalysis) -> Prepared {
@@ -14,7 +14,7 @@ fn prepared(robot: &Robot, loads: &Loads, stability: StabilityAnalysis) -> Prepa
 
 fn has_one(robot: &Robot, case: &Case) -> bool {
     let mut prepared = prepared(robot, &case.loads, StabilityAnalysis::Verdict);
-    prepared.has_one_equilibrium(case).unwrap()
+    prepared.has_one_equilibrium(case, &[]).unwrap()
 }
 
 /// Length 1, `K_bt` = 1, `K_se` = 10⁶.
@@ -52,10 +52,10 @@ fn nothing_is_said_of_loads_without_energy() {
     assert!(has_one(&column(), &case(Loads::default())));
 }
 
+const WILD: Wildness = Wildness { cables: 6, tension: 0.8, force: 1.5, moment: 0.0, weight: 1.0 };
+
 #[test]
 fn what_has_one_equilibrium_is_stable_and_found_from_anywhere() {
-    const WILD: Wildness =
-        Wildness { cables: 6, tension: 0.8, force: 1.5, moment: 0.0, weight: 1.0 };
     let (mut shown, mut found) = (0, 0);
     for (robot, mut case) in samples(robot(WILD), 400) {
         case.loads.points.clear();
@@ -82,4 +82,50 @@ fn what_has_one_equilibrium_is_stable_and_found_from_anywhere() {
     }
     println!("{shown} of 400 robots, {found} answers from afar");
     assert!(shown >= 100 && found >= 500);
+}
+
+/// Of cables of given lengths there is one shape with tensions up to limits, wherever a solve starts from.
+#[test]
+fn cables_of_given_lengths_have_one_equilibrium_within_limits() {
+    let (mut shown, mut found) = (0, 0);
+    for (robot, mut case) in samples(robot(WILD), 200) {
+        case.loads.points.clear();
+        case.loads.tip_moment = Vec3::ZERO;
+        let mut prepared = prepared(&robot, &case.loads, StabilityAnalysis::Verdict);
+        let Ok(answer) = prepared.solve(&case, None) else { continue };
+        let shortening = |cable: &whipcord::CableState| CableCommand {
+            tension: None,
+            shortening: Some(Shortening::Length(cable.initial_length - cable.length)),
+        };
+        let commands: Vec<_> = answer.cables.iter().map(shortening).collect();
+        let case = Case { commands, ..case };
+        assert!(robot.cables().is_empty() || !prepared.has_one_equilibrium(&case, &[]).unwrap());
+        let tensions = answer.cables.iter().filter_map(|cable| cable.tension);
+        let greatest = 2.0 * tensions.fold(1e-3, f64::max);
+        let limits = vec![greatest; robot.cables().len()];
+        if !prepared.has_one_equilibrium(&case, &limits).unwrap() {
+            continue;
+        }
+        let Ok(answer) = prepared.solve(&case, None) else { continue };
+        shown += 1;
+        let length = robot.backbone().length;
+        let unit = bending_stiffness(&robot) / length;
+        for (moment, force) in samples((ball(), ball()), 5) {
+            let wrench =
+                Wrench { force: force * (5.0 * unit / length), moment: moment * (8.0 * unit) };
+            let mut afar = Solution { base_wrench: Some(wrench), ..answer.clone() };
+            afar.cables.iter_mut().for_each(|cable| cable.tension = Some(0.3 * greatest));
+            let Ok(other) = prepared.solve(&case, Some(&afar)) else { continue };
+            let is_within = |of: &Solution| {
+                of.cables.iter().all(|cable| cable.tension.is_none_or(|t| t <= greatest))
+            };
+            if is_within(&answer) && is_within(&other) {
+                found += 1;
+                let off = (other.disks.tip().position - answer.disks.tip().position).norm();
+                assert!(off < 1e-4 * length, "{off}");
+            }
+        }
+    }
+    println!("{shown} of 200 robots, {found} answers from afar");
+    assert!(shown >= 40 && found >= 100);
 }
