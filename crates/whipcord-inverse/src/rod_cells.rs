@@ -167,8 +167,8 @@ impl Rod {
             let Equilibrium { strain, first, .. } = &equilibria[section];
             let arm = end - node.position;
             let turned = node.rotation * weight;
-            own[section][0] = own[section][0] + turned;
-            own[section][1] = own[section][1] + Mat3::skew(-arm) * turned;
+            own[section][0] += turned;
+            own[section][1] += Mat3::skew(-arm) * turned;
             let velocity = node.rotation * strain[0];
             for ((arms, [v, u]), spin) in arms.iter_mut().zip(first).zip(spins) {
                 let (bend, stretch) = (node.rotation * *u, node.rotation * *v);

@@ -74,7 +74,7 @@ impl Section {
             let (right, left) = (beside * Mat3::skew(-r), Mat3::skew(r) * beside);
             let of = [[beside, right], [left, left * Mat3::skew(-r)]];
             for (sums, of) in geometric.iter_mut().flatten().zip(of.iter().flatten()) {
-                *sums = *sums + *of;
+                *sums += *of;
             }
         }
         let [vv, vu, uu] = self.compliance;

@@ -62,12 +62,15 @@ pub(super) struct Carried {
     pub is_about_to_change: bool,
 }
 
+/// A contact that rubs, by its number, with `G₋` of (19).
+pub(super) type Rubbed = (usize, [[f64; 6]; 6]);
+
 impl Carried {
     /// Of the contacts of the robot, with what they push and how that changes, and of those of objects with obstacles; `before` has the
     /// contacts that rub, and what they push more with the motion of each at the equilibrium before, where that counts.
     pub fn new(
         (geometric, unknowns): (&[[[f64; 6]; 6]], &[Unknown]),
-        (touching, before): (&[Pair], Option<&[(usize, [[f64; 6]; 6])]>),
+        (touching, before): (&[Pair], Option<&[Rubbed]>),
         objects: &Objects,
         (model, scene): (&impl Compliant, &Scene),
         length: f64,

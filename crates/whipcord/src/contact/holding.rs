@@ -22,7 +22,7 @@
 use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
 use super::body::{tangents, wrench_of};
-use super::carried::Carried;
+use super::carried::{Carried, Rubbed};
 use super::differences::differences;
 use super::friction::Grip;
 use super::held_contact::{ABOUT_TO_CHANGE, BETWEEN, Unknown, is_near_change};
@@ -54,7 +54,7 @@ pub(crate) struct Holding {
     unknowns: Vec<Unknown>,
     carried: Carried,
     /// Where it counts slips from the equilibrium before: the contacts that rub, and `G₋` of each.
-    before: Vec<(usize, [[f64; 6]; 6])>,
+    before: Vec<Rubbed>,
 }
 
 impl Holding {

@@ -32,7 +32,7 @@ const PARAMETERS: [(Parameter, f64); 6] = [
 /// A finger without weight, in the plane or pushed across it.
 fn of(name: &'static str, steps: &[&[f64]], obstacles: Vec<Obstacle>) -> Sliding {
     let bare = finger(9);
-    let material = Material { density: Some(0.0), ..bare.backbone().material.clone() };
+    let material = Material { density: Some(0.0), ..bare.backbone().material };
     let backbone = Backbone { material, ..bare.backbone().clone() };
     let cables = vec![rubbing(straight(0.0), 0.2)];
     let robot = Robot::new(backbone, bare.disks().clone(), cables).unwrap();
