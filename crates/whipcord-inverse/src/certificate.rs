@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 use std::rc::Rc;
 
 use whipcord::derivatives::Place;
-use whipcord::{SolveError, Vec3};
+use whipcord::{Cancel, SolveError, Vec3};
 
 use crate::antagonists::Piece;
 use crate::derivative_bounds::{DerivativeBounds, Memory, OfPoint, TensionBox};
@@ -103,6 +103,8 @@ pub(crate) struct Goal {
     pub point: Vec3,
     /// The distance at which the proof ends, in m.
     pub distance: f64,
+    /// Ends the proof, many boxes of which take no solve that would see it.
+    pub cancel: Cancel,
 }
 
 /// How well shapes are known, as a part of the length: what solves are solved to, twice.
@@ -162,6 +164,9 @@ pub(crate) fn least_distance(
     let mut spent = 0;
     loop {
         let Some(mut node) = heap.pop() else { return Ok(Ok((goal.distance, spent))) };
+        if goal.cancel.is_cancelled() {
+            return Err(SolveError::Cancelled { last_load: None });
+        }
         if node.bound >= goal.distance || spent >= boxes {
             return Ok(Ok((node.bound.min(goal.distance), spent)));
         }

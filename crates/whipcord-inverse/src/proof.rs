@@ -105,7 +105,8 @@ impl InverseSolver {
             return Err(NoProof::TensionLimits);
         }
         let distance = distance(&(disk, point));
-        let goal = Goal { place: Place::Disk(disk), arc_length: disks[disk], point, distance };
-        Ok((goal, tensions))
+        let cancel = self.model().cancel().clone();
+        let place = Place::Disk(disk);
+        Ok((Goal { place, arc_length: disks[disk], point, distance, cancel }, tensions))
     }
 }

@@ -1,12 +1,15 @@
 //! Proofs that a target cannot be reached, against dense samples of the shapes.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
-use whipcord::{Actuation, Cable, Case, Loads, Model, ModelKind, Robot, Routing, Statics, Vec3};
+use whipcord::{
+    Actuation, Cable, Cancel, Case, Loads, Model, ModelKind, Robot, Routing, SolveError, Statics,
+    Vec3,
+};
 use whipcord_inverse::{
-    CableLimits, CommandedBy, InverseSolver, Limits, NoProof, Preference, ReachOptions,
-    ReachStatus, Reached, Target,
+    CableLimits, CommandedBy, InverseError, InverseSolver, Limits, NoProof, Preference,
+    ReachOptions, ReachStatus, Reached, Target,
 };
 
 use crate::clock::Clock;
@@ -181,6 +184,32 @@ fn what_cannot_be_proven_says_why() {
     let answer = ask(&mut solver(&robot, &Case::default(), 0.5), &turned);
     assert_ne!(answer.status, ReachStatus::Reached);
     assert_ne!(answer.status, ReachStatus::UnreachableProven);
+}
+
+#[test]
+fn a_proof_ends_when_it_is_cancelled() {
+    let (_, robot, greatest) = robots::all().swap_remove(5);
+    assert_eq!(robot.cables().len(), 6);
+    let mut solver = solver(&robot, &Case::default(), greatest);
+    let mut random = Random(17);
+    let mut next = beside_shapes(&robot, greatest, &mut random);
+    let search = ReachOptions { proof: None, ..PROVE };
+    let target = loop {
+        let target = Target::Tip(next());
+        if solver.reach(&target, &search).unwrap().miss.position > 0.01 {
+            break target;
+        }
+    };
+    // The search takes milliseconds, and the proof many seconds.
+    let cancel = Cancel::new();
+    solver.set_cancel(&cancel);
+    let timer = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_millis(500));
+        cancel.cancel();
+    });
+    let error = solver.reach(&target, &PROVE).unwrap_err();
+    timer.join().unwrap();
+    assert!(matches!(error, InverseError::Solve(SolveError::Cancelled { .. })), "{error:?}");
 }
 
 #[test]
