@@ -3,7 +3,7 @@
 use whipcord::{Robot, Vec3};
 
 use crate::rod_cells::{BETWEEN, Cell, Rod, State};
-use crate::rod_sections::{Equilibrium, Pair, greatest_at_corners};
+use crate::rod_sections::{Equilibrium, Pair, Section, greatest_at_corners};
 
 /// What bounds the derivatives of one point of the backbone of a robot without loads and friction.
 ///
@@ -33,6 +33,8 @@ use crate::rod_sections::{Equilibrium, Pair, greatest_at_corners};
 #[derive(Clone, Debug)]
 pub(crate) struct DerivativeBounds {
     pub rod: Rod,
+    /// Its sections without tensions.
+    at_rest: Vec<Equilibrium>,
 }
 
 /// Tensions in N: those in the middle, and all that differ from them by the sum of a part of each edge.
@@ -75,7 +77,15 @@ const LEAST_STRETCH: f64 = 0.1;
 impl DerivativeBounds {
     /// Of the point of the backbone at an arc length; `None` for a robot without stiffness.
     pub fn of(robot: &Robot, arc_length: f64) -> Option<Self> {
-        Some(Self { rod: Rod::of(robot, arc_length)? })
+        let rod = Rod::of(robot, arc_length)?;
+        let none = vec![0.0; rod.cables];
+        let equilibrium = |section: &Section| {
+            let mut at_rest = Equilibrium::default();
+            section.equilibrium(&none, &mut at_rest)?;
+            Some(at_rest)
+        };
+        let at_rest = rod.sections.iter().map(equilibrium).collect::<Option<_>>()?;
+        Some(Self { rod, at_rest })
     }
 
     /// How far from the base the point can be, in m, for all tensions up to these.
@@ -87,16 +97,10 @@ impl DerivativeBounds {
     /// How finely a change by these tensions is to be divided: how much it bends the robot at rest, in rad, and twice what it adds to the stiffness of a section, with which
     /// proofs of six cables take the fewest boxes.
     pub fn weight(&self, tensions: &[f64]) -> f64 {
-        let Rod { cells, sections, cables } = &self.rod;
-        let none = vec![0.0; *cables];
-        let mut at_rest = Equilibrium::default();
-        let turned: Vec<f64> = sections
-            .iter()
-            .map(|section| match section.equilibrium(&none, &mut at_rest) {
-                Some(()) => section.bending(tensions, &at_rest),
-                None => 0.0,
-            })
-            .collect();
+        let Rod { cells, sections, .. } = &self.rod;
+        let states = sections.iter().zip(&self.at_rest);
+        let turned: Vec<f64> =
+            states.map(|(section, at_rest)| section.bending(tensions, at_rest)).collect();
         let of = |cell: &Cell| cell.width * turned[cell.sections[1]];
         let stiffened = |cell: &Cell| -> f64 {
             tensions.iter().zip(&cell.alpha).map(|(t, a)| t.abs() * a * a).sum()
@@ -233,7 +237,7 @@ mod tests {
     use super::*;
     use whipcord::cosserat::{self, Accuracy};
     use whipcord::{Backbone, Cable, Case, Disks, Material, Model, Routing, Statics};
-    use whipcord::{Pose, Section, StabilityAnalysis, UnitQuaternion};
+    use whipcord::{Pose, StabilityAnalysis, UnitQuaternion};
     use whipcord_numerics::random::SplitMix64;
 
     const LENGTH: f64 = 0.18;
@@ -244,7 +248,7 @@ mod tests {
             poisson_ratio: Some(0.3),
             ..Material::default()
         };
-        let section = Some(Section::circle(0.003));
+        let section = Some(whipcord::Section::circle(0.003));
         let backbone = Backbone { section, material, ..Backbone::new(LENGTH) };
         Robot::new(backbone, Disks::equally_spaced(LENGTH, 10, 0.008), cables).unwrap()
     }

@@ -95,14 +95,13 @@ impl Bound {
                 continue;
             }
             let along = unit(direction);
+            self.gradient.clear();
+            self.gradient.extend(self.motions.iter().map(|motion| along.dot(*motion)));
             let least = match is_quadratic {
                 true => self.least(taylor, piece, along, center, half),
-                false => {
-                    self.gradient.clear();
-                    self.gradient.extend(self.motions.iter().map(|motion| along.dot(*motion)));
-                    piece.least(&self.gradient, center, half).unwrap_or(f64::INFINITY)
-                }
+                false => piece.least(&self.gradient, center, half),
             };
+            let least = least.unwrap_or(f64::INFINITY);
             best = best.max(along.dot(miss) + least - taylor.remainder);
         }
         best
@@ -145,7 +144,7 @@ impl Bound {
         added
     }
 
-    /// A lower bound of `g·d + ½ dᵀ N d` over what is within the limits of a box, for the motions along a direction and second derivatives `N` along it.
+    /// A lower bound of `g·d + ½ dᵀ N d` over what is within the limits of a box, for the gradient and the second derivatives `N` along a direction; `None` where nothing is.
     ///
     /// `N` is the sum of a positive and a negative semidefinite part. The first with `g` is convex, and so no less than its tangent at any `d`; the least value of the second is at a corner.
     fn least(
@@ -155,7 +154,7 @@ impl Bound {
         along: Vec3,
         center: &[f64],
         half: &[f64],
-    ) -> f64 {
+    ) -> Option<f64> {
         let n = half.len();
         // In parts of the half widths.
         self.matrix.clear();
@@ -195,8 +194,6 @@ impl Bound {
             [Vec3::new(part(0), part(1), part(2)), Vec3::new(part(3), part(4), part(5))]
         }));
         concave += greatest_at_corners(&self.concave, |[a, b]| a.norm_squared() + b.norm_squared());
-        self.gradient.clear();
-        self.gradient.extend(self.motions.iter().map(|motion| along.dot(*motion)));
         let added = self.minimise(half);
         let mut value = 0.0;
         for a in 0..n {
@@ -207,10 +204,8 @@ impl Bound {
             value -= 0.5 * self.step[a] * by;
             self.gradient[a] += by;
         }
-        match piece.least(&self.gradient, center, half) {
-            Some(least) => value + least - 0.5 * concave,
-            None => f64::INFINITY,
-        }
+        let least = piece.least(&self.gradient, center, half)?;
+        Some(value + least - 0.5 * concave)
     }
 }
 

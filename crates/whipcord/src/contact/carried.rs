@@ -417,9 +417,6 @@ impl Carried {
             }
             found
         };
-        let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
-            (0..n + tail).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
-        };
         let alone = |column: &Vec<f64>| found(column, &[], None);
         let remembered = |number: usize| {
             let (body, b) = (number / 6, number % 6);
@@ -456,8 +453,7 @@ impl Carried {
             lu.solve(&mut column);
             found(&column, &more, held)
         };
-        let before = self.numbers_before();
-        let by_before = by_rows(&(0..before).map(remembered).collect::<Vec<_>>());
+        let by_before: Vec<Vec<f64>> = (0..self.numbers_before()).map(remembered).collect();
         let weighed = |axis: usize| {
             let mut column = vec![0.0; size];
             for (object, mass) in self.masses.iter().enumerate() {
@@ -466,13 +462,9 @@ impl Carried {
             lu.solve(&mut column);
             column
         };
-        let by_gravity = by_rows(&[0, 1, 2].map(|axis| alone(&weighed(axis))));
+        let by_gravity = [0, 1, 2].map(|axis| alone(&weighed(axis)));
         let by_motion: Vec<Vec<f64>> = lu.inverse_columns(n).iter().map(alone).collect();
-        let by_motion = by_rows(&by_motion);
-        let all = by_motion.iter().chain(&by_gravity).chain(&by_before);
-        let is_finite = all.clone().all(|x| x.is_finite());
-        let gain = ContactGain { by_motion, by_before, before, by_gravity };
-        if is_finite { Ok(gain) } else { Err(Critical) }
+        ContactGain::of_columns(&by_motion, &by_before, &by_gravity).ok_or(Critical)
     }
 }
 

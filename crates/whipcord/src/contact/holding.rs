@@ -293,15 +293,7 @@ impl Holding {
         let nothing = vec![0.0; n];
         let by_gravity = [Vec3::X, Vec3::Y, Vec3::Z]
             .map(|gravity| with_held(&nothing, nothing.clone(), gravity));
-        let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
-            let rows = columns.first().map_or(0, Vec::len);
-            (0..rows).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
-        };
-        let before = by_before.len();
-        let (by_motion, by_before) = (by_rows(&by_motion), by_rows(&by_before));
-        let gain = ContactGain { by_motion, by_before, before, by_gravity: by_rows(&by_gravity) };
-        let finite = gain.by_motion.iter().chain(&gain.by_before).all(|x| x.is_finite());
-        if finite { Ok(gain) } else { Err(Critical) }
+        ContactGain::of_columns(&by_motion, &by_before, &by_gravity).ok_or(Critical)
     }
 }
 

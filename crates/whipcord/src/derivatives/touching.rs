@@ -29,6 +29,24 @@ pub(crate) struct ContactGain {
 }
 
 impl ContactGain {
+    /// Of columns, all of as many rows; `None` where they are not finite.
+    pub fn of_columns(
+        by_motion: &[Vec<f64>],
+        by_before: &[Vec<f64>],
+        by_gravity: &[Vec<f64>],
+    ) -> Option<Self> {
+        let by_rows = |columns: &[Vec<f64>]| -> Vec<f64> {
+            let rows = columns.first().map_or(0, Vec::len);
+            (0..rows).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+        };
+        let all = [by_motion, by_before, by_gravity];
+        let is_finite = all.into_iter().flatten().flatten().all(|x| x.is_finite());
+        let [by_motion, by_rows_before, by_gravity] = all.map(by_rows);
+        let gain =
+            Self { by_motion, by_before: by_rows_before, before: by_before.len(), by_gravity };
+        is_finite.then_some(gain)
+    }
+
     /// What is pushed more where the places that rub, and objects, moved so at the equilibrium before; what is missing there did not.
     pub fn remembered(&self, before: &[f64]) -> Vec<f64> {
         self.by_before.chunks_exact(self.before.max(1)).map(|row| dot(row, before)).collect()
