@@ -2,8 +2,9 @@
 
 use whipcord::{Robot, Vec3};
 
+use crate::corners::{greatest_product, greatest_sum};
 use crate::rod_cells::{BETWEEN, Cell, Rod, State};
-use crate::rod_sections::{Equilibrium, Pair, Section, greatest_at_corners};
+use crate::rod_sections::{Equilibrium, Pair, Section};
 
 /// What bounds the derivatives of one point of the backbone of a robot without loads and friction.
 ///
@@ -29,7 +30,8 @@ use crate::rod_sections::{Equilibrium, Pair, Section, greatest_at_corners};
 /// ```
 ///
 /// It is `ℓₖ ≥ ℓₖ(ξ*) − αₖ Σ τⱼαⱼ`, and over the box `ℓₖ ≥ ℓₖ(τ₀) − αₖη`. From the strains the bounds go on to the point by (11a) and its derivative. The rotation
-/// `Ω` along `δ` is no more than the greatest in the middle of the box and the bound of its derivative.
+/// `Ω` along `δ` is no more than the greatest in the middle of the box and the bound of its derivative, and this is no more than the greatest in the middle and the bound of the second. All that is added to what is known in the middle
+/// counts by the part `t` of the way from there to the side of the box.
 #[derive(Clone, Debug)]
 pub(crate) struct DerivativeBounds {
     pub rod: Rod,
@@ -47,14 +49,14 @@ pub(crate) struct TensionBox<'a> {
     pub half: &'a [f64],
 }
 
-/// Bounds of `‖∂_δ² p‖` and `‖∂_δ³ p‖` in m for all tensions of a box and all changes `δ` from its middle to another of its points.
+/// Bounds of `‖∂_δ² p‖` and `‖∂_δ³ p‖` in m for all changes `δ` from the middle of a box to another of its points.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct OfPoint {
-    pub second: f64,
-    pub third: f64,
+struct OfPoint {
+    second: f64,
+    third: f64,
 }
 
-/// Memory of [`DerivativeBounds::of_point`].
+/// Memory of [`DerivativeBounds::remainders`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
     greatest: Vec<f64>,
@@ -66,18 +68,29 @@ pub(crate) struct Memory {
     /// Of each cable in a cell: `qᵢ` and `ℓᵢ`.
     turned: Vec<f64>,
     stretch: Vec<f64>,
+    /// `αᵢ/ℓᵢ`
+    parts: Vec<f64>,
+    /// Of each cell the greatest `‖Ω‖` in the middle of the box at its three places.
+    spins: Vec<[f64; 3]>,
+    /// Likewise `‖∂Ω‖` at its end.
+    rates: Vec<f64>,
     scaled: Vec<Pair>,
+    vectors: Vec<[Vec3; 1]>,
+    products: Vec<Vec3>,
+    sums: Vec<Vec3>,
 }
 
+/// The `t` at which derivatives along a box are bounded.
+const PARTS: [f64; 3] = [0.3, 0.6, 1.0];
 /// So often the bounds of the strains of a cell are made from one another.
 const REFINEMENTS: usize = 4;
 /// A cable whose stretch may get smaller than this has no bound.
 const LEAST_STRETCH: f64 = 0.1;
 
 impl DerivativeBounds {
-    /// Of the point of the backbone at an arc length; `None` for a robot without stiffness.
-    pub fn of(robot: &Robot, arc_length: f64) -> Option<Self> {
-        let rod = Rod::of(robot, arc_length)?;
+    /// Of the point of the backbone at an arc length, with so many times the pieces that it takes at least; `None` for a robot without stiffness.
+    pub fn of(robot: &Robot, arc_length: f64, times: usize) -> Option<Self> {
+        let rod = Rod::of(robot, arc_length, times)?;
         let none = vec![0.0; rod.cables];
         let equilibrium = |section: &Section| {
             let mut at_rest = Equilibrium::default();
@@ -109,100 +122,86 @@ impl DerivativeBounds {
         cells.iter().map(of).sum::<f64>() + 2.0 * most
     }
 
-    /// The bounds over a box with the state in its middle; `None` where there are none.
-    pub fn of_point(
+    /// Bounds of what polynomials of the point of first and of second degree leave within a box, with the state in its middle; `None` where there are none.
+    ///
+    /// Taylor's formula has the derivatives at `τ₀ + t δ`, `0 ≤ t ≤ 1`, and most of those near the middle: they are bounded for a few `t`, and those between by those of the next.
+    pub fn remainders(
         &self,
         of: TensionBox<'_>,
         state: &State,
         memory: &mut Memory,
-    ) -> Option<OfPoint> {
+    ) -> Option<[f64; 2]> {
+        self.look_at_middle(of, state, memory);
+        let mut remainders = [0.0; 2];
+        let mut from = 0.0_f64;
+        for to in PARTS {
+            let OfPoint { second, third } = self.of_point(to, of.center, state, memory)?;
+            remainders[0] += second / 2.0 * ((1.0 - from).powi(2) - (1.0 - to).powi(2));
+            remainders[1] += third / 6.0 * ((1.0 - from).powi(3) - (1.0 - to).powi(3));
+            from = to;
+        }
+        Some(remainders)
+    }
+
+    /// How far the greatest changes of a box go in its middle.
+    fn look_at_middle(&self, of: TensionBox<'_>, state: &State, memory: &mut Memory) {
         let Rod { cells, sections, cables: n } = &self.rod;
         let n = *n;
-        let TensionBox { center, edges, half } = of;
-        let Memory { greatest, most, changes, turns, turned, stretch, scaled } = memory;
+        let TensionBox { edges, half, .. } = of;
+        let Memory { most, changes, turns, spins, rates, scaled, vectors, products, sums, .. } =
+            memory;
         most.clear();
         most.resize(n, 0.0);
         for (edge, half) in edges.chunks_exact(n.max(1)).zip(half) {
             most.iter_mut().zip(edge).for_each(|(most, of)| *most += (of * half).abs());
         }
-        greatest.clear();
-        greatest.extend(center.iter().zip(&*most).map(|(c, h)| c + h));
         changes.clear();
         turns.clear();
         turns.resize(n * sections.len(), 0.0);
         let states = sections.iter().zip(&state.equilibria);
         for ((section, at), turns) in states.zip(turns.chunks_exact_mut(n.max(1))) {
             changes.push(section.greatest_change(at, edges, half, scaled));
-            section.greatest_turns(at, half, scaled, turns);
+            section.greatest_turns(at, half, vectors, turns);
         }
+        let places = |cell: usize| state.spins(cell).map(|of| greatest_turn(of, half, vectors));
+        spins.clear();
+        spins.extend((0..cells.len()).map(places));
+        rates.clear();
+        rates.extend((0..cells.len()).map(|cell| {
+            products.clear();
+            let each = half.iter().flat_map(|a| half.iter().map(move |b| a * b));
+            products.extend(state.spin_rates(cell).iter().zip(each).map(|(of, by)| *of * by));
+            greatest_product(products, half.len(), sums)
+        }));
+    }
+
+    /// Bounds of the derivatives at all `τ₀ + s t δ` with `|s| ≤ 1`.
+    fn of_point(
+        &self,
+        t: f64,
+        center: &[f64],
+        state: &State,
+        memory: &mut Memory,
+    ) -> Option<OfPoint> {
+        memory.greatest.clear();
+        let greatest = center.iter().zip(&memory.most).map(|(c, h)| c + t * h);
+        memory.greatest.extend(greatest);
         // ‖Ω‖, ‖∂Ω‖ and ‖∂²Ω‖ at the end of a cell.
         let [mut turn, mut turn_2, mut turn_3] = [0.0; 3];
         let (mut second, mut third) = (0.0, 0.0);
-        for (number, cell) in cells.iter().enumerate() {
-            // `η`
-            let change = cell.change(most);
-            let change_from_rest = cell.change(greatest);
+        for (number, cell) in self.rod.cells.iter().enumerate() {
             let at = cell.sections.map(|section| &state.equilibria[section]);
-            stretch.clear();
-            stretch.extend((0..n).map(|k| {
-                let each = at.iter().map(|of| of.stretches[k]);
-                let in_middle = each.fold(f64::INFINITY, f64::min) / BETWEEN;
-                let from_rest = cell.stretch[k] - cell.alpha[k] * change_from_rest;
-                (in_middle - cell.alpha[k] * change).max(from_rest)
-            }));
-            if stretch.iter().zip(&cell.alpha).any(|(l, a)| *a > 0.0 && *l < LEAST_STRETCH) {
-                return None;
-            }
-            let sum = |term: &dyn Fn(usize, f64) -> f64| -> f64 {
-                let crossing = (0..n).filter(|&k| cell.alpha[k] > 0.0);
-                crossing.map(|k| term(k, cell.alpha[k] / stretch[k])).sum()
-            };
-            let by_change = sum(&|k, part| most[k] * part * cell.alpha[k]);
-            let by_change_2 = sum(&|k, part| most[k] * part * part * cell.alpha[k]);
-            let pulled_2 = sum(&|k, part| greatest[k] * part * part * cell.alpha[k]);
-            let pulled_3 = sum(&|k, part| greatest[k] * part.powi(3) * cell.alpha[k]);
-            let together = cell.sections.map(|at| changes[at]).into_iter().fold(0.0, f64::max);
-            let own = BETWEEN * together / (1.0 - by_change);
-            let of_norm = 2.0 / 3.0_f64.sqrt();
-            let mut b1 = if by_change < 1.0 { change.min(own) } else { change };
-            let mut b2 = 2.0 * b1 * by_change + of_norm * b1 * b1 * pulled_2;
-            turned.clear();
-            turned.extend(cell.alpha.iter().map(|alpha| alpha * b1));
-            // Each bound follows from valid ones, and is valid itself.
-            for _ in 0..REFINEMENTS {
-                b2 = b2.min(sum(&|k, part| {
-                    let twice = 2.0 * cell.alpha[k] * b1 + turned[k];
-                    part * turned[k] * (2.0 * most[k] + greatest[k] * twice / stretch[k])
-                }));
-                b1 = b1.min(BETWEEN * together + b2);
-                for (k, turned) in turned.iter_mut().enumerate() {
-                    let whole = cell.alpha[k] * b1;
-                    let in_middle = cell.sections.map(|at| turns[n * at + k]);
-                    let in_middle = in_middle.into_iter().fold(0.0, f64::max);
-                    let in_middle = BETWEEN * in_middle + (BETWEEN - 1.0) * whole;
-                    let changed = cell.alpha[k] * b2 + 2.0 * *turned * whole / stretch[k];
-                    *turned = turned.min(whole).min(in_middle + changed);
-                }
-            }
-            let of_all = 3.0 * (b2 * by_change + of_norm * b1 * (b1 * by_change_2 + b2 * pulled_2))
-                + 3.0 * b1.powi(3) * pulled_3;
-            let b3 = of_all.min(
-                3.0 * sum(&|k, part| {
-                    let (first, second, q) = (cell.alpha[k] * b1, cell.alpha[k] * b2, turned[k]);
-                    let of_two =
-                        most[k] * (2.0 * first + q) * q + greatest[k] * (first + 2.0 * q) * second;
-                    let of_three = greatest[k] * (2.0 * first * (first + q) + q * q) * q;
-                    part * (most[k] * second + of_two / stretch[k] + of_three / stretch[k].powi(2))
-                }),
-            );
+            // `η`
+            let change = cell.change(&memory.most);
+            let [b1, b2, b3] = self.strains(t, cell, change, at, memory)?;
             let bent = cell.width * cell.bending;
             // In the middle of the box at the three places of the cell, none of which is farther from another place than a quarter.
-            let spins = state.spins(number).map(|of| BETWEEN * greatest_turn(of, half, scaled));
+            let spins = memory.spins[number].map(|of| BETWEEN * of);
             let in_middle = spins.into_iter().fold(0.0, f64::max) + 0.25 * bent * b1;
             let far = turn + bent * b1;
             let mut w1 = far;
-            if bent * b1 < 1.0 {
-                w1 = w1.min((in_middle + turn_2 + bent * b2) / (1.0 - bent * b1));
+            if t * bent * b1 < 1.0 {
+                w1 = w1.min((in_middle + t * (turn_2 + bent * b2)) / (1.0 - t * bent * b1));
             }
             // Means over the cell of powers of ‖Ω‖, which grows no faster than along a line; and of ‖∂Ω‖ and ‖∂²Ω‖, whose bounds are convex.
             let first = w1.min(0.5 * (turn + far));
@@ -213,23 +212,100 @@ impl DerivativeBounds {
             let w3 = turn_3 + bent * ((mean_2 + squared) * b1 + 2.0 * first * b2 + b3);
             let mean_3 = 0.5 * (turn_3 + w3);
             let fastest = at.map(|of| of.strain[0].norm()).into_iter().fold(0.0, f64::max);
-            let longest = cell.width * (BETWEEN * fastest + cell.stretching * change);
+            let longest = cell.width * (BETWEEN * fastest + t * cell.stretching * change);
             let stretched = cell.width * cell.stretching;
             second += longest * (mean_2 + squared) + stretched * (2.0 * first * b1 + b2);
             third += longest * (mean_3 + 3.0 * mean_2 * w1 + cubed)
                 + stretched * (3.0 * ((mean_2 + squared) * b1 + first * b2) + b3);
-            turn = far.min(spins[2] + w2);
-            (turn_2, turn_3) = (w2, w3);
+            turn_2 = w2.min(BETWEEN * memory.rates[number] + t * w3);
+            turn = far.min(spins[2] + t * turn_2);
+            turn_3 = w3;
         }
         Some(OfPoint { second, third })
+    }
+
+    /// `β₁`, `β₂` and `β₃` of a cell; `None` where a cable may get too short.
+    fn strains(
+        &self,
+        t: f64,
+        cell: &Cell,
+        change: f64,
+        at: [&Equilibrium; 3],
+        memory: &mut Memory,
+    ) -> Option<[f64; 3]> {
+        let Memory { greatest, most, changes, turns, turned, stretch, parts, .. } = memory;
+        let n = self.rod.cables;
+        let change_from_rest = cell.change(greatest);
+        stretch.clear();
+        stretch.extend((0..n).map(|k| {
+            let each = at.iter().map(|of| of.stretches[k]);
+            let in_middle = each.fold(f64::INFINITY, f64::min) / BETWEEN;
+            let from_rest = cell.stretch[k] - cell.alpha[k] * change_from_rest;
+            (in_middle - t * cell.alpha[k] * change).max(from_rest)
+        }));
+        if stretch.iter().zip(&cell.alpha).any(|(l, a)| *a > 0.0 && *l < LEAST_STRETCH) {
+            return None;
+        }
+        // αᵢ/ℓᵢ, zero of cables that do not cross.
+        parts.clear();
+        parts.extend(cell.alpha.iter().zip(&*stretch).map(|(alpha, stretch)| alpha / stretch));
+        let (mut by_change, mut by_change_2, mut pulled_2, mut pulled_3) = (0.0, 0.0, 0.0, 0.0);
+        for (k, part) in parts.iter().enumerate() {
+            let first = part * cell.alpha[k];
+            by_change += most[k] * first;
+            by_change_2 += most[k] * first * part;
+            pulled_2 += greatest[k] * first * part;
+            pulled_3 += greatest[k] * first * part * part;
+        }
+        let of_norm = 2.0 / 3.0_f64.sqrt();
+        let together =
+            BETWEEN * cell.sections.map(|at| changes[at]).into_iter().fold(0.0, f64::max);
+        let mut b1 = change;
+        if t * by_change < 1.0 {
+            b1 = b1.min(together / (1.0 - t * by_change));
+        }
+        let mut b2 = 2.0 * b1 * by_change + of_norm * b1 * b1 * pulled_2;
+        turned.clear();
+        turned.extend(cell.alpha.iter().map(|alpha| alpha * b1));
+        // Each bound follows from valid ones, and is valid itself.
+        for _ in 0..REFINEMENTS {
+            let of_cables: f64 = (0..n)
+                .map(|k| {
+                    let twice = 2.0 * cell.alpha[k] * b1 + turned[k];
+                    parts[k] * turned[k] * (2.0 * most[k] + greatest[k] * twice / stretch[k])
+                })
+                .sum();
+            b2 = b2.min(of_cables);
+            b1 = b1.min(together + t * b2);
+            for (k, turned) in turned.iter_mut().enumerate() {
+                let whole = cell.alpha[k] * b1;
+                let in_middle = cell.sections.map(|at| turns[n * at + k]);
+                let in_middle = in_middle.into_iter().fold(0.0, f64::max);
+                let in_middle = BETWEEN * in_middle + (BETWEEN - 1.0) * whole;
+                let changed = cell.alpha[k] * b2 + 2.0 * *turned * whole / stretch[k];
+                *turned = turned.min(whole).min(in_middle + t * changed);
+            }
+        }
+        let of_all = 3.0 * (b2 * by_change + of_norm * b1 * (b1 * by_change_2 + b2 * pulled_2))
+            + 3.0 * b1.powi(3) * pulled_3;
+        let of_cables: f64 = (0..n)
+            .map(|k| {
+                let (first, second, q) = (cell.alpha[k] * b1, cell.alpha[k] * b2, turned[k]);
+                let of_two =
+                    most[k] * (2.0 * first + q) * q + greatest[k] * (first + 2.0 * q) * second;
+                let of_three = greatest[k] * (2.0 * first * (first + q) + q * q) * q;
+                parts[k] * (most[k] * second + (of_two + of_three / stretch[k]) / stretch[k])
+            })
+            .sum();
+        Some([b1, b2, of_all.min(3.0 * of_cables)])
     }
 }
 
 /// The greatest rotation of all changes of the coordinates by no more than the half widths.
-fn greatest_turn(spins: &[Vec3], half: &[f64], scaled: &mut Vec<Pair>) -> f64 {
+fn greatest_turn(spins: &[Vec3], half: &[f64], scaled: &mut Vec<[Vec3; 1]>) -> f64 {
     scaled.clear();
-    scaled.extend(spins.iter().zip(half).map(|(spin, half)| [*spin * *half, Vec3::ZERO]));
-    greatest_at_corners(scaled, |[turn, _]| turn.norm_squared()).sqrt()
+    scaled.extend(spins.iter().zip(half).map(|(spin, half)| [*spin * *half]));
+    greatest_sum(scaled, |[turn]| turn.norm_squared())
 }
 
 #[cfg(test)]
@@ -293,11 +369,11 @@ mod tests {
             Pose { rotation: UnitQuaternion::exp(Vec3::new(0.3, -0.8, 1.1)), ..Pose::default() };
         let center = [2.0, 1.0, 1.5];
         for robot in robots() {
-            let bounds = DerivativeBounds::of(&robot, LENGTH).unwrap();
+            let bounds = DerivativeBounds::of(&robot, LENGTH, 1).unwrap();
             let mut state = State::default();
             bounds.rod.bend(base.rotation, &center, &EDGES, &mut state).unwrap();
             let mut second = Vec::new();
-            bounds.rod.second_derivatives(&center, &EDGES, &mut state, &mut second);
+            bounds.rod.second_derivatives(&state, &mut second);
             let h = 0.01;
             for (a, b) in (0..3).flat_map(|a| (0..=a).map(move |b| (a, b))) {
                 let at = |i: f64, j: f64| {
@@ -320,17 +396,19 @@ mod tests {
         let mut random = SplitMix64::new(3);
         let mut tightest = [0.0_f64; 2];
         for robot in robots() {
-            let bounds = DerivativeBounds::of(&robot, LENGTH).unwrap();
+            let bounds = DerivativeBounds::of(&robot, LENGTH, 1).unwrap();
             let (mut state, mut memory) = (State::default(), Memory::default());
-            for size in [0.03, 0.2, 0.5] {
+            for (size, part) in [0.03, 0.2, 0.5].into_iter().flat_map(|s| [(s, 0.3), (s, 1.0)]) {
                 let center = [0, 1, 2].map(|_| 1.5 + 2.0 * random.next_part());
                 let half = [0, 1, 2].map(|_| size * (0.2 + random.next_part()));
                 bounds.rod.bend(UnitQuaternion::IDENTITY, &center, &EDGES, &mut state).unwrap();
                 let of = TensionBox { center: &center, edges: &EDGES, half: &half };
-                let OfPoint { second, third } = bounds.of_point(of, &state, &mut memory).unwrap();
+                bounds.look_at_middle(of, &state, &mut memory);
+                let of_point = bounds.of_point(part, &center, &state, &mut memory);
+                let OfPoint { second, third } = of_point.unwrap();
                 for _ in 0..4 {
-                    // From a point of the box along a change to one of its corners.
-                    let from = half.map(|h| h * (2.0 * random.next_part() - 1.0) * 0.8);
+                    // From a point of a part of the box along a change to one of its corners.
+                    let from = half.map(|h| part * h * (2.0 * random.next_part() - 1.0) * 0.8);
                     let along = half.map(|h| if random.next_part() < 0.5 { h } else { -h });
                     let step = 0.05;
                     let p = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| {
@@ -349,5 +427,44 @@ mod tests {
         }
         // Bounds of another order would prove nothing.
         assert!(tightest[0] > 0.2 && tightest[1] > 0.03, "{tightest:?}");
+    }
+
+    #[test]
+    fn polynomials_leave_no_more_than_their_remainders_and_integrals_than_their_errors() {
+        let mut random = SplitMix64::new(8);
+        let mut tightest = [0.0_f64; 2];
+        for (robot, times) in robots().iter().flat_map(|robot| [(robot, 1), (robot, 2)]) {
+            let bounds = DerivativeBounds::of(robot, LENGTH, times).unwrap();
+            let (mut state, mut memory) = (State::default(), Memory::default());
+            let mut second = Vec::new();
+            for size in [0.05, 0.2, 0.5] {
+                let center = [0, 1, 2].map(|_| 1.0 + 4.0 * random.next_part());
+                let half = [0, 1, 2].map(|_| size * (0.2 + random.next_part()));
+                bounds.rod.bend(UnitQuaternion::IDENTITY, &center, &EDGES, &mut state).unwrap();
+                let of = TensionBox { center: &center, edges: &EDGES, half: &half };
+                let remainders = bounds.remainders(of, &state, &mut memory).unwrap();
+                bounds.rod.second_derivatives(&state, &mut second);
+                let error = (tip(robot, Pose::default(), &center) - state.end()).norm();
+                assert!(error <= state.error + 1e-9 * LENGTH, "{error} beyond {}", state.error);
+                for corner in 0..8 {
+                    let by: [f64; 3] =
+                        [0, 1, 2].map(|a| if corner >> a & 1 == 1 { half[a] } else { -half[a] });
+                    let first = (0..3).fold(state.end(), |p, a| p + state.motions[a] * by[a]);
+                    let pairs = (0..3).flat_map(|a| (0..3).map(move |b| (a, b)));
+                    let both = pairs.fold(first, |p, (a, b): (usize, usize)| {
+                        let (row, column) = (a.max(b), a.min(b));
+                        p + second[row * (row + 1) / 2 + column] * (0.5 * by[a] * by[b])
+                    });
+                    let there = tip(robot, Pose::default(), &moved(&center, &by));
+                    for (degree, polynomial) in [first, both].into_iter().enumerate() {
+                        let left = (there - polynomial).norm();
+                        let most = remainders[degree] + 2.0 * state.error;
+                        assert!(left <= most, "{degree}: {left} beyond {most}");
+                        tightest[degree] = tightest[degree].max(left / most);
+                    }
+                }
+            }
+        }
+        assert!(tightest[0] > 0.2 && tightest[1] > 0.02, "{tightest:?}");
     }
 }

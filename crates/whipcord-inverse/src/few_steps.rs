@@ -34,21 +34,3 @@ pub(crate) fn for_atlas(model: &Model) -> Option<Model> {
         _ => None,
     }
 }
-
-/// Error of the shapes of a proof, as a part of the length: far below a tenth of the distance that is proven.
-pub(crate) const ERROR_OF_PROOF: f64 = 1e-5;
-
-/// A model for the shapes of a proof, which are those of stable robots because nothing loads them.
-pub(crate) fn for_proof(model: &Model) -> Model {
-    match model {
-        Model::Cosserat(options) => Model::Cosserat(cosserat::Options {
-            accuracy: match options.accuracy {
-                Accuracy::Tolerance(of) => Accuracy::Tolerance(of.max(ERROR_OF_PROOF)),
-                steps @ Accuracy::Steps(_) => steps,
-            },
-            stability: StabilityAnalysis::Off,
-            ..options.clone()
-        }),
-        other => other.clone(),
-    }
-}

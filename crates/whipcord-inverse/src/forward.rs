@@ -287,14 +287,6 @@ impl Forward {
         found
     }
 
-    /// What is asked, with another model of the answers.
-    pub fn answering_by<T>(&mut self, mut model: Prepared, ask: impl FnOnce(&mut Self) -> T) -> T {
-        core::mem::swap(&mut self.verifier, &mut model);
-        let found = ask(self);
-        core::mem::swap(&mut self.verifier, &mut model);
-        found
-    }
-
     pub fn by_verifier<T>(&mut self, ask: impl FnOnce(&mut Self) -> T) -> T {
         core::mem::swap(&mut self.model, &mut self.verifier);
         let found = ask(self);

@@ -31,6 +31,7 @@ mod atlas;
 mod cell;
 mod certificate;
 mod control;
+mod corners;
 mod derivative_bounds;
 mod descent;
 mod error;

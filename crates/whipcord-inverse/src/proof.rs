@@ -1,12 +1,9 @@
 //! What an answer says of a target that is not reached: that it cannot be, or why that is not known.
 
-use whipcord::derivatives::Place;
 use whipcord::{ModelKind, Solution, Vec3};
 
-use crate::actuator::Actuator;
 use crate::certificate::{Goal, NoProof, least_distance};
 use crate::error::InverseError;
-use crate::few_steps::for_proof;
 use crate::options::{ReachOptions, ReachStatus};
 use crate::reach::Reached;
 use crate::solver::InverseSolver;
@@ -31,26 +28,14 @@ impl InverseSolver {
                 if goal.distance <= tolerance.position {
                     Err(NoProof::Near)
                 } else {
-                    let model = for_proof(self.model());
-                    let prepared = model.prepare(self.forward().robot(), &self.case().loads)?;
-                    let list: Vec<Actuator> = (0..tensions.len()).map(Actuator::Tension).collect();
-                    let forward = self.forward_mut();
-                    let first = forward.solves;
-                    let unknowns = core::mem::replace(&mut forward.actuators.list, list);
+                    let forward = self.forward();
                     // A robot that keeps clear of obstacles has the shape that it has without them.
-                    let obstacles = core::mem::take(&mut forward.case.obstacles);
-                    let found = forward.answering_by(prepared, |forward| {
-                        least_distance(forward, &goal, &tensions, boxes)
-                    });
-                    forward.case.obstacles = obstacles;
-                    forward.actuators.list = unknowns;
-                    answer.solves += forward.solves - first;
-                    found?
+                    least_distance(forward.robot(), forward.case.base, &goal, &tensions, boxes)?
                 }
             }
         };
         match outcome {
-            Ok((bound, _)) => {
+            Ok(bound) => {
                 answer.lower_bound = Some(bound);
                 let is_proven = bound > tolerance.position;
                 if is_proven {
@@ -106,7 +91,15 @@ impl InverseSolver {
         }
         let distance = distance(&(disk, point));
         let cancel = self.model().cancel().clone();
-        let place = Place::Disk(disk);
-        Ok((Goal { place, arc_length: disks[disk], point, distance, cancel }, tensions))
+        let of_answer = solution.cables.iter().map(|cable| cable.tension.unwrap_or(0.0)).collect();
+        let goal = Goal {
+            arc_length: disks[disk],
+            point,
+            distance,
+            found: poses[disk].position,
+            tensions: of_answer,
+            cancel,
+        };
+        Ok((goal, tensions))
     }
 }

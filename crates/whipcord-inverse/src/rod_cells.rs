@@ -30,6 +30,8 @@ pub(crate) struct Cell {
     /// `√λ_max` of `∂v/∂N` and `∂u/∂M`, which bound strains by their norm in `K`.
     pub stretching: f64,
     pub bending: f64,
+    /// The most that the direction of a cable turns about the backbone along it, in rad.
+    turn: f64,
     /// `αᵢ` of each cable, 0 behind its end.
     pub alpha: Vec<f64>,
     /// Stretch of each cable at rest.
@@ -46,6 +48,15 @@ pub(crate) struct State {
     nodes: Vec<Node>,
     /// `Ωₐ` of each node in the world.
     spins: Vec<Vec3>,
+    /// `∂_bΩₐ` at the end of each piece, and of the last one.
+    spin_rates: Vec<Vec3>,
+    rate: Vec<Vec3>,
+    /// `Ωₐ` at the end of the last piece.
+    spin: Vec<Vec3>,
+    /// `∂ₐp` of the point in the world.
+    pub motions: Vec<Vec3>,
+    /// What the integrals leave of the point, in m: an estimate from the order of their rules.
+    pub error: f64,
     /// Coordinates of the tensions.
     coordinates: usize,
 }
@@ -61,15 +72,17 @@ struct Node {
 const PIECES: usize = 2;
 /// In rad.
 const TURN: f64 = 0.6;
+/// Simpson's rule leaves this part of an integral over the fourth power of the angle along a piece.
+const SIMPSON: f64 = 2880.0;
 /// What a section may be worse between the places that are looked at.
 pub(crate) const BETWEEN: f64 = 1.02;
 
 impl Rod {
-    /// Up to the point of the backbone at an arc length; `None` for a robot without stiffness.
-    pub fn of(robot: &Robot, arc_length: f64) -> Option<Self> {
+    /// Up to the point of the backbone at an arc length, with so many times the pieces that it takes at least; `None` for a robot without stiffness.
+    pub fn of(robot: &Robot, arc_length: f64, times: usize) -> Option<Self> {
         let mut places = vec![0.0];
         for pair in robot.disks().arc_lengths.windows(2) {
-            let pieces = pieces(robot, pair[0], pair[1]);
+            let pieces = times * pieces(robot, pair[0], pair[1]);
             for piece in 1..=pieces {
                 let at = pair[0] + (pair[1] - pair[0]) * piece as f64 / pieces as f64;
                 if at < arc_length {
@@ -92,7 +105,7 @@ impl Rod {
         Some(Self { cells, sections, cables: robot.cables().len() })
     }
 
-    /// The equilibria of the sections and the rotations of all places with each coordinate, whose tensions are those of an edge; `None` where a section has none.
+    /// The equilibria of the sections, the rotations of all places with each coordinate, whose tensions are those of an edge, and the point with its first derivatives; `None` where a section has none.
     pub fn bend(
         &self,
         base: UnitQuaternion,
@@ -100,18 +113,28 @@ impl Rod {
         edges: &[f64],
         state: &mut State,
     ) -> Option<()> {
-        let State { equilibria, nodes, spins, coordinates } = state;
+        let State { equilibria, nodes, spins, spin, motions, error, coordinates, spin_rates, rate } =
+            state;
         equilibria.resize_with(self.sections.len(), Equilibrium::default);
         for (section, equilibrium) in self.sections.iter().zip(equilibria.iter_mut()) {
             section.equilibrium(tensions, equilibrium)?;
             section.first(tensions, edges, equilibrium)?;
+            section.second(tensions, edges, equilibrium);
         }
         let count = edges.len() / self.cables.max(1);
         *coordinates = count;
         nodes.clear();
         spins.clear();
         let (mut rotation, mut position) = (base, Vec3::ZERO);
-        let mut spin = vec![Vec3::ZERO; count];
+        for of in [&mut *spin, &mut *motions] {
+            of.clear();
+            of.resize(count, Vec3::ZERO);
+        }
+        spin_rates.clear();
+        rate.clear();
+        rate.resize(count * count, Vec3::ZERO);
+        *error = 0.0;
+        let mut left: f64 = self.cells.iter().map(|cell| cell.width).sum();
         for cell in &self.cells {
             let at = cell.sections.map(|of| &equilibria[of]);
             let (strains, h) = (at.map(|of| of.strain), cell.width);
@@ -126,32 +149,50 @@ impl Rod {
             nodes.extend([0, 1, 2].map(|k| Node { rotation: frames[k], position: positions[k] }));
             let first = spins.len();
             spins.resize(first + 3 * count, Vec3::ZERO);
-            for (a, spin) in spin.iter_mut().enumerate() {
-                let rates = [0, 1, 2].map(|k| frames[k] * at[k].first[a][1]);
-                let [half, whole] = integrals(rates, h);
-                let at = [*spin, *spin + half, *spin + whole];
-                *spin = at[2];
-                for (k, of) in at.into_iter().enumerate() {
-                    spins[first + k * count + a] = of;
+            for (a, (spin, motion)) in spin.iter_mut().zip(motions.iter_mut()).enumerate() {
+                let bends = [0, 1, 2].map(|k| frames[k] * at[k].first[a][1]);
+                let [half, whole] = integrals(bends, h);
+                let turned = [*spin, *spin + half, *spin + whole];
+                *spin = turned[2];
+                let mut moved = [Vec3::ZERO; 3];
+                for k in 0..3 {
+                    spins[first + k * count + a] = turned[k];
+                    let stretch = frames[k] * at[k].first[a][0];
+                    moved[k] = turned[k].cross(velocities[k]) + stretch;
+                }
+                *motion += integrals(moved, h)[1];
+            }
+            let simpson = [1.0, 4.0, 1.0].map(|weight| weight * h / 6.0);
+            for (k, weight) in simpson.into_iter().enumerate() {
+                let spins = &spins[first + k * count..first + (k + 1) * count];
+                let mut second = at[k].second.iter();
+                for (a, [_, u]) in at[k].first.iter().enumerate() {
+                    let bend = frames[k] * (*u * weight);
+                    for (b, spin) in spins.iter().enumerate() {
+                        rate[a * count + b] += spin.cross(bend);
+                    }
+                    for (b, [_, u]) in second.by_ref().take(a + 1).enumerate() {
+                        let by = frames[k] * (*u * weight);
+                        rate[a * count + b] += by;
+                        if a != b {
+                            rate[b * count + a] += by;
+                        }
+                    }
                 }
             }
+            spin_rates.extend_from_slice(rate);
+            let bent = strains.map(|[_, u]| u.norm()).into_iter().fold(0.0, f64::max) * h;
+            let part = (bent + cell.turn).powi(4) / SIMPSON;
+            *error += part * (h + left * bent);
+            left -= h;
         }
         Some(())
     }
 
     /// `∂ₐ∂_b p` of the point in the world by coordinates `b ≤ a` of a state, one row after the other.
-    pub fn second_derivatives(
-        &self,
-        tensions: &[f64],
-        edges: &[f64],
-        state: &mut State,
-        second: &mut Vec<Vec3>,
-    ) {
-        let State { equilibria, nodes, spins, coordinates: n } = state;
-        let n = *n;
-        for (section, equilibrium) in self.sections.iter().zip(equilibria.iter_mut()) {
-            section.second(tensions, edges, equilibrium);
-        }
+    pub fn second_derivatives(&self, state: &State, second: &mut Vec<Vec3>) {
+        let State { equilibria, nodes, spins, .. } = state;
+        let n = state.coordinates;
         second.clear();
         second.resize(n * (n + 1) / 2, Vec3::ZERO);
         let Some(end) = nodes.last().map(|node| node.position) else { return };
@@ -225,6 +266,12 @@ impl State {
         let n = self.coordinates;
         [0, 1, 2].map(|k| &self.spins[(3 * cell + k) * n..(3 * cell + k + 1) * n])
     }
+
+    /// `∂_bΩₐ` at the end of a cell, those of each a one after the other.
+    pub fn spin_rates(&self, cell: usize) -> &[Vec3] {
+        let n = self.coordinates * self.coordinates;
+        &self.spin_rates[cell * n..(cell + 1) * n]
+    }
 }
 
 impl Cell {
@@ -240,12 +287,14 @@ impl Cell {
             width: to - from,
             stretching: 0.0,
             bending: 0.0,
+            turn: 0.0,
             alpha: vec![0.0; n],
             stretch: vec![f64::INFINITY; n],
             sections: [0; 3],
         };
         let mut at_rest = Equilibrium::default();
         let inside = 1e-9 * (to - from);
+        cell.turn = turn_of_cables(robot, from, to, 2);
         for (place, s) in [from + inside, 0.5 * (from + to), to - inside].into_iter().enumerate() {
             let [vv, vu, uu] = section_compliance(robot, s)?;
             let largest = |m: &Mat3| {
@@ -298,21 +347,11 @@ fn turns(curvatures: [Vec3; 3], width: f64) -> [UnitQuaternion; 2] {
     [UnitQuaternion::exp(half + by_half), UnitQuaternion::exp(whole + by_whole)]
 }
 
-/// Into how many pieces the backbone between two disks is divided.
+/// Into how many pieces the backbone between two disks is divided at least.
 fn pieces(robot: &Robot, from: f64, to: f64) -> usize {
     /// Places at which the direction of a cable is looked at.
     const PLACES: usize = 64;
-    let ends = robot.routes().iter().filter(|route| route.end() > from);
-    let turned = ends.map(|route| {
-        let end = to.min(route.end());
-        let at = |k: usize| route.at(from + (end - from) * k as f64 / PLACES as f64).offset;
-        let turn = |k: usize| {
-            let (a, b) = (at(k), at(k + 1));
-            (a.x * b.y - a.y * b.x).atan2(a.dot(b)).abs()
-        };
-        (0..PLACES).map(turn).sum()
-    });
-    let most = turned.fold(0.0, f64::max);
+    let most = turn_of_cables(robot, from, to, PLACES);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number")]
     let pieces = (most / TURN).ceil() as usize;
     let inside = 1e-9 * (to - from);
@@ -323,4 +362,19 @@ fn pieces(robot: &Robot, from: f64, to: f64) -> usize {
         _ => false,
     };
     pieces.max(if is_like(middle) && is_like(end) { 1 } else { PIECES })
+}
+
+/// The most that the direction of a cable turns about the backbone between two arc lengths, in rad, seen from so many places and the first.
+fn turn_of_cables(robot: &Robot, from: f64, to: f64, places: usize) -> f64 {
+    let ends = robot.routes().iter().filter(|route| route.end() > from);
+    let turned = ends.map(|route| {
+        let end = to.min(route.end());
+        let at = |k: usize| route.at(from + (end - from) * k as f64 / places as f64).offset;
+        let turn = |k: usize| {
+            let (a, b) = (at(k), at(k + 1));
+            (a.x * b.y - a.y * b.x).atan2(a.dot(b)).abs()
+        };
+        (0..places).map(turn).sum()
+    });
+    turned.fold(0.0, f64::max)
 }

@@ -11,6 +11,8 @@
 use whipcord::section::CrossedSection;
 use whipcord::{Mat3, Robot, Vec3};
 
+use crate::corners::greatest_sum;
+
 /// Strains `v` and `u`, or what belongs to them: a force and a moment.
 pub(crate) type Pair = [Vec3; 2];
 
@@ -36,8 +38,23 @@ pub(crate) struct Equilibrium {
     pub second: Vec<Pair>,
     /// `H⁻¹` in blocks.
     softness: [[Mat3; 2]; 2],
-    /// Of a cable with each coordinate: `tᵢ·aᵢ` and `Pᵢaᵢ`.
-    along_and_beside: Vec<(f64, Vec3)>,
+    /// Of each cable that crosses, with each coordinate.
+    turned: Vec<Turned>,
+}
+
+/// How a cable changes with a coordinate.
+#[derive(Clone, Copy, Debug)]
+struct Turned {
+    /// `Pᵢaᵢ`
+    beside: Vec3,
+    /// `Pᵢaᵢ/ℓᵢ`
+    bent: Vec3,
+    /// `eₐᵢ − τᵢ tᵢ·aᵢ/ℓᵢ`
+    change: f64,
+    /// `rᵢ`
+    offset: Vec3,
+    /// `τᵢ tᵢ/ℓᵢ`
+    pull: Vec3,
 }
 
 impl Section {
@@ -97,32 +114,34 @@ impl Section {
     /// The second derivatives of an equilibrium that has its first.
     pub fn second(&self, tensions: &[f64], edges: &[f64], at: &mut Equilibrium) {
         let n = tensions.len();
-        let Equilibrium { stretches, pulls, first, second, softness, along_and_beside, .. } = at;
+        let Equilibrium { stretches, pulls, first, second, softness, turned, .. } = at;
         let count = first.len();
-        let each = |row: usize| row * (row + 1) / 2;
-        second.clear();
-        second.resize(each(count), [Vec3::ZERO; 2]);
+        turned.clear();
         for (cable, r) in self.crossed.cables() {
-            let t = pulls[cable][0];
-            let (per_stretch, tension) = (1.0 / stretches[cable], tensions[cable]);
-            along_and_beside.clear();
-            along_and_beside.extend(first.iter().map(|[v, u]| {
+            let (t, per_stretch) = (pulls[cable][0], 1.0 / stretches[cable]);
+            let part = tensions[cable] * per_stretch;
+            turned.extend(first.iter().enumerate().map(|(i, [v, u])| {
                 let a = *v + u.cross(r);
-                (t.dot(a), a - t * t.dot(a))
+                let along = t.dot(a);
+                let beside = a - t * along;
+                let change = edges[i * n + cable] - along * part;
+                Turned { beside, bent: beside * per_stretch, change, offset: r, pull: t * part }
             }));
-            for (i, &(along_a, a)) in along_and_beside.iter().enumerate() {
-                for (j, &(along_b, b)) in along_and_beside[..=i].iter().enumerate() {
-                    let (ea, eb) = (edges[i * n + cable], edges[j * n + cable]);
-                    let third = b * along_a + a * along_b + t * a.dot(b);
-                    let by = b * ea + a * eb - third * (tension * per_stretch);
-                    add(&mut second[each(i) + j], by * -per_stretch, r);
-                }
+        }
+        second.clear();
+        for (i, j) in (0..count).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+            let mut sum = [Vec3::ZERO; 2];
+            for of in turned.chunks_exact(count) {
+                let (a, b) = (&of[i], &of[j]);
+                let force = a.pull * a.beside.dot(b.bent) - b.bent * a.change - a.bent * b.change;
+                add(&mut sum, force, a.offset);
             }
+            second.push(sum);
         }
         second.iter_mut().for_each(|of| *of = times(softness, *of));
     }
 
-    /// The greatest `‖Σ δᵢ Aᵢᵀ tᵢ‖_{K⁻¹}` of all changes of the coordinates by no more than the half widths. It is at a corner.
+    /// The greatest `‖Σ δᵢ Aᵢᵀ tᵢ‖_{K⁻¹}` of all changes of the coordinates by no more than the half widths.
     pub fn greatest_change(
         &self,
         at: &Equilibrium,
@@ -137,10 +156,10 @@ impl Section {
             let [force, moment] = exerted(edge, &at.pulls);
             [force * *half, moment * *half]
         }));
-        let squared = |[force, moment]: Pair| {
+        let squared = |&[force, moment]: &Pair| {
             force.dot(vv * force) + 2.0 * force.dot(vu * moment) + moment.dot(uu * moment)
         };
-        greatest_at_corners(scaled, squared).sqrt()
+        greatest_sum(scaled, squared)
     }
 
     /// The greatest `‖Pᵢ Aᵢ ∂_δξ‖` of each cable of all changes of the coordinates by no more than the half widths, zero where it does not cross.
@@ -148,7 +167,7 @@ impl Section {
         &self,
         at: &Equilibrium,
         half: &[f64],
-        scaled: &mut Vec<Pair>,
+        scaled: &mut Vec<[Vec3; 1]>,
         turns: &mut [f64],
     ) {
         turns.fill(0.0);
@@ -157,9 +176,9 @@ impl Section {
             scaled.clear();
             scaled.extend(at.first.iter().zip(half).map(|([v, u], half)| {
                 let a = (*v + u.cross(r)) * *half;
-                [a - t * t.dot(a), Vec3::ZERO]
+                [a - t * t.dot(a)]
             }));
-            turns[cable] = greatest_at_corners(scaled, |[a, _]| a.norm_squared()).sqrt();
+            turns[cable] = greatest_sum(scaled, |[a]| a.norm_squared());
         }
     }
 
@@ -173,7 +192,7 @@ impl Section {
 
 /// A matrix in blocks times a force and a moment.
 fn times([upper, lower]: &[[Mat3; 2]; 2], [force, moment]: Pair) -> Pair {
-    [upper, lower].map(|[of_force, of_moment]| *of_force * force + *of_moment * moment)
+    [upper[0] * force + upper[1] * moment, lower[0] * force + lower[1] * moment]
 }
 
 /// `M⁻¹ B` in blocks; `None` where the first block of `M` or what eliminating it leaves of the last has no inverse.
@@ -203,26 +222,4 @@ fn exerted(tensions: &[f64], pulls: &[Pair]) -> Pair {
     each.fold([Vec3::ZERO; 2], |[force, moment], (tension, pull)| {
         [force + pull[0] * *tension, moment + pull[1] * *tension]
     })
-}
-
-/// The greatest value of an even convex function of `Σ ±xₖ`; infinite for more terms than there is time for all their signs.
-pub(crate) fn greatest_at_corners(x: &[Pair], value: impl Fn(Pair) -> f64) -> f64 {
-    const MOST: usize = 10;
-    let n = x.len();
-    if n > MOST {
-        return f64::INFINITY;
-    }
-    let Some(free) = n.checked_sub(1) else { return 0.0 };
-    let mut sum = x.iter().fold([Vec3::ZERO; 2], |[p, q], of| [p + of[0], q + of[1]]);
-    let mut greatest = value(sum);
-    // Opposite corners are alike; from each corner to the next one sign changes, in the order of Gray's code.
-    for corner in 1_u32..1 << free {
-        let k = corner.trailing_zeros();
-        let is_negative = (corner ^ (corner >> 1)) >> k & 1 == 1;
-        let twice = if is_negative { -2.0 } else { 2.0 };
-        let of = x[k as usize];
-        sum = [sum[0] + of[0] * twice, sum[1] + of[1] * twice];
-        greatest = greatest.max(value(sum));
-    }
-    greatest
 }

@@ -4,7 +4,7 @@ use whipcord::Vec3;
 use whipcord_numerics::{Programme, QuadraticProgramme, symmetric_eigen};
 
 use crate::antagonists::Piece;
-use crate::rod_sections::greatest_at_corners;
+use crate::corners::greatest_sum;
 
 /// A point by its first derivatives in the middle of a box, or by its first and second ones, and what it differs by within the box.
 #[derive(Clone, Debug)]
@@ -40,6 +40,11 @@ pub(crate) struct Bound {
 }
 
 impl Taylor {
+    /// The order of the derivatives that are left.
+    pub fn order(&self) -> i32 {
+        if self.second.is_empty() { 2 } else { 3 }
+    }
+
     /// `∂ₐ∂_b p`.
     fn second(&self, a: usize, b: usize) -> Vec3 {
         let (row, column) = (a.max(b), a.min(b));
@@ -48,22 +53,19 @@ impl Taylor {
 }
 
 impl Bound {
-    /// A lower bound of the distance over what is within the limits of a box within that of the polynomial; infinite where nothing is, and of no meaning below the one that is known. It is not
-    /// sought beyond what is enough.
+    /// A lower bound of the distance of the polynomial from the target over what is within the limits of a box within its own; infinite where nothing is. It is not sought beyond what is enough, and zero where it
+    /// turns out to be less than the least that counts.
     ///
-    /// For every unit vector `n` the distance is at least the least `n·r` of the polynomial but its remainder.
+    /// For every unit vector `n` the distance is at least the least `n·r`.
     pub fn of(
         &mut self,
         taylor: &Taylor,
         piece: &Piece,
         center: &[f64],
         half: &[f64],
-        [known, enough]: [f64; 2],
+        [least, enough]: [f64; 2],
     ) -> f64 {
         let n = half.len();
-        self.lower.clear();
-        self.lower.extend(half.iter().map(|h| -h));
-        piece.rows(center, half, &mut self.rows, &mut self.limits);
         self.offset.clear();
         self.offset.extend(center.iter().zip(&taylor.center).map(|(to, from)| to - from));
         // The same polynomial about the middle of the box.
@@ -80,6 +82,13 @@ impl Bound {
                 }
             }
         }
+        // No direction has a bound beyond the distance of a point of the box.
+        if miss.norm() < least {
+            return 0.0;
+        }
+        self.lower.clear();
+        self.lower.extend(half.iter().map(|h| -h));
+        piece.rows(center, half, &mut self.rows, &mut self.limits);
         let mut nearest = self.nearest(miss, half);
         if is_quadratic {
             for a in 0..n {
@@ -88,21 +97,20 @@ impl Bound {
                 }
             }
         }
-        let mut best = known;
+        let most = nearest.norm().min(miss.norm());
+        let mut best = 0.0;
         for direction in [nearest, miss] {
-            // No direction has a bound beyond the distance of a point of the box.
-            if direction.norm() - taylor.remainder <= best || best >= enough {
+            if most < least || most <= best || best >= enough {
                 continue;
             }
             let along = unit(direction);
             self.gradient.clear();
             self.gradient.extend(self.motions.iter().map(|motion| along.dot(*motion)));
-            let least = match is_quadratic {
+            let lowest = match is_quadratic {
                 true => self.least(taylor, piece, along, center, half),
                 false => piece.least(&self.gradient, center, half),
             };
-            let least = least.unwrap_or(f64::INFINITY);
-            best = best.max(along.dot(miss) + least - taylor.remainder);
+            best = f64::max(best, along.dot(miss) + lowest.unwrap_or(f64::INFINITY));
         }
         best
     }
@@ -193,7 +201,9 @@ impl Bound {
             let part = |m: usize| together.get(m).map_or(0.0, |(value, of)| value.sqrt() * of[k]);
             [Vec3::new(part(0), part(1), part(2)), Vec3::new(part(3), part(4), part(5))]
         }));
-        concave += greatest_at_corners(&self.concave, |[a, b]| a.norm_squared() + b.norm_squared());
+        let squared = |[a, b]: &[Vec3; 2]| a.norm_squared() + b.norm_squared();
+        let greatest = greatest_sum(&mut self.concave, squared);
+        concave += greatest * greatest;
         let added = self.minimise(half);
         let mut value = 0.0;
         for a in 0..n {

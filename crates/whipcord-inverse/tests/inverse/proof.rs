@@ -1,8 +1,11 @@
 //! Proofs that a target cannot be reached, against dense samples of the shapes.
 
+use std::num::NonZero;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use whipcord::batch::{BatchOptions, Rows, solve_batch};
+use whipcord::jobs::share;
 use whipcord::{
     Actuation, Cable, Cancel, Case, Loads, Model, ModelKind, Robot, Routing, SolveError, Statics,
     Vec3,
@@ -65,7 +68,7 @@ pub fn proofs(robot: &Robot, greatest: f64, count: usize) -> (Vec<f64>, usize) {
             break;
         }
         let target = Target::Tip(next());
-        let clock = Clock::of_thread();
+        let clock = Clock::of_process();
         let answer = solver.reach(&target, &PROVE).unwrap();
         if answer.status == ReachStatus::Reached || answer.miss.position < 0.005 {
             continue;
@@ -219,11 +222,40 @@ fn what_is_farther_than_the_robot_is_long_takes_no_boxes() {
     let solves = |options: &ReachOptions| -> Reached {
         solver(&robot, &Case::default(), 4.0).reach(&target, options).unwrap()
     };
-    let (proven, found) = (solves(&PROVE), solves(&ReachOptions { proof: None, ..PROVE }));
+    let proven = solves(&ReachOptions { proof: Some(0), ..PROVE });
     assert_eq!(proven.status, ReachStatus::UnreachableProven);
-    assert_eq!(proven.solves, found.solves);
     let bound = proven.lower_bound.unwrap();
     assert!(bound >= 0.89 * proven.miss.position && bound <= proven.miss.position);
+}
+
+#[test]
+fn bounds_depend_on_the_boxes_but_not_on_threads() {
+    let (_, robot, greatest) = robots::all().swap_remove(3);
+    let target = Target::Tip(Vec3::new(0.05, -0.02, 0.19));
+    let bound = |boxes: usize| {
+        let options = ReachOptions { proof: Some(boxes), ..PROVE };
+        let answer = solver(&robot, &Case::default(), greatest).reach(&target, &options).unwrap();
+        (answer.status, answer.lower_bound, answer.miss.position)
+    };
+    let (status, whole, miss) = bound(400_000);
+    assert_eq!(status, ReachStatus::UnreachableProven);
+    assert!(whole.unwrap() >= 0.89 * miss, "{whole:?} of {miss}");
+    let by_three = Mutex::new(Vec::new());
+    let threads = NonZero::new(3);
+    share(
+        0..3,
+        threads,
+        || (),
+        |_, ()| {
+            by_three.lock().unwrap().push(bound(200));
+            true
+        },
+    )
+    .unwrap();
+    assert_eq!(by_three.into_inner().unwrap(), vec![bound(200); 3]);
+    // What too few boxes leave is a bound as well.
+    let (_, few, _) = bound(20);
+    assert!(few.unwrap() < whole.unwrap(), "{few:?}");
 }
 
 #[test]
