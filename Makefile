@@ -45,9 +45,10 @@ lint:
 doc:
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --locked
 
-# Unit, property, reference, snapshot and documentation tests.
+# Unit, property, reference, snapshot and documentation tests. The Python package has none: it is named so that cargo unites
+# features as for the wheel, which then takes the crates of mechanics from here.
 test-mechanics:
-	$(CARGO) test $(MECHANICS:%=-p %) --locked --release
+	$(CARGO) test $(MECHANICS:%=-p %) -p whipcord-py --locked --release
 
 OTHERS := --workspace $(MECHANICS:%=--exclude %) --locked
 
@@ -67,7 +68,7 @@ test-damaged:
 
 # Convergence, coverage and accuracy, with the tables of docs/theory.
 test-studies:
-	$(CARGO) test $(MECHANICS:%=-p %) --locked --release --tests -- --ignored --nocapture
+	$(CARGO) test $(MECHANICS:%=-p %) -p whipcord-py --locked --release --tests -- --ignored --nocapture
 	$(CARGO) test -p whipcord-vision --locked --release --test photographs -- --ignored --nocapture
 	$(CARGO) test -p whipcord-cli --locked --release --test command -- --ignored
 
@@ -115,11 +116,13 @@ install-c:
 	$(CARGO) build --release --locked -p whipcord-c
 	crates/whipcord-c/package/install.sh "$(PREFIX)" target/release
 
-# The library as people install it: from a prefix, in an empty folder, beside the command.
+# The library as people install it: from a prefix, in an empty folder, beside the command, which is that of the wheel: by
+# itself it would be built with other features.
 test-c:
 	@if command -v gcc >/dev/null && command -v g++ >/dev/null; then \
 	    set -ex; \
-	    $(CARGO) build --release --locked -p whipcord-c -p whipcord-cli; \
+	    $(CARGO) build --release --locked -p whipcord-c; \
+	    $(CARGO) build --release --locked -p whipcord-cli -p whipcord-py --bin whipcord; \
 	    crates/whipcord-c/package/test.sh target/release target/release/whipcord; \
 	else \
 	    echo "skipped: the C interface is tested with gcc and g++ (Debian: apt-get install g++)" >&2; \
