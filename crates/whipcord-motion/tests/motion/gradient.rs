@@ -86,8 +86,34 @@ impl Problem {
     }
 
     pub fn number(&self) -> f64 {
-        let states = self.simulation().record(&self.commands, DT).unwrap().states;
+        self.number_from(self.simulation(), &self.commands)
+    }
+
+    /// The number of the motion from the start of this simulation by other commands.
+    fn number_from(&self, mut simulation: Simulation, commands: &[Commands]) -> f64 {
+        let states = simulation.record(commands, DT).unwrap().states;
         number(&states, self.options.has_free_base)
+    }
+
+    /// The derivatives of the number by each constant command, by step and cable, by differences of these sizes. The start, which
+    /// commands do not change, is solved once.
+    pub fn by_commands(&self, unit: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
+        let start = self.simulation();
+        let derivative = |k: usize, i: usize| {
+            difference(unit(i), |by| {
+                let mut commands = self.commands.clone();
+                let drive = &mut commands[k].cables[i];
+                assert_eq!(drive.course().rows(), None);
+                let changed = Course::constant(drive.course().before(0.0) + by);
+                *drive = match drive {
+                    CableDrive::Tension(_) => CableDrive::Tension(changed),
+                    CableDrive::Shortening(_) => CableDrive::Shortening(changed),
+                };
+                self.number_from(start.clone(), &commands)
+            })
+        };
+        let cables = self.robot.cables().len();
+        (0..STEPS).map(|k| (0..cables).map(|i| derivative(k, i)).collect()).collect()
     }
 
     pub fn gradient(&self) -> Gradient {

@@ -21,32 +21,20 @@ enum Hit {
 }
 
 /// A robot that is let go from straight and pulled against an obstacle.
-fn problem(method: Method, hit: Hit, friction: f64, command: (usize, usize, f64)) -> Problem {
-    with_factors(method, hit, friction, command, [1.0, 1.0])
+fn problem(method: Method, hit: Hit, friction: f64) -> Problem {
+    with_factors(method, hit, friction, [1.0, 1.0])
 }
 
 /// The same with factors on stiffness and mass.
-fn with_factors(
-    method: Method,
-    hit: Hit,
-    friction: f64,
-    command: (usize, usize, f64),
-    [stiffness, mass]: [f64; 2],
-) -> Problem {
+fn with_factors(method: Method, hit: Hit, friction: f64, [stiffness, mass]: [f64; 2]) -> Problem {
     let model = (ModelKind::Cosserat, method);
     let mut problem = by_tensions(model, 1.0, 1.0, 1.0);
     problem.options.initial = Initial::Rest;
-    let commands = |(step, cable, by): (usize, usize, f64)| -> Vec<Commands> {
-        let pull = |k: usize, i: usize| {
-            let more = if (k, i) == (step, cable) { by } else { 0.0 };
-            [4.0, 0.5][i] + 0.05 * weight(3 * k + i) + more
-        };
-        (0..STEPS).map(|k| Commands::tensions(&[pull(k, 0), pull(k, 1)])).collect()
-    };
-    problem.commands = commands(command);
-    // The obstacle stands in the way of the motion that no command of is changed.
-    let mut free = problem.simulation();
-    let states = free.record(&commands((STEPS, 0, 0.0)), DT).unwrap().states;
+    let pull = |k: usize, i: usize| [4.0, 0.5][i] + 0.05 * weight(3 * k + i);
+    let commands = (0..STEPS).map(|k| Commands::tensions(&[pull(k, 0), pull(k, 1)]));
+    problem.commands = commands.collect();
+    // The obstacle stands in the way of the motion without it.
+    let states = problem.simulation().record(&problem.commands, DT).unwrap().states;
     let tip = |k: usize| states[k].tip().position;
     let way = tip(4) - tip(2);
     let way = Vec3::new(way.x, way.y, 0.2 * way.z) * (1.0 / way.norm());
@@ -68,7 +56,7 @@ fn with_factors(
 }
 
 /// The same robot whose cables rub in their holes: one that stretches and one that does not.
-fn rubbing(method: Method, friction: f64, command: (usize, usize, f64)) -> Problem {
+fn rubbing(method: Method, friction: f64) -> Problem {
     let rub = |robot: &Robot| {
         let cable = |(i, cable): (usize, &Cable)| Cable {
             friction: Some([0.25, 0.37][i]),
@@ -78,7 +66,7 @@ fn rubbing(method: Method, friction: f64, command: (usize, usize, f64)) -> Probl
         let cables = robot.cables().iter().enumerate().map(cable).collect();
         Robot::new(robot.backbone().clone(), robot.disks().clone(), cables).unwrap()
     };
-    let mut problem = problem(method, Hit::Ball, friction, command);
+    let mut problem = problem(method, Hit::Ball, friction);
     problem.robot = rub(&problem.robot);
     problem
 }
@@ -88,12 +76,12 @@ fn gradients_through_an_impact_with_cables_that_rub_are_those_of_differences() {
     for method in [Method::Accurate, Method::Robust] {
         for friction in [0.0, 0.4] {
             let name = format!("{method:?}, {friction}");
-            let base = rubbing(method, friction, (STEPS, 0, 0.0));
+            let base = rubbing(method, friction);
             let record = base.simulation().record(&base.commands, DT).unwrap();
             let contacts = record.states.iter().filter(|of| !of.contacts.is_empty()).count();
             assert!(divided(&record) > 0 && contacts > 1, "{name} {contacts}");
             assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
-            base.check_by_commands(3e-5, |command| rubbing(method, friction, command), &name);
+            base.check_by_commands(3e-5, &name);
         }
     }
 }
@@ -109,13 +97,12 @@ fn gradients_through_an_impact_are_those_of_differences() {
         for hit in [Hit::Ball, Hit::HalfSpace] {
             for friction in [0.0, 0.4] {
                 let name = format!("{method:?}, {hit:?}, {friction}");
-                let at = |command| problem(method, hit, friction, command);
-                let base = at((STEPS, 0, 0.0));
+                let base = problem(method, hit, friction);
                 let record = base.simulation().record(&base.commands, DT).unwrap();
                 let contacts = record.states.iter().filter(|of| !of.contacts.is_empty()).count();
                 assert!(divided(&record) > 0 && contacts > 1, "{name}");
                 assert!(record.one_sided().is_empty(), "{name}: {:?}", record.one_sided());
-                base.check_by_commands(1e-4, at, &name);
+                base.check_by_commands(1e-4, &name);
             }
         }
     }
@@ -126,12 +113,11 @@ fn gradients_through_an_impact_by_start_and_properties_are_those_of_differences(
     for method in METHODS {
         for (hit, friction) in [(Hit::Ball, 0.4), (Hit::HalfSpace, 0.0)] {
             let name = format!("{method:?}, {hit:?}, {friction}");
-            let none = (STEPS, 0, 0.0);
-            let base = problem(method, hit, friction, none);
+            let base = problem(method, hit, friction);
             base.check_by_start(1e-4, &name);
             let factors = base.gradient().factors;
             let of = |at: &dyn Fn(f64) -> [f64; 2]| {
-                let number = |by| with_factors(method, hit, friction, none, at(by)).number();
+                let number = |by| with_factors(method, hit, friction, at(by)).number();
                 difference(1e-4, number)
             };
             let stiffness = of(&|by| [1.0 + by, 1.0]);
@@ -156,7 +142,7 @@ fn gradients_through_an_impact_by_ramps_are_those_of_differences() {
     for drive in [Drive::Tension, Drive::Length, Drive::Motor, Drive::MotorWithInertia] {
         for method in [Method::Accurate, Method::Robust] {
             let at = |command: (usize, usize, f64)| {
-                let mut problem = problem(method, Hit::Ball, 0.2, (STEPS, 0, 0.0));
+                let mut problem = problem(method, Hit::Ball, 0.2);
                 let load = |by: f64| Loads { tip_force: vector(4) * by, ..Loads::default() };
                 let factor = Course::table(vec![0.0, 1.0], vec![0.2, 3.0]).unwrap();
                 problem.options.loads = vec![LoadCourse { loads: load(0.05), factor }];
@@ -327,65 +313,57 @@ fn gradients_through_an_impact_with_a_base_that_moves_are_those_of_differences()
     for method in [Method::Accurate, Method::Robust] {
         for (is_free, friction) in [(true, 0.0), (true, 0.3), (false, 0.0), (false, 0.3)] {
             let name = format!("{method:?}, {is_free}, {friction}");
-            let at = |(step, cable, by): (usize, usize, f64)| {
-                let mut problem = problem(method, Hit::Ball, friction, (STEPS, 0, 0.0));
-                problem.options.has_free_base = is_free;
-                if is_free {
-                    // It bends less than it falls.
-                    for commands in &mut problem.commands {
-                        for i in 0..2 {
-                            let tension = commands.cables[i].course().before(0.0);
-                            commands.set_tension(i, 0.05 * tension);
-                        }
+            let mut base = problem(method, Hit::Ball, friction);
+            base.options.has_free_base = is_free;
+            if is_free {
+                // It bends less than it falls.
+                for commands in &mut base.commands {
+                    for i in 0..2 {
+                        let tension = commands.cables[i].course().before(0.0);
+                        commands.set_tension(i, 0.05 * tension);
                     }
                 }
-                if !is_free {
-                    let mut base = BaseMotion::default();
-                    let course = |ends: [f64; 2]| Course::table(vec![0.0, 0.05], ends.to_vec());
-                    base.velocity[0] = course([0.0, 0.1]).unwrap();
-                    base.velocity[1] = course([0.0, -0.2]).unwrap();
-                    base.angular_velocity[0] = course([0.0, 0.5]).unwrap();
-                    base.angular_velocity[2] = course([0.0, 1.0]).unwrap();
-                    problem.options.base = Some(base);
-                }
-                let without = Problem {
-                    case: Case { obstacles: Vec::new(), ..problem.case.clone() },
-                    robot: problem.robot.clone(),
-                    options: problem.options.clone(),
-                    commands: problem.commands.clone(),
-                };
-                let states = without.simulation().record(&without.commands, DT).unwrap().states;
-                let obstacle = &mut problem.case.obstacles[0];
-                if is_free {
-                    // It falls on a surface.
-                    let gravity = problem.case.loads.gravity.unwrap();
-                    let down = gravity * (1.0 / gravity.norm());
-                    let deepest = |k: usize| {
-                        let depths = states[k].poses.iter().map(|of| of.position.dot(down));
-                        depths.fold(f64::NEG_INFINITY, f64::max)
-                    };
-                    let rotation = facing(down * -1.0);
-                    let position = down * (deepest(0).max(deepest(3)) + 0.0105);
-                    (obstacle.form, obstacle.pose) = (Form::HalfSpace, Pose { position, rotation });
-                } else {
-                    // A ball in the way.
-                    let way = states[3].tip().position - states[0].tip().position;
-                    let way = Vec3::new(way.x, way.y, 0.0) * (1.0 / way.x.hypot(way.y));
-                    let position = states[3].tip().position + way * 0.0195;
-                    obstacle.form = Form::Sphere { radius: 0.01 };
-                    obstacle.pose = Pose { position, ..Pose::IDENTITY };
-                }
-                if step < STEPS {
-                    let tension = problem.commands[step].cables[cable].course().before(0.0);
-                    problem.commands[step].set_tension(cable, tension + by);
-                }
-                problem
+            }
+            if !is_free {
+                let mut led = BaseMotion::default();
+                let course = |ends: [f64; 2]| Course::table(vec![0.0, 0.05], ends.to_vec());
+                led.velocity[0] = course([0.0, 0.1]).unwrap();
+                led.velocity[1] = course([0.0, -0.2]).unwrap();
+                led.angular_velocity[0] = course([0.0, 0.5]).unwrap();
+                led.angular_velocity[2] = course([0.0, 1.0]).unwrap();
+                base.options.base = Some(led);
+            }
+            let without = Problem {
+                case: Case { obstacles: Vec::new(), ..base.case.clone() },
+                robot: base.robot.clone(),
+                options: base.options.clone(),
+                commands: base.commands.clone(),
             };
-            let base = at((STEPS, 0, 0.0));
+            let states = without.simulation().record(&without.commands, DT).unwrap().states;
+            let obstacle = &mut base.case.obstacles[0];
+            if is_free {
+                // It falls on a surface.
+                let gravity = base.case.loads.gravity.unwrap();
+                let down = gravity * (1.0 / gravity.norm());
+                let deepest = |k: usize| {
+                    let depths = states[k].poses.iter().map(|of| of.position.dot(down));
+                    depths.fold(f64::NEG_INFINITY, f64::max)
+                };
+                let rotation = facing(down * -1.0);
+                let position = down * (deepest(0).max(deepest(3)) + 0.0105);
+                (obstacle.form, obstacle.pose) = (Form::HalfSpace, Pose { position, rotation });
+            } else {
+                // A ball in the way.
+                let way = states[3].tip().position - states[0].tip().position;
+                let way = Vec3::new(way.x, way.y, 0.0) * (1.0 / way.x.hypot(way.y));
+                let position = states[3].tip().position + way * 0.0195;
+                obstacle.form = Form::Sphere { radius: 0.01 };
+                obstacle.pose = Pose { position, ..Pose::IDENTITY };
+            }
             let record = base.simulation().record(&base.commands, DT).unwrap();
             let parts: Vec<_> = record.states.iter().map(|of| of.diagnostics.parts).collect();
             assert!(parts[2..].iter().any(|parts| *parts > 3), "{name}: {parts:?}");
-            base.check_by_commands(1e-4, at, &name);
+            base.check_by_commands(1e-4, &name);
         }
     }
 }
@@ -393,7 +371,7 @@ fn gradients_through_an_impact_with_a_base_that_moves_are_those_of_differences()
 /// Gradient descent by the tensions of a motion that bounces off a ball brings the tip where it shall be at the end.
 #[test]
 fn a_controller_is_trained_through_an_impact() {
-    let mut problem = problem(Method::Accurate, Hit::Ball, 0.2, (STEPS, 0, 0.0));
+    let mut problem = problem(Method::Accurate, Hit::Ball, 0.2);
     // Where other tensions would bring it.
     let mut other = problem.commands.clone();
     for (k, commands) in other.iter_mut().enumerate() {
