@@ -14,6 +14,8 @@ pub(crate) const STEP_TOLERANCE: f64 = 2e-7;
 /// Part of the residual of a rod that its sections may leave.
 const PART_OF_RESIDUAL: f64 = 2e-3;
 const MAX_ITERATIONS: usize = 200;
+/// Halvings of a step.
+const BACKTRACKS: usize = 40;
 /// Undamped steps that are tried before the potential is watched.
 pub(crate) const UNDAMPED: usize = 5;
 
@@ -172,33 +174,33 @@ pub(crate) fn damped_equilibrium(
     if !value.is_finite() {
         return Err(SectionFault::Diverged);
     }
+    let newton = |x: &Strain| newton_step(section, (crossings, &[]), tensions, wrench, x);
+    let size = |step: &Strain| step.linear.max_abs().max(reach * step.angular.max_abs());
+    let mut next = newton(&x);
     for _ in 0..MAX_ITERATIONS {
-        let Some(step) = newton_step(section, (crossings, &[]), tensions, wrench, &x) else {
-            break;
-        };
-        let size = step.linear.max_abs().max(reach * step.angular.max_abs());
-        if size <= STEP_TOLERANCE {
+        let Some(step) = next else { break };
+        if size(&step) <= STEP_TOLERANCE {
             let folded = least_stretch(&x).filter(|(_, stretch)| *stretch < FOLDED);
             if let Some((cable, _)) = folded {
                 return Err(SectionFault::Folded { cable });
             }
             return Ok(x + step);
         }
-        let mut fraction = 1.0;
-        loop {
-            let trial = x + step * fraction;
-            let trial_value = potential(&trial);
-            if trial_value < value {
-                (x, value) = (trial, trial_value);
-                break;
-            }
-            fraction *= 0.5;
-            if fraction < 1e-12 {
-                // The potential is flat to rounding here; the step decides below whether that is
-                // the minimum.
-                x = x + step * fraction;
-                break;
-            }
+        let lower = core::iter::successors(Some(1.0), |fraction| Some(0.5 * fraction))
+            .take(BACKTRACKS)
+            .map(|fraction| x + step * fraction)
+            .map(|trial| (trial, potential(&trial)))
+            .find(|(_, trial_value)| *trial_value < value);
+        if let Some((trial, trial_value)) = lower {
+            (x, value) = (trial, trial_value);
+            next = newton(&x);
+            continue;
+        }
+        // The potential is flat to rounding here: near its minimum whole steps get smaller, at an edge of it none does.
+        let trial = x + step;
+        next = newton(&trial).filter(|after| size(after) < 0.5 * size(&step));
+        if next.is_some() {
+            x = trial;
         }
     }
     match least_stretch(&x) {

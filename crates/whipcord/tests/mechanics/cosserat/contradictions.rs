@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use crate::common::{paper_backbone, paper_disks, solve_with};
-use whipcord::cosserat::{Accuracy, Options};
+use whipcord::cosserat::Options;
 use whipcord::cosserat_disks::Options as DisksOptions;
 use whipcord::{
     Backbone, Cable, CableCommand, Case, LengthMiss, Model, Robot, Routing, Shortening, SolveError,
@@ -154,9 +154,7 @@ fn what_each_cable_would_have_to_give_is_enough_and_no_more() {
         let cable = |(routing, name): (Routing, char)| Cable::new(name.to_string(), routing);
         let cables = [pull, against, beside.clone()].into_iter().zip('a'..).map(cable).collect();
         let robot = Robot::new(inextensible(), paper_disks(), cables).unwrap();
-        // In a fixed number of steps: what is said holds in any, and refusals take seconds where they are halved.
-        let options = Options { accuracy: Accuracy::Steps(24), ..Options::default() };
-        let solve = |metres: &[f64]| solve_with(options.clone(), &robot, &shortened_by(metres));
+        let solve = |metres: &[f64]| solve_with(Options::default(), &robot, &shortened_by(metres));
         // The twist of a backbone unwinds helices at no cost in bending: more than that brings.
         let rest = solve_with(Options::default(), &robot, &Case::with_tensions(&[0.0; 3])).unwrap();
         let wound = |cable: usize| rest.cables[cable].initial_length - 0.18;

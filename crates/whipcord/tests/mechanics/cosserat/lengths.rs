@@ -98,81 +98,35 @@ proptest! {
         prop_assert!(longer.cables.iter().all(|c| c.slack && c.tension == Some(0.0)));
         prop_assert!(same.cables.iter().all(|c| !c.slack));
     }
-}
-
-/// The cable is as long as asked, or the error says how far it goes: a little less can be had, a little more cannot.
-fn reach_is_told_truly(
-    robot: &Robot,
-    case: &Case,
-    fraction: f64,
-    options: &Options,
-) -> Result<(), TestCaseError> {
-    // The others keep their tensions.
-    let mut asked = case.clone();
-    asked.commands[0] =
-        CableCommand { tension: None, shortening: Some(Shortening::Fraction(fraction)) };
-    match solve_with(options.clone(), robot, &asked) {
-        Ok(solution) => {
-            let cable = &solution.cables[0];
-            let left = cable.length - (1.0 - fraction) * cable.initial_length;
-            prop_assert!(left.abs() < 1e-12 || cable.slack);
-        }
-        Err(SolveError::UnreachableLength { cable, requested, reachable }) => {
-            prop_assert_eq!(cable, "cable 0");
-            prop_assert!(reachable < requested);
-            let reach = |factor: f64| {
-                let mut case = asked.clone();
-                case.commands[0] = by_length(factor * reachable);
-                solve_with(options.clone(), robot, &case)
-            };
-            let near = reach(0.99);
-            prop_assert!(near.is_ok(), "{near:?}");
-            prop_assert!(reach(1.02).is_err(), "goes farther than {reachable}");
-        }
-        Err(other) => return Err(TestCaseError::fail(other.to_string())),
-    }
-    Ok(())
-}
-
-/// How far a cable goes is found in the same way in any steps: in few of them it takes less long.
-fn in_steps() -> Options {
-    Options { accuracy: Accuracy::Steps(24), ..accurate() }
-}
-
-proptest! {
-    #![proptest_config(config(CASES))]
 
     #[test]
     fn how_far_one_cable_goes_is_told_truly(
         (robot, case) in with_cables(2, Wildness::UNLOADED),
         fraction in 0.6..1.0_f64,
     ) {
-        reach_is_told_truly(&robot, &case, fraction, &in_steps())?;
-    }
-}
-
-proptest! {
-    #![proptest_config(config(12))]
-
-    #[test]
-    fn how_far_one_cable_goes_is_told_truly_in_as_many_steps_as_it_takes(
-        (robot, case) in with_cables(2, Wildness::UNLOADED),
-        fraction in 0.6..1.0_f64,
-    ) {
-        reach_is_told_truly(&robot, &case, fraction, &accurate())?;
-    }
-}
-
-proptest! {
-    #![proptest_config(config(CASES))]
-
-    #[test]
-    #[ignore = "takes minutes"]
-    fn how_far_one_cable_goes_is_told_truly_in_as_many_steps_as_it_takes_in_more_cases(
-        (robot, case) in with_cables(2, Wildness::UNLOADED),
-        fraction in 0.6..1.0_f64,
-    ) {
-        reach_is_told_truly(&robot, &case, fraction, &accurate())?;
+        // The others keep their tensions.
+        let mut asked = case.clone();
+        asked.commands[0] =
+            CableCommand { tension: None, shortening: Some(Shortening::Fraction(fraction)) };
+        match solve_with(accurate(), &robot, &asked) {
+            Ok(solution) => {
+                let cable = &solution.cables[0];
+                let left = cable.length - (1.0 - fraction) * cable.initial_length;
+                prop_assert!(left.abs() < 1e-12 || cable.slack);
+            }
+            Err(SolveError::UnreachableLength { cable, requested, reachable }) => {
+                prop_assert_eq!(cable, "cable 0");
+                prop_assert!(reachable < requested);
+                let reach = |factor: f64| {
+                    let mut case = asked.clone();
+                    case.commands[0] = by_length(factor * reachable);
+                    solve_with(accurate(), &robot, &case)
+                };
+                prop_assert!(reach(0.99).is_ok(), "{:?}", reach(0.99));
+                prop_assert!(reach(1.02).is_err(), "goes farther than {reachable}");
+            }
+            Err(other) => return Err(TestCaseError::fail(other.to_string())),
+        }
     }
 }
 
