@@ -312,21 +312,29 @@ fn greatest_turn(spins: &[Vec3], half: &[f64], scaled: &mut Vec<[Vec3; 1]>) -> f
 mod tests {
     use super::*;
     use whipcord::cosserat::{self, Accuracy};
-    use whipcord::{Backbone, Cable, Case, Disks, Material, Model, Routing, Statics};
+    use whipcord::{Along, Backbone, Cable, Case, Disks, Material, Model, Routing, Statics};
     use whipcord::{Pose, StabilityAnalysis, UnitQuaternion};
     use whipcord_numerics::random::SplitMix64;
 
     const LENGTH: f64 = 0.18;
 
-    fn robot(cables: Vec<Cable>) -> Robot {
+    fn backbone() -> Backbone {
         let material = Material {
             young_modulus: Some(1.1e9),
             poisson_ratio: Some(0.3),
             ..Material::default()
         };
         let section = Some(whipcord::Section::circle(0.003));
-        let backbone = Backbone { section, material, ..Backbone::new(LENGTH) };
-        Robot::new(backbone, Disks::equally_spaced(LENGTH, 10, 0.008), cables).unwrap()
+        Backbone { section, material, ..Backbone::new(LENGTH) }
+    }
+
+    fn robot(cables: Vec<Cable>) -> Robot {
+        robot_of(backbone(), cables)
+    }
+
+    fn robot_of(backbone: Backbone, cables: Vec<Cable>) -> Robot {
+        let disks = Disks { holes: Some(12), ..Disks::equally_spaced(LENGTH, 10, 0.008) };
+        Robot::new(backbone, disks, cables).unwrap()
     }
 
     fn robots() -> Vec<Robot> {
@@ -341,6 +349,32 @@ mod tests {
         vec![
             robot(vec![straight("a", 0.0, Some(0.1)), straight("b", 80.0, None), helix("c", 1.0)]),
             robot(vec![helix("a", 1.5), helix("b", -1.0), straight("c", 200.0, Some(0.14))]),
+        ]
+    }
+
+    /// Whose sections change along them: smoothly, from disk to disk, and in a jump between two disks.
+    fn uneven_robots() -> Vec<Robot> {
+        let straight = |name: &str, degrees: f64| {
+            let routing = Routing::Straight { angle: degrees.to_radians(), radius: 0.008 };
+            Cable::new(name, routing)
+        };
+        let three = || vec![straight("a", 0.0), straight("b", 130.0), straight("c", 220.0)];
+        let outer = |arc_lengths: &[f64], values: &[f64]| {
+            let outer = Along::At { arc_lengths: arc_lengths.to_vec(), values: values.to_vec() };
+            Some(whipcord::Section::Round { outer, inner: Along::Uniform(0.0) })
+        };
+        let tapered = outer(&[0.0, LENGTH], &[0.0034, 0.0026]);
+        let stepped = outer(&[0.05, 0.09, 0.09, 0.15], &[0.0032, 0.003, 0.0025, 0.0027]);
+        let holes = [vec![1, 2, 3, 4, 4, 4, 4, 3, 2, 1], vec![5, 6, 7, 8, 9, 9, 8, 8, 7, 7]];
+        let through = |(of, name): (Vec<usize>, &str)| Cable::new(name, Routing::holes(of));
+        let mut along_holes: Vec<Cable> = holes.into_iter().zip(["a", "b"]).map(through).collect();
+        along_holes.push(straight("c", 270.0));
+        let bent = Vec3::new(4.0, -3.0, 2.0);
+        vec![
+            robot_of(Backbone { section: tapered, ..backbone() }, three()),
+            robot_of(Backbone { section: stepped, ..backbone() }, three()),
+            robot_of(Backbone { rest_curvature: Along::Uniform(bent), ..backbone() }, three()),
+            robot_of(Backbone { extensible: false, shearable: false, ..backbone() }, along_holes),
         ]
     }
 
@@ -433,8 +467,9 @@ mod tests {
     fn polynomials_leave_no_more_than_their_remainders_and_integrals_than_their_errors() {
         let mut random = SplitMix64::new(8);
         let mut tightest = [0.0_f64; 2];
-        for (robot, times) in robots().iter().flat_map(|robot| [(robot, 1), (robot, 2)]) {
-            let bounds = DerivativeBounds::of(robot, LENGTH, times).unwrap();
+        let all = || robots().into_iter().chain(uneven_robots());
+        for (robot, times) in all().flat_map(|robot| [(robot.clone(), 1), (robot, 2)]) {
+            let bounds = DerivativeBounds::of(&robot, LENGTH, times).unwrap();
             let (mut state, mut memory) = (State::default(), Memory::default());
             let mut second = Vec::new();
             for size in [0.05, 0.2, 0.5] {
@@ -444,7 +479,7 @@ mod tests {
                 let of = TensionBox { center: &center, edges: &EDGES, half: &half };
                 let remainders = bounds.remainders(of, &state, &mut memory).unwrap();
                 bounds.rod.second_derivatives(&state, &mut second);
-                let error = (tip(robot, Pose::default(), &center) - state.end()).norm();
+                let error = (tip(&robot, Pose::default(), &center) - state.end()).norm();
                 assert!(error <= state.error + 1e-9 * LENGTH, "{error} beyond {}", state.error);
                 for corner in 0..8 {
                     let by: [f64; 3] =
@@ -455,7 +490,7 @@ mod tests {
                         let (row, column) = (a.max(b), a.min(b));
                         p + second[row * (row + 1) / 2 + column] * (0.5 * by[a] * by[b])
                     });
-                    let there = tip(robot, Pose::default(), &moved(&center, &by));
+                    let there = tip(&robot, Pose::default(), &moved(&center, &by));
                     for (degree, polynomial) in [first, both].into_iter().enumerate() {
                         let left = (there - polynomial).norm();
                         let most = remainders[degree] + 2.0 * state.error;

@@ -72,8 +72,6 @@ struct Node {
 const PIECES: usize = 2;
 /// In rad.
 const TURN: f64 = 0.6;
-/// Simpson's rule leaves this part of an integral over the fourth power of the angle along a piece.
-const SIMPSON: f64 = 2880.0;
 /// What a section may be worse between the places that are looked at.
 pub(crate) const BETWEEN: f64 = 1.02;
 
@@ -94,6 +92,7 @@ impl Rod {
             places.extend(route.breakpoints().iter().filter(|&&s| s < arc_length));
             places.extend(Some(route.end()).filter(|&s| s < arc_length));
         }
+        places.extend(robot.backbone().places().into_iter().filter(|&s| s > 0.0 && s < arc_length));
         places.push(arc_length);
         places.sort_by(f64::total_cmp);
         places.dedup();
@@ -181,10 +180,8 @@ impl Rod {
                 }
             }
             spin_rates.extend_from_slice(rate);
-            let bent = strains.map(|[_, u]| u.norm()).into_iter().fold(0.0, f64::max) * h;
-            let part = (bent + cell.turn).powi(4) / SIMPSON;
-            *error += part * (h + left * bent);
             left -= h;
+            *error += cell.error(strains.map(|[_, u]| u), left);
         }
         Some(())
     }
@@ -278,6 +275,21 @@ impl Cell {
     /// How much the strains can change in the norm of `K` with changes of the tensions up to these in N.
     pub fn change(&self, tensions: &[f64]) -> f64 {
         tensions.iter().zip(&self.alpha).map(|(t, a)| t * a).sum()
+    }
+
+    /// About what the integrals over it leave of a point so far behind it, from the curvatures at its start, in its middle and at its end: Simpson's rule leaves the 2880th part of the fourth derivative.
+    fn error(&self, curvatures: [Vec3; 3], behind: f64) -> f64 {
+        const SIMPSON: f64 = 2880.0;
+        /// A bending stiffness with the fourth power of a diameter changes faster than what turns.
+        const FASTER: f64 = 4.0;
+        let most = curvatures.map(Vec3::norm).into_iter().fold(f64::MIN_POSITIVE, f64::max);
+        let [start, middle, end] = curvatures;
+        let changes = [start - middle, middle - end, start - end].map(Vec3::norm);
+        let changed = changes.into_iter().fold(0.0, f64::max) / most;
+        // What changes by a part of itself changes like what turns by that angle.
+        let bent = self.width * most;
+        let angle = bent + self.turn.max(changed);
+        FASTER * bent * angle.powi(3) * (self.width + behind * angle) / SIMPSON
     }
 
     /// Between two arc lengths; its sections are those of the list, or are added to it.
