@@ -132,7 +132,7 @@ fn coverage(trials: usize, margin: f64) {
 /// The same of rigs whose lenses are calibrated by the same photographs. Without their errors the deviations are too small.
 #[test]
 fn the_pose_lies_within_its_covariance_with_that_of_the_lenses() {
-    coverage_with_lenses(16, 8);
+    coverage_with_lenses(30, 8);
 }
 
 #[test]
