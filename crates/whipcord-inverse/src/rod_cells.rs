@@ -104,7 +104,8 @@ impl Rod {
         Some(Self { cells, sections, cables: robot.cables().len() })
     }
 
-    /// The equilibria of the sections, the rotations of all places with each coordinate, whose tensions are those of an edge, and the point with its first derivatives; `None` where a section has none.
+    /// The equilibria of the sections with their derivatives by each coordinate, whose tensions are those of an edge; the rotations of all places with each and their rates; and the point with its first derivatives and what the integrals
+    /// leave of it. `None` where a section has no equilibrium.
     pub fn bend(
         &self,
         base: UnitQuaternion,
