@@ -43,11 +43,15 @@ impl<S: Simd> Lanes<S> {
         Self { simd, value: simd.splat_f64s(value) }
     }
 
-    /// The first of these numbers, and zeros where there are fewer than lanes.
+    /// As many of these numbers as there are lanes, from a place on.
+    ///
+    /// # Panics
+    /// Where there are fewer.
     #[inline(always)]
     #[must_use]
-    pub fn load(simd: S, values: &[f64]) -> Self {
-        Self { simd, value: simd.partial_load_f64s(&values[..values.len().min(Self::COUNT)]) }
+    pub fn load(simd: S, values: &[f64], first: usize) -> Self {
+        let (vectors, _) = S::as_simd_f64s(&values[first..first + Self::COUNT]);
+        Self { simd, value: vectors[0] }
     }
 
     /// The numbers in order.

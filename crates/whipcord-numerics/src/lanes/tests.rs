@@ -28,7 +28,7 @@ impl WithSimd for Motions<'_> {
             for group in chunk.chunks_exact(Lanes::<S>::COUNT) {
                 let part = |f: &dyn Fn(&[Twist; 3]) -> f64| {
                     let values: Vec<f64> = group.iter().map(f).collect();
-                    Lanes::load(simd, &values)
+                    Lanes::load(simd, &values, 0)
                 };
                 let vector = |f: &dyn Fn(&[Twist; 3]) -> Vec3| {
                     LaneVec3::new(part(&|t| f(t).x), part(&|t| f(t).y), part(&|t| f(t).z))
@@ -88,7 +88,7 @@ impl WithSimd for Factors<'_> {
         for group in self.0.chunks_exact(Lanes::<S>::COUNT) {
             let entry = |i: usize, j: usize| {
                 let values: Vec<f64> = group.iter().map(|a| a.rows[i][j]).collect();
-                Lanes::load(simd, &values)
+                Lanes::load(simd, &values, 0)
             };
             let (xx, yx, yy) = (entry(0, 0), entry(1, 0), entry(1, 1));
             let (zx, zy, zz) = (entry(2, 0), entry(2, 1), entry(2, 2));

@@ -3,7 +3,7 @@ use core::ops::{Add, Mul, Sub};
 use pulp::Simd;
 
 use super::Lanes;
-use crate::Vec3;
+use crate::{Mat3, Vec3};
 
 /// [`crate::Vec3`] in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +31,14 @@ impl<S: Simd> LaneVec3<S> {
         Self::new(Lanes::splat(simd, v.x), Lanes::splat(simd, v.y), Lanes::splat(simd, v.z))
     }
 
+    /// The vector in one lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(&self, lane: usize) -> Vec3 {
+        let at = |component: &Lanes<S>| component.as_slice()[lane];
+        Vec3::new(at(&self.x), at(&self.y), at(&self.z))
+    }
+
     /// Scalar product.
     #[inline(always)]
     #[must_use]
@@ -47,6 +55,30 @@ impl<S: Simd> LaneVec3<S> {
             self.z * b.x - self.x * b.z,
             self.x * b.y - self.y * b.x,
         )
+    }
+
+    /// `a · v` with the same vector in every lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn along(self, a: Vec3) -> Lanes<S> {
+        self.x * a.x + self.y * a.y + self.z * a.z
+    }
+
+    /// `m v` with the same matrix in every lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(self, m: &Mat3) -> Self {
+        let [x, y, z] = m.rows;
+        Self::new(self.along(x), self.along(y), self.along(z))
+    }
+
+    /// `mᵀ v` likewise.
+    #[inline(always)]
+    #[must_use]
+    pub fn transpose_times(self, m: &Mat3) -> Self {
+        let [a, b, c] = m.rows;
+        let at = |a: f64, b: f64, c: f64| self.x * a + self.y * b + self.z * c;
+        Self::new(at(a.x, b.x, c.x), at(a.y, b.y, c.y), at(a.z, b.z, c.z))
     }
 
     /// Euclidean norm.

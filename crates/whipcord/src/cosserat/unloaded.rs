@@ -7,12 +7,12 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
-use super::lanes::run::{Known, solve_run, stability_of_run};
 use super::sensitivity::work;
 use super::strain_guess::Guess;
 use crate::section::Fault;
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::statics::grid::Grid;
+use crate::statics::lanes::run::{Known, solve_run, stability_of_run};
 use crate::statics::section_runs::SectionRun;
 
 /// Strains, lengths and their derivatives of a rod without load.
@@ -237,7 +237,7 @@ impl Unloaded {
         }
         for (k, step) in grid.steps.iter().enumerate() {
             // Known from its run, unless a section there has no factors.
-            if is_definite && runs.iter().any(|run| run.nodes.contains(&(3 * k + 1))) {
+            if is_definite && grid.gauss.is_in_run(3 * k + 1) {
                 continue;
             }
             // The middle of a step where nothing differs from that of the step before.

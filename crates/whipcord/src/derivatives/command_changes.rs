@@ -8,6 +8,7 @@ use super::change::{Change, Places};
 use super::of_answer::Solved;
 use super::quadrature::Quadrature;
 use super::replay::Answer;
+use super::tension_motions::TensionMotions;
 use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
@@ -26,6 +27,7 @@ pub(crate) struct TensionChanges {
     base: Vec<Wrench>,
     /// Memory of [`Self::without_load`].
     quadrature: Quadrature,
+    tension_motions: TensionMotions,
 }
 
 /// A cable as a command sees it.
@@ -65,7 +67,8 @@ impl TensionChanges {
         self.quadrature.linearize_points(&answer)?;
         let Answer { grid, tensions, poses, .. } = answer;
         self.prepare(tensions.len(), grid.len() + 1);
-        self.quadrature.by_tensions(poses, &mut self.motions, &mut self.lengths);
+        let Self { quadrature, tension_motions, motions, lengths, .. } = self;
+        tension_motions.of(quadrature, poses, motions, lengths);
         Ok(())
     }
 

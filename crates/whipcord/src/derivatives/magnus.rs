@@ -122,7 +122,9 @@ pub(super) fn end_by_twists(
     let by_2 = whole(&series_2);
     let by_3 = whole(&series_3).plus_identity(1.0 / 12.0);
     let exponential = exponential(&exponent, end);
-    let [by_1, by_2, by_3] = [by_1, by_2, by_3].map(|m| exponential.after(&m).scaled(length));
+    let by_1 = exponential.after(&by_1).scaled(length);
+    let by_2 = exponential.after(&by_2).scaled(length);
+    let by_3 = exponential.after(&by_3).scaled(length);
     let even = LaneMotion::default().plus(10.0 / 3.0, &by_3);
     [even.plus(-kappa, &by_2), by_1.plus(-20.0 / 3.0, &by_3), even.plus(kappa, &by_2)]
 }

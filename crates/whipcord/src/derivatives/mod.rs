@@ -11,7 +11,7 @@
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
 //! tensions of their own, which follow from `sliding_holes`, and `hole_source` says where a parameter enters their holes. `coordinates` has the same of
 //! models that have generalised coordinates for a rod, from their `linear_system`. `command_changes` are
-//! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives; `tip_rates` those of the tip, from its `tension_rates`, in memory that is
+//! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives, without load by `tension_motions`; `tip_rates` those of the tip, from its `tension_rates`, in memory that is
 //! kept.
 //!
 //! What is differentiated is the discrete solution, so that derivatives agree with differences of
@@ -54,6 +54,7 @@ mod spans;
 mod spread_change;
 mod step_ends;
 mod strands;
+mod tension_motions;
 mod tension_rates;
 mod tip_rates;
 mod touching;

@@ -13,7 +13,7 @@
 //! as a change of length, both to rounding. What acts within a step is taken by Gauss collocation.
 
 use pulp::{Arch, Simd, WithSimd};
-use whipcord_numerics::{GAUSS_3, Mat3, Pose, Twist, Vec3};
+use whipcord_numerics::{GAUSS_3, Mat3, Pose, Vec3};
 
 use super::effect::{Effect, Forcing};
 use super::elimination::StepPull;
@@ -21,9 +21,10 @@ use super::forward::{Maps, StepMap};
 use super::magnus::{LaneTwist, end_by_twists};
 use super::replay::{Answer, Stage};
 use crate::section::Fault;
-use crate::section::lanes::{LANES, Lane, LaneMat, LaneVec, cross, times, transpose_times};
+use crate::section::lanes::{LANES, Lane, LaneMat};
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
 use crate::statics::grid::{Grid, SHOOTING_NODES, Step};
+use crate::statics::lanes::run::linearize_run;
 
 /// Sections of a step.
 pub(super) const POINTS: usize = 3;
@@ -42,15 +43,15 @@ const ROOT: f64 = 3.872_983_346_207_417;
 pub(super) struct Point {
     pub strain: Strain,
     /// `H⁻¹`: `∂v/∂N`, `∂v/∂M` and `∂u/∂M`.
-    compliance: [Mat3; 3],
+    pub compliance: [Mat3; 3],
     /// `J`, base frame: how the end of the step turns with `δu`, which is how it is displaced with
     /// `δv`; and how it is displaced with `δu`.
-    turn: Mat3,
-    shift: Mat3,
+    pub turn: Mat3,
+    pub shift: Mat3,
     /// `hb`.
-    weight: f64,
+    pub weight: f64,
     /// Whether section and strain are those at the point before.
-    repeats: bool,
+    pub repeats: bool,
 }
 
 /// All sections of a rod without load.
@@ -92,47 +93,52 @@ impl Quadrature {
     }
 
     #[inline(always)]
-    fn linearize_sections(&mut self, answer: &Answer<'_>) -> Result<(), Fault> {
+    fn linearize_sections<S: Simd>(&mut self, simd: S, answer: &Answer<'_>) -> Result<(), Fault> {
         let Answer { grid, tensions, strains, .. } = *answer;
         let cables = tensions.len();
-        self.points.clear();
-        self.points.reserve(POINTS * grid.len());
-        self.pulls.clear();
-        self.pulls.resize(POINTS * grid.len() * cables, Default::default());
+        let Self { points, pulls, .. } = self;
+        points.clear();
+        points.resize(POINTS * grid.len(), Point::default());
+        pulls.clear();
+        pulls.resize(POINTS * grid.len() * cables, Default::default());
+        let fault = |at: usize, kind| {
+            let step = &grid.steps[at / POINTS];
+            Fault { kind, arc_length: step.start + GAUSS_3.nodes[at % POINTS] * step.length }
+        };
+        for run in grid.gauss.runs.iter() {
+            let active = &tensions[..run.sections.cables];
+            let take = |at: usize, compliance| points[at].compliance = compliance;
+            linearize_run(simd, run, active, strains, (pulls, cables), take)
+                .map_err(|(at, kind)| fault(at, kind))?;
+        }
         for (k, step) in grid.steps.iter().enumerate() {
             let active = &tensions[..step.active];
-            for (j, &strain) in strains[POINTS * k..POINTS * (k + 1)].iter().enumerate() {
+            for j in 0..POINTS {
                 let at = POINTS * k + j;
+                let strain = strains[at];
                 let weight = GAUSS_3.weights[j] * step.length;
+                if grid.gauss.is_in_run(at) {
+                    (points[at].strain, points[at].weight) = (strain, weight);
+                    continue;
+                }
                 // A section that is the same as the one before, and strained as it is, has the same tangent.
-                let before = self.points.last().filter(|last| last.strain == strain);
-                if let Some(&before) = before.filter(|_| grid.gauss.repeats(k, j)) {
-                    self.pulls.copy_within((at - 1) * cables..at * cables, at * cables);
-                    self.points.push(Point { weight, repeats: true, ..before });
+                if grid.gauss.repeats(k, j) && at > 0 && points[at - 1].strain == strain {
+                    pulls.copy_within((at - 1) * cables..at * cables, at * cables);
+                    points[at] = Point { weight, repeats: true, ..points[at - 1] };
                     continue;
                 }
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
                 let in_groups = (crossings, grid.gauss.groups(k, j, step.active));
                 let tangent = Tangent::by_groups(&node.section, in_groups, active, &strain)
-                    .map_err(|kind| Fault {
-                        kind,
-                        arc_length: step.start + GAUSS_3.nodes[j] * step.length,
-                    })?;
-                for (pull, crossing) in self.pulls[at * cables..].iter_mut().zip(crossings) {
+                    .map_err(|kind| fault(at, kind))?;
+                for (pull, crossing) in pulls[at * cables..].iter_mut().zip(crossings) {
                     *pull = crossing.pull(&strain);
                 }
                 let compliance = tangent.compliance();
-                self.points.push(Point { strain, compliance, weight, ..Point::default() });
+                points[at] = Point { strain, compliance, weight, ..Point::default() };
             }
         }
         Ok(())
-    }
-
-    /// How the ends of all steps move, base frame, and the lengths of all cables change with the tension of each cable: eq. (d5), and what
-    /// is beyond a section is carried along. `motions` has those of a cable one after the other, `lengths` the rate of cable i by the tension of
-    /// cable j at `[j * cables + i]`; both are zero before.
-    pub fn by_tensions(&self, poses: &[Pose], motions: &mut [Twist], lengths: &mut [f64]) {
-        Arch::new().dispatch(ByTensions { rod: self, poses, motions, lengths });
     }
 
     /// The sections at the nodes, from the strains next to them.
@@ -343,8 +349,8 @@ impl WithSimd for AllSections<'_> {
     type Output = Result<(), Fault>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.rod.linearize_sections(self.answer)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.rod.linearize_sections(simd, self.answer)
     }
 }
 
@@ -382,73 +388,6 @@ impl WithSimd for AllPoints<'_> {
                     point.turn = motion.turn.get(lane);
                     point.shift = motion.shift.get(lane);
                 }
-            }
-        }
-    }
-}
-
-/// [`Quadrature::by_tensions`] likewise, a few cables at a time.
-struct ByTensions<'a> {
-    rod: &'a Quadrature,
-    poses: &'a [Pose],
-    motions: &'a mut [Twist],
-    lengths: &'a mut [f64],
-}
-
-impl WithSimd for ByTensions<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { rod, poses, motions, lengths } = self;
-        let nodes = poses.len();
-        let cables = motions.len() / nodes;
-        for first in (0..cables).step_by(LANES) {
-            let count = LANES.min(cables - first);
-            let mut motion = LaneTwist::default();
-            // Of the section at hand, which may be that at several points, with their weights together.
-            let (mut v, mut u) = (LaneVec::default(), LaneVec::default());
-            for (k, ends) in poses.windows(2).enumerate() {
-                let arm = ends[1].position - ends[0].position;
-                motion.linear = motion.linear - cross(arm, &motion.angular);
-                for at in POINTS * k..POINTS * (k + 1) {
-                    let point = &rod.points[at];
-                    if !point.repeats {
-                        let (mut n, mut m) = (LaneVec::default(), LaneVec::default());
-                        for lane in 0..count {
-                            let pull = &rod.pulls[at * cables + first + lane].0;
-                            n.set(lane, pull.linear);
-                            m.set(lane, pull.angular);
-                        }
-                        let [vn, vm, um] = &point.compliance;
-                        v = times(vn, &n) + times(vm, &m);
-                        u = transpose_times(vm, &n) + times(um, &m);
-                        let same = rod.points[at + 1..].iter().take_while(|next| next.repeats);
-                        let weight = same.fold(point.weight, |sum, next| sum + next.weight);
-                        // Symmetric: of the cables behind this one it is known from theirs.
-                        for other in 0..first + count {
-                            let pull = &rod.pulls[at * cables + other].0;
-                            let work = v.dot(pull.linear) + u.dot(pull.angular);
-                            for lane in other.saturating_sub(first)..count {
-                                lengths[(first + lane) * cables + other] -= weight * work.0[lane];
-                            }
-                        }
-                    }
-                    motion.angular = motion.angular - times(&point.turn, &u);
-                    let shifted = times(&point.shift, &u) + times(&point.turn, &v);
-                    motion.linear = motion.linear - shifted;
-                }
-                for lane in 0..count {
-                    motions[(first + lane) * nodes + k + 1] = Twist {
-                        linear: motion.linear.get(lane),
-                        angular: motion.angular.get(lane),
-                    };
-                }
-            }
-        }
-        for cable in 0..cables {
-            for other in 0..cable {
-                lengths[other * cables + cable] = lengths[cable * cables + other];
             }
         }
     }

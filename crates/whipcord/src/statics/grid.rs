@@ -106,6 +106,12 @@ impl Nodes {
         }))
     }
 
+    /// Whether the section at a node is one of [`Self::runs`].
+    #[inline]
+    pub fn is_in_run(&self, node: usize) -> bool {
+        self.runs.iter().any(|run| run.nodes.contains(&node))
+    }
+
     /// Whether the section at node `j` of step `k` is that at the node before it.
     #[inline]
     pub fn repeats(&self, k: usize, j: usize) -> bool {

@@ -11,7 +11,7 @@
 //! | `perturbation` | stable equilibria on branches off the load path, by dead moments that are taken away again |
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
-//! | `section_runs` | sections that are solved side by side |
+//! | `section_runs`, `lanes` | sections that are solved side by side, and how |
 //! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
 //! | `convexity` | loads so weak that there is one equilibrium, eq. (16) |
 //! | `runge_kutta` | state and stages of the integration of a rod under loads |
@@ -38,6 +38,7 @@ pub(crate) mod friction;
 pub(crate) mod grid;
 pub(crate) mod hold;
 mod infeasible_lengths;
+pub(crate) mod lanes;
 mod length_newton;
 mod length_problem;
 mod length_step;

@@ -29,13 +29,24 @@ pub(crate) struct SectionRun {
     pub of_middles: SectionTable,
 }
 
-/// What is known of sections: a row of so many slots for each number.
+/// What is known of sections in slots: those of [`WIDTH`] slots one number after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct SectionTable {
-    numbers: Vec<f64>,
-    slots: usize,
+    rows: Vec<Row>,
     /// How many cables cross each section.
     pub cables: usize,
+}
+
+/// One number of the sections in neighbouring slots.
+pub(crate) type Row = [f64; WIDTH];
+
+/// Rows of [`WIDTH`] neighbouring slots.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows<'a> {
+    /// Shear x, y, z, bending x, y, z, pivots x, y, z, rest curvature x, y, z, reach.
+    pub section: &'a [Row; OF_SECTION],
+    /// Of each cable offset x, y, slope x, y, z.
+    pub cables: &'a [[Row; OF_CABLE]],
 }
 
 /// Sections that are solved beside one another.
@@ -141,41 +152,46 @@ impl SectionRun {
 }
 
 impl SectionTable {
-    /// Of the places in the slots.
+    /// Of the places in the slots, whose number is a multiple of [`WIDTH`].
     fn of(in_slots: &[usize], places: &[Place<'_>]) -> Self {
         let cables = places.first().map_or(0, |place| place.crossings.len());
-        let slots = in_slots.len();
-        let numbers = vec![0.0; (OF_SECTION + OF_CABLE * cables) * slots];
-        let mut table = Self { numbers, slots, cables };
-        in_slots.iter().enumerate().for_each(|(slot, &at)| table.fill(slot, &places[at]));
-        table
-    }
-
-    fn fill(&mut self, slot: usize, Place { section, crossings, .. }: &Place<'_>) {
-        let slots = self.slots;
-        let pivots = section.pivots();
-        let vectors =
-            [section.stiffness.shear, section.stiffness.bending, pivots, section.rest_curvature];
-        let numbers = vectors.iter().flat_map(|of| of.to_array()).chain([reach(crossings)]);
-        let of_cables = crossings.iter().flat_map(|Crossing { offset, slope, .. }| {
-            [offset.x, offset.y, slope.x, slope.y, slope.z]
-        });
-        for (row, number) in numbers.chain(of_cables).enumerate() {
-            self.numbers[row * slots + slot] = number;
+        let of_group = OF_SECTION + OF_CABLE * cables;
+        let mut rows = Vec::with_capacity(in_slots.len() / WIDTH * of_group);
+        for group in in_slots.chunks(WIDTH) {
+            let mut of = vec![[0.0; WIDTH]; of_group];
+            for (slot, &at) in group.iter().enumerate() {
+                let numbers = numbers_of(&places[at]);
+                of.iter_mut().zip(numbers).for_each(|(row, number)| row[slot] = number);
+            }
+            rows.extend(of);
         }
+        Self { rows, cables }
     }
 
-    /// Row of a section, from a slot on: shear x, y, z, bending x, y, z, pivots x, y, z, rest curvature x, y, z, reach.
+    /// Of the slots beside this one, which are a multiple of [`WIDTH`] and those behind it; none behind the last.
     #[inline(always)]
-    pub fn row(&self, row: usize, slot: usize) -> &[f64] {
-        &self.numbers[row * self.slots + slot..(row + 1) * self.slots]
+    pub fn rows(&self, slot: usize) -> Option<Rows<'_>> {
+        let of_group = OF_SECTION + OF_CABLE * self.cables;
+        let rows = self.rows.get(slot / WIDTH * of_group..)?.get(..of_group)?;
+        let (section, cables) = rows.split_first_chunk()?;
+        Some(Rows { section, cables: cables.as_chunks().0 })
     }
+}
 
-    /// Row of a cable, likewise: offset x, y, slope x, y, z.
-    #[inline(always)]
-    pub fn row_of_cable(&self, cable: usize, row: usize, slot: usize) -> &[f64] {
-        self.row(OF_SECTION + OF_CABLE * cable + row, slot)
-    }
+/// The numbers of a section, then those of each cable that crosses it.
+fn numbers_of<'a>(Place { section, crossings, .. }: &Place<'a>) -> impl Iterator<Item = f64> + 'a {
+    let vectors = [
+        section.stiffness.shear,
+        section.stiffness.bending,
+        section.pivots(),
+        section.rest_curvature,
+    ];
+    let numbers = vectors.into_iter().flat_map(|of| of.to_array()).chain([reach(crossings)]);
+    numbers.chain(
+        crossings.iter().flat_map(|Crossing { offset, slope, .. }| {
+            [offset.x, offset.y, slope.x, slope.y, slope.z]
+        }),
+    )
 }
 
 /// The start of a place between known ones, all of them counted from the first node of the run.

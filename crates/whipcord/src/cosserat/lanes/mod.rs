@@ -6,7 +6,6 @@
 //! half a radian, an error of discretisation that takes grids finer than those at hand.
 
 mod grid;
-pub(super) mod run;
 mod section;
 mod stability;
 
@@ -170,7 +169,7 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                     // Lanes without a row are slack.
                     *value = values.get(lane * cables + cable).copied().unwrap_or(0.0);
                 }
-                sweep.tensions.push(Lanes::load(simd, &column));
+                sweep.tensions.push(Lanes::load(simd, &column, 0));
             }
             // A lane that has its answer, or none at all, is out.
             let mut out = Lanes::splat(simd, 0.0);
@@ -246,7 +245,7 @@ fn moved_by<S: Simd>(simd: S, fine: &[f64], coarse: &[f64], places: usize) -> La
     for place in 0..places {
         let part = |i: usize| {
             let at = (place * NUMBERS + i) * lanes;
-            Lanes::load(simd, &fine[at..]) - Lanes::load(simd, &coarse[at..])
+            Lanes::load(simd, fine, at) - Lanes::load(simd, coarse, at)
         };
         change = change.max(LaneVec3::new(part(0), part(1), part(2)).norm());
     }
@@ -259,7 +258,7 @@ fn move_frames<S: Simd>(simd: S, base: Pose, frames: &[f64], moved: &mut [f64]) 
     let size = NUMBERS * Lanes::<S>::COUNT;
     let base = LanePose::splat(simd, base);
     for (to, from) in moved.chunks_exact_mut(size).zip(frames.chunks_exact(size)) {
-        let part = |i: usize| Lanes::load(simd, &from[i * Lanes::<S>::COUNT..]);
+        let part = |i: usize| Lanes::load(simd, from, i * Lanes::<S>::COUNT);
         let pose = LanePose {
             position: LaneVec3::new(part(0), part(1), part(2)),
             w: part(3),

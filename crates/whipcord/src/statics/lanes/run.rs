@@ -1,13 +1,13 @@
 //! The sections of one robot beside one another, see [`crate::statics::section_runs`].
 
 use pulp::Simd;
-use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneSym3, LaneTwist, LaneVec3, Lanes};
+use whipcord_numerics::{Mat3, Vec3};
 
-use super::section::{InLanes, LaneBare, LaneCrossing, equilibrium, reduced};
+use super::section::{InLanes, LaneBare, LaneCrossing, LanePull, equilibrium, linearize, reduced};
 use crate::section::{BodyWrench, SectionFault, Strain, equilibrium as of_section};
 use crate::statics::grid::Nodes;
-use crate::statics::section_runs::{SectionRun, SectionTable, WIDTH, Wave, WaveStart};
+use crate::statics::section_runs::{Rows, SectionRun, SectionTable, WIDTH, Wave, WaveStart};
 
 /// What is known of all sections of a rod.
 pub(crate) struct Known<'a> {
@@ -19,17 +19,24 @@ pub(crate) struct Known<'a> {
     pub cables: usize,
 }
 
-/// The sections from a slot of a run on, under these tensions.
+/// The sections in so many lanes of a run, under these tensions.
 struct Slots<'a> {
-    table: &'a SectionTable,
-    slot: usize,
+    rows: Rows<'a>,
+    /// Slot of the first lane in the rows.
+    first: usize,
     tensions: &'a [f64],
 }
 
-impl Slots<'_> {
+impl<'a> Slots<'a> {
+    /// From a slot of a table on; `None` behind the last.
+    #[inline(always)]
+    fn from(table: &'a SectionTable, slot: usize, tensions: &'a [f64]) -> Option<Self> {
+        Some(Self { rows: table.rows(slot)?, first: slot % WIDTH, tensions })
+    }
+
     #[inline(always)]
     fn vector<S: Simd>(&self, simd: S, row: usize) -> LaneVec3<S> {
-        let load = |i: usize| Lanes::load(simd, self.table.row(row + i, self.slot));
+        let load = |i: usize| Lanes::load(simd, &self.rows.section[row + i], self.first);
         LaneVec3::new(load(0), load(1), load(2))
     }
 }
@@ -37,7 +44,12 @@ impl Slots<'_> {
 impl<S: Simd> InLanes<S> for Slots<'_> {
     #[inline(always)]
     fn cables(&self) -> usize {
-        self.table.cables
+        self.rows.cables.len()
+    }
+
+    #[inline(always)]
+    fn is_slack(&self, cable: usize) -> bool {
+        self.tensions[cable] == 0.0
     }
 
     #[inline(always)]
@@ -47,13 +59,14 @@ impl<S: Simd> InLanes<S> for Slots<'_> {
             bending: self.vector(simd, 3),
             pivots: self.vector(simd, 6),
             rest_curvature: self.vector(simd, 9),
-            reach: Lanes::load(simd, self.table.row(12, self.slot)),
+            reach: Lanes::load(simd, &self.rows.section[12], self.first),
         }
     }
 
     #[inline(always)]
     fn crossing(&self, simd: S, cable: usize) -> (LaneCrossing<S>, Lanes<S>) {
-        let load = |row: usize| Lanes::load(simd, self.table.row_of_cable(cable, row, self.slot));
+        let of = &self.rows.cables[cable];
+        let load = |row: usize| Lanes::load(simd, &of[row], self.first);
         let slope = LaneVec3::new(load(2), load(3), load(4));
         let crossing = LaneCrossing { offset: [load(0), load(1)], slope };
         (crossing, Lanes::splat(simd, self.tensions[cable]))
@@ -80,7 +93,7 @@ pub(crate) fn solve_run<S: Simd>(
         let groups = of_wave.chunks(lanes).zip(starts.chunks(lanes));
         for (number, (group, starts)) in groups.enumerate() {
             let slot = slots.start + number * lanes;
-            let of = Slots { table: &run.sections, slot, tensions };
+            let Some(of) = Slots::from(&run.sections, slot, tensions) else { break };
             let mut columns = [[0.0; WIDTH]; 6];
             let mut strain = Strain::default();
             for lane in 0..lanes.min(WIDTH) {
@@ -102,11 +115,7 @@ pub(crate) fn solve_run<S: Simd>(
                     column[lane] = number;
                 }
             }
-            let load = |i: usize| Lanes::load(simd, &columns[i]);
-            let start = LaneTwist {
-                linear: LaneVec3::new(load(0), load(1), load(2)),
-                angular: LaneVec3::new(load(3), load(4), load(5)),
-            };
+            let start = of_columns(simd, &columns);
             let (found, met) = equilibrium(&of, simd, start);
             let met = met.select(Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0));
             for (lane, &node) in group.iter().enumerate() {
@@ -146,7 +155,79 @@ pub(crate) fn solve_run<S: Simd>(
     fault.map_or(Ok(()), Err)
 }
 
-/// The least `δuᵀ S δu / δuᵀ K_bt δu` in the middles of the steps of a run, less 1, as [`super::stability`] has it; infinite where it has none, and a NaN where a
+/// The compliance `H⁻¹` of each section of a run in blocks, which `take` is given with its node, and at `pulls[node * cables + cable]` what a unit tension of each cable
+/// exerts there, with its stretch.
+///
+/// # Errors
+/// A node whose Hessian is not positive definite.
+#[inline(always)]
+pub(crate) fn linearize_run<S: Simd>(
+    simd: S,
+    run: &SectionRun,
+    tensions: &[f64],
+    strains: &[Strain],
+    (pulls, cables): (&mut [(BodyWrench, f64)], usize),
+    mut take: impl FnMut(usize, [Mat3; 3]),
+) -> Result<(), (usize, SectionFault)> {
+    let lanes = Lanes::<S>::COUNT;
+    for Wave { slots, nodes, .. } in &run.waves {
+        for (number, group) in nodes.chunks(lanes).enumerate() {
+            let slot = slots.start + number * lanes;
+            let Some(of) = Slots::from(&run.sections, slot, tensions) else { break };
+            let strain = strains_at(simd, strains, group);
+            let tangent = linearize(&of, simd, &strain, |cable, pull| {
+                let LanePull { linear, angular, stretch } = pull;
+                for (lane, &node) in group.iter().enumerate() {
+                    let exerted = BodyWrench { linear: linear.of(lane), angular: angular.of(lane) };
+                    pulls[node * cables + cable] = (exerted, stretch.as_slice()[lane]);
+                }
+            });
+            let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+            let definite = tangent.is_definite().select(one, zero);
+            let [stretch, mixed, turn] = tangent.compliance(simd);
+            for (lane, &node) in group.iter().enumerate() {
+                if definite.as_slice()[lane] == 0.0 {
+                    return Err((node, SectionFault::Diverged));
+                }
+                let of =
+                    [matrix_of(&stretch, lane), matrix_of(&mixed, lane), matrix_of(&turn, lane)];
+                take(node, of);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The strains at nodes, one in each lane; lanes without a node repeat the last one.
+#[inline(always)]
+fn strains_at<S: Simd>(simd: S, strains: &[Strain], nodes: &[usize]) -> LaneTwist<S> {
+    let mut columns = [[0.0; WIDTH]; 6];
+    for lane in 0..Lanes::<S>::COUNT.min(WIDTH) {
+        let Strain { linear, angular } = strains[nodes[lane.min(nodes.len() - 1)]];
+        let numbers = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
+        for (column, number) in columns.iter_mut().zip(numbers) {
+            column[lane] = number;
+        }
+    }
+    of_columns(simd, &columns)
+}
+
+#[inline(always)]
+fn of_columns<S: Simd>(simd: S, columns: &[[f64; WIDTH]; 6]) -> LaneTwist<S> {
+    let load = |i: usize| Lanes::load(simd, &columns[i], 0);
+    LaneTwist {
+        linear: LaneVec3::new(load(0), load(1), load(2)),
+        angular: LaneVec3::new(load(3), load(4), load(5)),
+    }
+}
+
+#[inline(always)]
+fn matrix_of<S: Simd>([a, b, c]: &[LaneVec3<S>; 3], lane: usize) -> Mat3 {
+    let (a, b, c) = (a.of(lane), b.of(lane), c.of(lane));
+    Mat3::from_rows(Vec3::new(a.x, b.x, c.x), Vec3::new(a.y, b.y, c.y), Vec3::new(a.z, b.z, c.z))
+}
+
+/// The least `δuᵀ S δu / δuᵀ K_bt δu` in the middles of the steps of a run, less 1, as [`crate::cosserat`] has it; infinite where it has none, and a NaN where a
 /// section has no factors.
 #[inline(always)]
 pub(crate) fn stability_of_run<S: Simd>(
@@ -158,20 +239,8 @@ pub(crate) fn stability_of_run<S: Simd>(
     let mut least = f64::INFINITY;
     let lanes = Lanes::<S>::COUNT;
     for (number, group) in run.middles.chunks(lanes).enumerate() {
-        let of = Slots { table: &run.of_middles, slot: number * lanes, tensions };
-        let mut columns = [[0.0; WIDTH]; 6];
-        for lane in 0..lanes.min(WIDTH) {
-            let Strain { linear, angular } = strains[group[lane.min(group.len() - 1)]];
-            let numbers = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
-            for (column, number) in columns.iter_mut().zip(numbers) {
-                column[lane] = number;
-            }
-        }
-        let load = |i: usize| Lanes::load(simd, &columns[i]);
-        let strain = LaneTwist {
-            linear: LaneVec3::new(load(0), load(1), load(2)),
-            angular: LaneVec3::new(load(3), load(4), load(5)),
-        };
+        let Some(of) = Slots::from(&run.of_middles, number * lanes, tensions) else { break };
+        let strain = strains_at(simd, strains, group);
         let (reduced, definite) = reduced(&of, simd, &strain);
         let bending = of.bare(simd).bending;
         let zero = Lanes::splat(simd, 0.0);
@@ -197,8 +266,5 @@ pub(crate) fn stability_of_run<S: Simd>(
 
 #[inline(always)]
 fn strain_of<S: Simd>(LaneTwist { linear, angular }: &LaneTwist<S>, lane: usize) -> Strain {
-    let at = |v: &LaneVec3<S>| {
-        Vec3::new(v.x.as_slice()[lane], v.y.as_slice()[lane], v.z.as_slice()[lane])
-    };
-    Strain { linear: at(linear), angular: at(angular) }
+    Strain { linear: linear.of(lane), angular: angular.of(lane) }
 }
