@@ -449,8 +449,8 @@ class Case(Description):
     ) -> ReachBatch:
         """Commands for many targets, each by itself.
 
-        From 256 targets on each search starts from the nearest of the commands of the case and of 128 shapes all over the commands, which are computed once for
-        each thread; unless the least change is asked for.
+        From 256 targets on each search starts from the nearest of the commands of the case and of shapes all over the commands, one for every eight targets and
+        128 at most, which are computed once for each thread; unless the least change is asked for.
 
         Parameters
         ----------

@@ -202,7 +202,7 @@ impl Controller {
                 .chain(&forces)
                 .map(|motions| motions[own.len()..].to_vec())
                 .collect();
-            measured.linearize(&evaluation.solution, &of, lever, &mut linear);
+            measured.linearize(&evaluation.solution.disks.poses, &of, lever, &mut linear);
             for row in linear.jacobian.chunks_exact_mut(n + 3) {
                 row.iter_mut().zip(&scales).for_each(|(h, scale)| *h *= scale);
             }
@@ -212,13 +212,14 @@ impl Controller {
         }
 
         let mut linear = Linear::default();
-        target.linearize(&evaluation.solution, &evaluation.rates.motions, lever, &mut linear);
+        let poses = &evaluation.solution.disks.poses;
+        target.linearize(poses, &evaluation.rates.motions, lever, &mut linear);
         let mut before = Vec::new();
         let earlier = self.last_target.as_ref().filter(|earlier| earlier.is_like(target));
         earlier.unwrap_or(target).residual(&evaluation.solution, lever, &mut before);
         // What the estimate has moved since the solve.
         let mut by_force = Linear::default();
-        target.linearize(&evaluation.solution, &forces, lever, &mut by_force);
+        target.linearize(poses, &forces, lever, &mut by_force);
         let left = (-self.options.gain * self.options.period).exp();
         for (i, (r, r0)) in linear.residual.iter_mut().zip(&before).enumerate() {
             let row = &linear.jacobian[i * n..(i + 1) * n];

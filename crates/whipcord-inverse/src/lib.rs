@@ -49,6 +49,7 @@ mod options;
 mod path;
 mod predicted;
 mod proof;
+mod rate_changes;
 mod rates;
 mod reach;
 mod redundancy;

@@ -11,6 +11,7 @@ use crate::descent::{Control, Ending, Start};
 use crate::error::{InverseError, TargetProblem};
 use crate::evaluation::Evaluation;
 use crate::foresight::Passed;
+use crate::landmarks::{Landmark, Led};
 use crate::limit::{Constraints, Limit};
 use crate::options::{Preference, ReachOptions, ReachStatus};
 use crate::redundancy::{self, Redundancy};
@@ -176,12 +177,17 @@ impl InverseSolver {
                     break;
                 }
             }
-            let at = match (starts, from, known) {
+            let at = match (starts, from, &known) {
                 (1, Some(from), _) => {
                     let moved = predicted.as_ref().map_or(&unknowns, |of| &of.unknowns);
                     Start::From(moved, (&unknowns, &from.at.evaluation))
                 }
-                (1, None, Some(known)) => Start::Known(&known.unknowns, &known.evaluation),
+                (1, None, Some(Led { landmark: Landmark { unknowns, evaluation, .. }, to })) => {
+                    match to {
+                        Some(to) => Start::From(to, (unknowns, evaluation)),
+                        None => Start::Known(unknowns, evaluation),
+                    }
+                }
                 _ => Start::At(&unknowns),
             };
             match search.attempt(at, &control(spent), &mut self.workspace, options) {

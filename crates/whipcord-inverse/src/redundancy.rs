@@ -31,7 +31,12 @@ impl Redundancy {
         scales: &[f64],
     ) -> Option<Self> {
         let mut linear = Linear::default();
-        target.linearize(&evaluation.solution, &evaluation.rates.motions, lever, &mut linear);
+        target.linearize(
+            &evaluation.solution.disks.poses,
+            &evaluation.rates.motions,
+            lever,
+            &mut linear,
+        );
         let n = scales.len();
         for row in linear.jacobian.chunks_exact_mut(n) {
             row.iter_mut().zip(scales).for_each(|(j, scale)| *j *= scale);

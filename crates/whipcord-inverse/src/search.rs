@@ -10,6 +10,7 @@ use crate::limit::Constraints;
 use crate::linear::Linear;
 use crate::options::ReachOptions;
 use crate::predicted::Predicted;
+use crate::rate_changes::Foretold;
 use crate::target::{Miss, Target, Tolerance};
 
 /// A point that an iteration ended at, with the answer of a solve from rest.
@@ -90,15 +91,11 @@ impl Problem for Search<'_> {
 
     fn linearize(&self, evaluation: &Evaluation) -> Linear {
         let mut linear = Linear::default();
-        self.target.linearize(
-            &evaluation.solution,
-            &evaluation.rates.motions,
-            self.lever,
-            &mut linear,
-        );
+        let poses = &evaluation.solution.disks.poses;
+        self.target.linearize(poses, &evaluation.rates.motions, self.lever, &mut linear);
         let first = self.target.places().len();
         self.constraints.linearize(self.forward.robot(), evaluation, first, &mut linear);
-        linear.residual.iter_mut().zip(&self.correction.residual).for_each(|(r, more)| *r += more);
+        self.correction.add_to(&mut linear.residual);
         linear.slack.iter_mut().zip(&self.correction.slack).for_each(|(s, more)| *s += more);
         linear
     }
@@ -144,6 +141,17 @@ impl Search<'_> {
     /// Takes over what another search has learned.
     pub fn take(&mut self, Learned { correction, curvature }: Learned) {
         (self.correction, self.curvature) = (correction, curvature);
+    }
+
+    /// Writes residuals and Jacobian of the target where an evaluation foretells them.
+    pub fn foretell(&self, foretold: &Foretold, into: &mut Linear) {
+        self.target.linearize(&foretold.poses, &foretold.motions, self.lever, into);
+        self.correction.add_to(&mut into.residual);
+    }
+
+    /// Takes the curvature that is known at the start, as in [`Control::curvature`].
+    pub const fn expect_curvature(&mut self, curvature: f64) {
+        self.curvature = Some(curvature);
     }
 
     /// Of a start elsewhere nothing is known.
@@ -323,4 +331,10 @@ impl Search<'_> {
 struct Correction {
     residual: Vec<f64>,
     slack: Vec<f64>,
+}
+
+impl Correction {
+    fn add_to(&self, residual: &mut [f64]) {
+        residual.iter_mut().zip(&self.residual).for_each(|(r, more)| *r += more);
+    }
 }

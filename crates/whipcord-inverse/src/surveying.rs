@@ -67,8 +67,8 @@ impl Surveyed<'_> {
 
 impl InverseSolver {
     /// Lets [`Self::reach`] start from the nearest of the commands of the case and so many shapes all over the commands, except where the least change is preferred.
-    /// They are computed with the first target of a kind, which takes as long as about one target for each, and spare every target behind it a part of its solves: worth their while
-    /// for many targets. At 0 it starts from the commands of the case.
+    /// They are computed with the first target of a kind with their first and second derivatives, which takes a few solves for each and one for each of its unknowns, and spare every
+    /// target behind it most of its solves: worth their while for several targets for each shape. At 0 it starts from the commands of the case.
     pub fn start_from_shapes(&mut self, count: usize) {
         self.landmarks = Landmarks::default();
         self.spread = (count > 0).then(|| self.spread_over_commands(count));

@@ -234,43 +234,49 @@ impl Target {
         }
     }
 
-    /// Writes residuals and Jacobian, from the motions of [`Self::places`] by each unknown.
+    /// Writes residuals and Jacobian at the poses of all disks, from the motions of [`Self::places`] by each unknown.
     pub(crate) fn linearize(
         &self,
-        solution: &Solution,
+        poses: &[Pose],
         motions: &[Vec<Twist>],
         lever: f64,
         into: &mut Linear,
     ) {
-        self.residual(solution, lever, &mut into.residual);
+        into.residual.clear();
+        let Some(tip) = poses.last() else { return };
+        self.residual_at(tip, |disk| poses[disk].position, lever, &mut into.residual);
         let (rows, n) = (into.residual.len(), motions.len());
         into.jacobian.clear();
         into.jacobian.resize(rows * n, 0.0);
         let mut column = Vec::with_capacity(rows);
         let places = self.places().len();
+        // Of the rotation from the target, which is the same for all unknowns.
+        let turn = match self {
+            Self::Pose(pose) => (tip.rotation * pose.rotation.conjugate()).log(),
+            _ => Vec3::ZERO,
+        };
         for (k, of) in motions.iter().enumerate() {
-            self.residual_rate(solution, &of[..places], lever, &mut column);
+            self.residual_rate((tip, turn), &of[..places], lever, &mut column);
             for (i, rate) in column.iter().enumerate() {
                 into.jacobian[i * n + k] = *rate;
             }
         }
     }
 
-    /// Writes the derivatives of the residuals by one unknown, from the motions of [`Self::places`].
+    /// Writes the derivatives of the residuals by one unknown, from the tip, how it is turned from the target, and the motions of [`Self::places`].
     fn residual_rate(
         &self,
-        solution: &Solution,
+        (tip, turn): (&Pose, Vec3),
         motions: &[Twist],
         lever: f64,
         into: &mut Vec<f64>,
     ) {
         into.clear();
-        let Some((tip, motion)) = solution.disks.poses.last().zip(motions.last()) else { return };
+        let Some(motion) = motions.last() else { return };
         match self {
             Self::Tip(_) => into.extend(motion.linear.to_array()),
-            Self::Pose(pose) => {
+            Self::Pose(_) => {
                 into.extend(motion.linear.to_array());
-                let turn = (tip.rotation * pose.rotation.conjugate()).log();
                 into.extend((rate_of_log(turn, motion.angular) * lever).to_array());
             }
             Self::Axis { point, .. } => {

@@ -154,8 +154,8 @@ fn worked_off(
             if ended.load(Ordering::Relaxed) {
                 return;
             }
-            let shapes = if targets.len() < MANY { 0 } else { SHAPES };
-            let row = row(task, target.as_ref(), shapes, &mut solver);
+            let shapes = if targets.len() < MANY { 0 } else { targets.len() / FOR_SHAPE };
+            let row = row(task, target.as_ref(), shapes.min(SHAPES), &mut solver);
             // A panic elsewhere leaves the list whole.
             rows.lock().unwrap_or_else(PoisonError::into_inner)[number] = row;
             if !progress(done.fetch_add(1, Ordering::Relaxed) + 1, targets.len()) {
@@ -172,8 +172,9 @@ fn worked_off(
     rows.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// For so many targets it is worth its while to start from so many shapes.
+/// For so many targets it is worth its while to start from shapes: one for so many of them, and so many at most.
 const MANY: usize = 256;
+const FOR_SHAPE: usize = 8;
 const SHAPES: usize = 128;
 
 fn row(
