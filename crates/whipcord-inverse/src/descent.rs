@@ -1,7 +1,7 @@
 //! Least squares with bounds and linearised constraints, by a Levenberg–Marquardt step from a quadratic programme.
 
 use whipcord::SolveError;
-use whipcord_numerics::{NoMinimum, Programme, QuadraticProgramme};
+use whipcord_numerics::{NoMinimum, Programme, QuadraticProgramme, dot};
 
 use crate::linear::Linear;
 use crate::secant::SecondOrder;
@@ -306,7 +306,9 @@ pub(crate) struct Workspace {
     upper: Vec<f64>,
     rows: Vec<f64>,
     limits: Vec<f64>,
-    jacobian: Vec<f64>,
+    /// Of the Jacobian in scales of the unknowns, and `r + J d`.
+    columns: Vec<f64>,
+    left: Vec<f64>,
     /// In scales of the unknowns; the relaxation behind them where there are constraints.
     step: Vec<f64>,
     /// As [`Self::left`] says.
@@ -340,21 +342,24 @@ impl Workspace {
         let constraints = linear.slack.len();
         let relaxed = usize::from(constraints > 0);
         let size = n + relaxed;
-        self.jacobian.clear();
-        for row in linear.jacobian.chunks_exact(n) {
-            self.jacobian.extend(row.iter().zip(control.scales).map(|(j, scale)| j * scale));
+        self.columns.clear();
+        self.columns.resize(n * m, 0.0);
+        for (i, row) in linear.jacobian.chunks_exact(n).enumerate() {
+            for (k, (j, scale)) in row.iter().zip(control.scales).enumerate() {
+                self.columns[k * m + i] = j * scale;
+            }
         }
         self.matrix.clear();
         self.matrix.resize(size * size, 0.0);
         self.gradient.clear();
         self.gradient.resize(size, 0.0);
-        for k in 0..m {
-            let row = &self.jacobian[k * n..(k + 1) * n];
-            for (a, ja) in row.iter().enumerate() {
-                self.gradient[a] += ja * linear.residual[k];
-                for (b, jb) in row.iter().enumerate() {
-                    self.matrix[a * size + b] += ja * jb;
-                }
+        for a in 0..n {
+            let column = &self.columns[a * m..(a + 1) * m];
+            self.gradient[a] = dot(column, &linear.residual);
+            for b in 0..=a {
+                let product = dot(column, &self.columns[b * m..(b + 1) * m]);
+                self.matrix[a * size + b] = product;
+                self.matrix[b * size + a] = product;
             }
         }
         #[allow(clippy::cast_precision_loss, reason = "far below 2⁵³ unknowns")]
@@ -395,13 +400,12 @@ impl Workspace {
             limits: &self.limits,
         };
         self.solver.minimise(&programme, &mut self.step)?;
-        let predicted: f64 = (0..m)
-            .map(|k| {
-                let row = &self.jacobian[k * n..(k + 1) * n];
-                let change: f64 = row.iter().zip(&self.step).map(|(j, d)| j * d).sum();
-                (linear.residual[k] + change).powi(2)
-            })
-            .sum();
+        self.left.clone_from(&linear.residual);
+        for (k, d) in self.step[..n].iter().enumerate() {
+            let column = &self.columns[k * m..(k + 1) * m];
+            self.left.iter_mut().zip(column).for_each(|(left, j)| *left += j * d);
+        }
+        let predicted = dot(&self.left, &self.left);
         let violation = self.rows.chunks_exact(size).zip(&linear.slack).map(|(row, slack)| {
             row[..n].iter().zip(&self.step).map(|(a, d)| a * d).sum::<f64>() - slack
         });

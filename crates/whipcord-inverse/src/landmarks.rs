@@ -45,8 +45,8 @@ pub(crate) struct Led<'a> {
 }
 
 /// Steps to where derivatives lead, and the last one, in changes that bend the robot by half a turn.
-const STEPS: usize = 6;
-const LAST_STEP: f64 = 5e-4;
+const STEPS: usize = 5;
+const LAST_STEP: f64 = 1e-3;
 /// How far second derivatives hold, likewise.
 const FAR: f64 = 0.5;
 

@@ -1,7 +1,7 @@
 //! How the derivatives of an evaluation change with the unknowns, and where they lead to second order.
 
 use whipcord::derivatives::Place;
-use whipcord::{Pose, SolveError, Twist, UnitQuaternion};
+use whipcord::{Pose, SolveError, Twist, UnitQuaternion, Vec3};
 
 use crate::evaluation::Evaluation;
 use crate::forward::Forward;
@@ -9,9 +9,12 @@ use crate::forward::Forward;
 /// The changes of the motions of an evaluation, by differences of exact derivatives.
 #[derive(Clone, Debug)]
 pub(crate) struct RateChanges {
-    /// Of the motion of each place by unknown k, with unknown l, at `[l][k]`.
-    by: Vec<Vec<Vec<Twist>>>,
+    /// With unknown l at `[l]`: of the motions by each unknown, of all places one after the other.
+    by: Vec<Vec<Numbers>>,
 }
+
+/// A twist: the linear part, then the angular one.
+type Numbers = [f64; 6];
 
 /// What is foretold at unknowns beside an evaluation.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +23,7 @@ pub(crate) struct Foretold {
     pub poses: Vec<Pose>,
     /// Of the places, by each unknown.
     pub motions: Vec<Vec<Twist>>,
+    sums: Vec<Numbers>,
 }
 
 /// The step of the differences, in changes that bend the robot by half a turn: derivatives under loads have an error of the square of it.
@@ -56,12 +60,12 @@ impl RateChanges {
                 Err(error @ SolveError::Cancelled { .. }) => return Err(error),
                 Err(_) => return Ok(None),
             };
-            let rate = |(there, here): (&Twist, &Twist)| Twist {
-                linear: (there.linear - here.linear) * (1.0 / step),
-                angular: (there.angular - here.angular) * (1.0 / step),
+            let rate = |(there, here): (&Twist, &Twist)| {
+                let (there, here) = (numbers(there), numbers(here));
+                core::array::from_fn(|i| (there[i] - here[i]) / step)
             };
-            let of = beside.rates.motions.iter().zip(&evaluation.rates.motions);
-            by.push(of.map(|(there, here)| there.iter().zip(here).map(rate).collect()).collect());
+            let all = |of: &Evaluation| of.rates.motions.concat();
+            by.push(all(&beside).iter().zip(&all(evaluation)).map(rate).collect());
         }
         Ok(Some(Self { by }))
     }
@@ -79,14 +83,16 @@ impl RateChanges {
         into: &mut Foretold,
     ) {
         let rates = &evaluation.rates.motions;
-        into.motions.clone_from(rates);
+        into.sums.clear();
+        into.sums.extend(rates.iter().flatten().map(numbers));
         for (of_unknown, change) in self.by.iter().zip(changes) {
-            for (motions, rates) in into.motions.iter_mut().zip(of_unknown) {
-                for (motion, rate) in motions.iter_mut().zip(rates) {
-                    motion.linear += *change * rate.linear;
-                    motion.angular += *change * rate.angular;
-                }
+            for (sums, rates) in into.sums.iter_mut().zip(of_unknown) {
+                sums.iter_mut().zip(rates).for_each(|(sum, rate)| *sum += change * rate);
             }
+        }
+        into.motions.clone_from(rates);
+        for (motion, [x, y, z, u, v, w]) in into.motions.iter_mut().flatten().zip(&into.sums) {
+            *motion = Twist { linear: Vec3::new(*x, *y, *z), angular: Vec3::new(*u, *v, *w) };
         }
         into.poses.clone_from(&evaluation.solution.disks.poses);
         let tip = into.poses.len().saturating_sub(1);
@@ -108,6 +114,10 @@ impl RateChanges {
     }
 }
 
+fn numbers(Twist { linear, angular }: &Twist) -> Numbers {
+    [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,7 +125,7 @@ mod tests {
     use crate::limits::{CableLimits, Limits};
     use crate::solver::InverseSolver;
     use whipcord::{Backbone, Cable, Case, Disks, Loads, Material, Model, ModelKind, Robot};
-    use whipcord::{PointLoad, Routing, Section, Vec3};
+    use whipcord::{PointLoad, Routing, Section};
 
     const LENGTH: f64 = 0.18;
 

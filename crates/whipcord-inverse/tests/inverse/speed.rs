@@ -1,10 +1,13 @@
 //! What the inverse problems of each robot take, in one table.
 
-use whipcord::{Case, Loads, ModelKind, Robot};
+use std::time::Instant;
+
+use whipcord::cosserat::{Accuracy, Options};
+use whipcord::{Case, Loads, Model, ModelKind, Robot, Solution, Status, WarmStart};
 use whipcord_inverse::{CommandedBy, Preference, ReachOptions, WorkspaceOptions};
 
 use crate::clock::Clock;
-use crate::planted::{FIRST, Kind, Question, study};
+use crate::planted::{FIRST, Kind, Question, Random, study};
 use crate::{follow, proof, robots, workspace};
 
 /// The median, and the greatest.
@@ -28,6 +31,26 @@ fn planted(robot: &Robot, greatest: f64, loads: &Loads, count: usize) -> ([f64; 
     (medians, missed)
 }
 
+/// The median of solves of a rod of 12 steps without load in s, each the least of three times: how fast the machine is at the time.
+fn rod() -> f64 {
+    let (_, robot, greatest) = robots::all().swap_remove(0);
+    let accuracy = Accuracy::Steps(12);
+    let model = Model::Cosserat(Options { accuracy, ..Options::default() });
+    let mut prepared = model.prepare(&robot, &Loads::default()).unwrap();
+    let mut random = Random(7);
+    let mut solution = Solution::empty(ModelKind::Cosserat);
+    let seconds = (0..200).map(|_| {
+        let case = Case::with_tensions(&random.tensions(robot.cables().len(), greatest));
+        (0..3).fold(f64::INFINITY, |least, _| {
+            let clock = Instant::now();
+            let status = prepared.solve_into(&case, WarmStart::None, &mut solution).unwrap();
+            assert_eq!(status, Status::Converged);
+            least.min(clock.elapsed().as_secs_f64())
+        })
+    });
+    middle_and_most(seconds.collect())[0]
+}
+
 /// Seconds of the processor that a survey with voxels of 8 mm takes.
 fn survey(robot: &Robot, greatest: f64, loads: &Loads) -> f64 {
     let options = WorkspaceOptions { voxel: Some(0.008), ..WorkspaceOptions::default() };
@@ -38,7 +61,7 @@ fn survey(robot: &Robot, greatest: f64, loads: &Loads) -> f64 {
 }
 
 /// A row for each robot, without load and under a force on the tip: medians of planted tips, poses and shapes from `SHAPES` shapes, each the least of three times; and of the processor: the mean of a
-/// point of a path, the median and the greatest of proofs, and what all threads take for the workspace. `COUNT` targets of each kind, `ROBOT` for one robot, `ONLY` for some of `reach`, `path`, `proof` and `workspace`.
+/// point of a path, the median and the greatest of proofs, and what all threads take for the workspace; and a solve of [`rod`] beside them. `COUNT` targets of each kind, `ROBOT` for one robot, `ONLY` for some of `reach`, `path`, `proof` and `workspace`.
 #[test]
 #[ignore = "minutes"]
 #[allow(clippy::print_stdout, reason = "a study prints its results")]
@@ -48,9 +71,9 @@ fn study_of_speed() {
     let part = std::env::var("ONLY").ok();
     let is_asked = |of: &str| part.as_deref().is_none_or(|part| part.contains(of));
     println!(
-        "| robot | tip, µs | pose, µs | shape, µs | a point of a path, µs | proof, s | workspace, s | missed |"
+        "| robot | tip, µs | pose, µs | shape, µs | a point of a path, µs | proof, s | workspace, s | rod, µs | missed |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for (name, robot, greatest) in robots::all() {
         if only.as_ref().is_some_and(|only| only != name) {
             continue;
@@ -84,7 +107,8 @@ fn study_of_speed() {
             if is_asked("workspace") && is_pulled {
                 cells[5] = format!("{:.2}", survey(&robot, greatest, &loads));
             }
-            println!("| {name}{loaded} | {} | {missed} |", cells.join(" | "));
+            let rod = 1e6 * rod();
+            println!("| {name}{loaded} | {} | {rod:.1} | {missed} |", cells.join(" | "));
         }
     }
 }

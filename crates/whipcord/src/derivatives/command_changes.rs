@@ -105,6 +105,7 @@ impl TensionChanges {
         let mut changes = Vec::with_capacity(n);
         let mut scratch = HoldScratch::default();
         let mut tensions = vec![0.0; n];
+        let mut moving = Vec::with_capacity(n);
         for &place in &place_of {
             let is_tension = matches!(cables[place].command, Command::Tension(_));
             let lengths = &self.lengths[place * n..(place + 1) * n];
@@ -115,25 +116,30 @@ impl TensionChanges {
                 tensions.fill(0.0);
                 tensions[place] = if is_tension { 1.0 } else { 0.0 };
             }
-            changes.push(self.change(&nodes, &places, &tensions, &place_of));
+            moving.clear();
+            moving.extend(tensions.iter().copied().enumerate().filter(|(_, t)| *t != 0.0));
+            let lengths =
+                |cable: usize| moving.iter().map(|(by, t)| t * self.lengths[by * n + cable]).sum();
+            let (twists, base) = self.motions(&nodes, &moving);
+            changes.push(Change {
+                places: places.clone(),
+                twists,
+                strains: Vec::new(),
+                base,
+                lengths: place_of.iter().map(|&place| lengths(place)).collect(),
+                tensions: place_of.iter().map(|&place| tensions[place]).collect(),
+            });
         }
         if changes.iter().all(Change::is_finite) { Ok(changes) } else { Err(Critical) }
     }
 
-    /// With these changes of all tensions.
-    fn change(
-        &self,
-        nodes: &[usize],
-        places: &Arc<Places>,
-        tensions: &[f64],
-        place_of: &[usize],
-    ) -> Change {
+    /// Motions of nodes, and of what the base bears, with these changes of tensions, of cables in the order of the grid.
+    fn motions(&self, nodes: &[usize], tensions: &[(usize, f64)]) -> (Vec<Twist>, Wrench) {
         let n = self.cables;
         let all = self.motions.len() / n;
         let mut twists = vec![Twist::default(); nodes.len()];
         let mut base = Wrench::default();
-        for (place, &tension) in tensions.iter().enumerate().filter(|(_, tension)| **tension != 0.0)
-        {
+        for &(place, tension) in tensions {
             let motions = &self.motions[place * all..(place + 1) * all];
             for (twist, &node) in twists.iter_mut().zip(nodes) {
                 twist.linear += tension * motions[node].linear;
@@ -142,16 +148,7 @@ impl TensionChanges {
             base.force += tension * self.base[place].force;
             base.moment += tension * self.base[place].moment;
         }
-        let moving = || tensions.iter().enumerate().filter(|(_, tension)| **tension != 0.0);
-        let length = |cable: usize| moving().map(|(by, t)| t * self.lengths[by * n + cable]).sum();
-        Change {
-            places: places.clone(),
-            twists,
-            strains: Vec::new(),
-            base,
-            lengths: place_of.iter().map(|&place| length(place)).collect(),
-            tensions: place_of.iter().map(|&place| tensions[place]).collect(),
-        }
+        (twists, base)
     }
 }
 
