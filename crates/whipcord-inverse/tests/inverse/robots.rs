@@ -37,7 +37,7 @@ fn converging(name: &str, degrees: f64) -> Cable {
     Cable::new(name, Routing::Linear { start: at(0.008), end: at(0.003) })
 }
 
-fn holes(name: &str, holes: [usize; 10]) -> Cable {
+pub fn holes(name: &str, holes: [usize; 10]) -> Cable {
     Cable::new(name, Routing::holes(holes.to_vec()))
 }
 
