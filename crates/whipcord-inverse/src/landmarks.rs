@@ -7,8 +7,9 @@ use whipcord::derivatives::Place;
 use crate::descent::{Control, FIRST_DAMPING, LARGEST_RADIUS, Problem, Region, Workspace, within};
 use crate::evaluation::Evaluation;
 use crate::forward::Forward;
-use crate::rate_changes::{Foretold, RateChanges};
+use crate::rate_changes::RateChanges;
 use crate::search::Search;
+use crate::second_order_start::led;
 use crate::target::Target;
 
 /// A shape to start from.
@@ -43,12 +44,6 @@ pub(crate) struct Led<'a> {
     /// Where its first and second derivatives lead, where both are known.
     pub to: Option<Vec<f64>>,
 }
-
-/// Steps to where derivatives lead, and the last one, in changes that bend the robot by half a turn.
-const STEPS: usize = 5;
-const LAST_STEP: f64 = 1e-3;
-/// How far second derivatives hold, likewise.
-const FAR: f64 = 0.5;
 
 /// So many of the shapes nearest to a point are compared by where they lead, for so many unknowns at most: of more a step takes longer than it spares.
 const COMPARED: usize = 4;
@@ -169,71 +164,14 @@ impl Landmarks {
         if let Some(answer) = &landmark.answer {
             search.correct(answer, &landmark.evaluation);
         }
-        let led = Self::led(landmark, &self.places, search, control, workspace);
-        let to = led.map(|(to, curvature)| {
+        let to = landmark.rate_changes.as_ref().and_then(|rate_changes| {
+            let Landmark { unknowns, evaluation, .. } = landmark;
+            let from = (unknowns.as_slice(), evaluation, rate_changes);
+            let (to, curvature) = led(from, &self.places, search, control, workspace)?;
             search.expect_curvature(curvature);
-            to
+            Some(to)
         });
         Ok(Some(Led { landmark, to }))
-    }
-
-    /// Where the first and second derivatives at a landmark lead, and what the second ones add to the residuals there over the square of the way, as in
-    /// [`Control::curvature`]. `None` where they are not known or lead nowhere.
-    fn led(
-        landmark: &Landmark,
-        places: &[Place],
-        search: &Search<'_>,
-        control: &Control<'_>,
-        workspace: &mut Workspace,
-    ) -> Option<(Vec<f64>, f64)> {
-        let rate_changes = landmark.rate_changes.as_ref()?;
-        let Landmark { unknowns, evaluation, .. } = landmark;
-        let first = search.linearize(evaluation);
-        let near = |((x, scale), [least, greatest]): ((&f64, &f64), &[f64; 2])| {
-            [least.max(x - FAR * scale), greatest.min(x + FAR * scale)]
-        };
-        let ways = unknowns.iter().zip(control.scales).zip(control.bounds);
-        let bounds: Vec<[f64; 2]> = ways.map(near).collect();
-        let control = &Control { bounds: &bounds, ..*control };
-        let region = Region { damping: FIRST_DAMPING, radius: LARGEST_RADIUS };
-        let (mut to, mut linear) = (unknowns.clone(), first.clone());
-        let mut changes = vec![0.0; to.len()];
-        let mut foretold = Foretold::default();
-        for _ in 0..STEPS {
-            let penalty = 1e2 * linear.cost().max(1e-30);
-            workspace.step(&linear, &[], &to, control, region, penalty).ok()?;
-            let mut size = 0.0_f64;
-            for (k, (x, d)) in to.iter_mut().zip(workspace.last_step()).enumerate() {
-                let [least, greatest] = bounds[k];
-                *x = (*x + d * control.scales[k]).clamp(least, greatest);
-                changes[k] = *x - unknowns[k];
-                size = size.max(d.abs());
-            }
-            rate_changes.foretell(evaluation, places, &changes, &mut foretold);
-            search.foretell(&foretold, &mut linear);
-            for (slack, (at_first, row)) in linear
-                .slack
-                .iter_mut()
-                .zip(first.slack.iter().zip(first.rows.chunks_exact(changes.len())))
-            {
-                *slack = at_first - row.iter().zip(&changes).map(|(a, d)| a * d).sum::<f64>();
-            }
-            if size < LAST_STEP {
-                break;
-            }
-        }
-        let far = changes.iter().zip(control.scales);
-        let far = far.fold(0.0_f64, |most, (change, scale)| most.max((change / scale).abs()));
-        if far == 0.0 || linear.cost() >= first.cost() {
-            return None;
-        }
-        let rows = first.jacobian.chunks_exact(changes.len());
-        let beyond =
-            rows.zip(first.residual.iter().zip(&linear.residual)).map(|(row, (r, next))| {
-                next - r - row.iter().zip(&changes).map(|(j, d)| j * d).sum::<f64>()
-            });
-        let beyond = beyond.map(|part| part * part).sum::<f64>().sqrt();
-        Some((to, beyond / (far * far)))
     }
 
     /// How far from the target the first step from a landmark leads, about, in m: what the linear problem leaves, and what the step bends the robot by more than that knows of.

@@ -57,6 +57,7 @@ mod rod_cells;
 mod rod_sections;
 mod search;
 mod secant;
+mod second_order_start;
 mod solver;
 mod surveying;
 mod target;
