@@ -23,15 +23,15 @@ pub(crate) struct Landmark {
     /// Of one of many shapes.
     rate_changes: Option<RateChanges>,
     /// Solves that it takes.
-    solves: usize,
+    pub solves: usize,
 }
 
 /// The shapes that are known, for the places of the kind of target that was asked for last.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Landmarks {
     places: Vec<Place>,
-    /// Where the case is.
-    commanded: Option<Landmark>,
+    /// Where the case is: alone, and as one of many shapes.
+    commanded: [Option<Landmark>; 2],
     /// All over the commands.
     spread: Vec<Landmark>,
     has_spread: bool,
@@ -50,7 +50,7 @@ const COMPARED: usize = 4;
 const MOST_UNKNOWNS: usize = 6;
 
 impl Landmark {
-    /// At unknowns; one of many shapes, within bounds, with its second derivatives, and with an answer where that is of another model than the trials. `None` where there is
+    /// At unknowns; one of many shapes with its second derivatives within bounds at the places of the target, and with an answer where that is of another model than the trials. `None` where there is
     /// none.
     ///
     /// # Errors
@@ -59,9 +59,13 @@ impl Landmark {
         forward: &mut Forward,
         unknowns: Vec<f64>,
         places: &[Place],
-        bounds: Option<&[[f64; 2]]>,
+        of_many: Option<(&[[f64; 2]], &[Place])>,
     ) -> Result<Option<Self>, SolveError> {
-        match Self::solved(forward, unknowns, places, bounds) {
+        // What it takes is counted where it is used.
+        let first = forward.solves;
+        let found = Self::solved(forward, unknowns, places, of_many);
+        forward.solves = first;
+        match found {
             Ok(landmark) => Ok(Some(landmark)),
             Err(error @ SolveError::Cancelled { .. }) => Err(error),
             Err(_) => Ok(None),
@@ -72,15 +76,17 @@ impl Landmark {
         forward: &mut Forward,
         unknowns: Vec<f64>,
         places: &[Place],
-        bounds: Option<&[[f64; 2]]>,
+        of_many: Option<(&[[f64; 2]], &[Place])>,
     ) -> Result<Self, SolveError> {
         let first = forward.solves;
         let evaluation = forward.evaluate(&unknowns, places, None)?;
-        let rate_changes = match bounds {
-            Some(bounds) => RateChanges::at(&evaluation, &unknowns, bounds, places, forward)?,
+        let rate_changes = match of_many {
+            Some((bounds, places)) => {
+                RateChanges::at(&evaluation, &unknowns, bounds, places, forward)?
+            }
             None => None,
         };
-        let answer = match bounds.is_some() && forward.is_on_few_steps() {
+        let answer = match of_many.is_some() && forward.is_on_few_steps() {
             true => {
                 let Evaluation { shortenings, solution, .. } = &evaluation;
                 let solution = forward.verify(&unknowns, shortenings, solution)?;
@@ -89,7 +95,6 @@ impl Landmark {
             false => None,
         };
         let solves = forward.solves - first;
-        forward.solves = first;
         Ok(Self { unknowns, evaluation, answer, rate_changes, solves })
     }
 }
@@ -114,26 +119,30 @@ impl Landmarks {
             *self = Self { places: search.places().to_vec(), ..Self::default() };
         }
         let unknowns = within(commanded, control.bounds);
-        if self.commanded.as_ref().is_none_or(|known| known.unknowns != unknowns) {
-            let bounds = wanted.map(|_| control.bounds);
-            self.commanded = Landmark::at(search.forward, unknowns, &self.places, bounds)?;
+        // Motions of the target alone: constraints go by their first derivatives.
+        let of_target = &self.places[..search.target.places().len()];
+        let spread_within = wanted.map(|_| (control.bounds, of_target));
+        let slot = &mut self.commanded[usize::from(wanted.is_some())];
+        if slot.as_ref().is_none_or(|known| known.unknowns != unknowns) {
+            *slot = Landmark::at(search.forward, unknowns, &self.places, spread_within)?;
         }
+        let commanded_by = &self.commanded[usize::from(wanted.is_some())];
         let Some(wanted) = wanted else {
-            let known = self.commanded.as_ref();
-            return Ok(known.map(|landmark| {
+            return Ok(commanded_by.as_ref().map(|landmark| {
                 search.forward.solves += landmark.solves;
                 Led { landmark, to: None }
             }));
         };
         if !self.has_spread {
-            self.has_spread = true;
+            let mut spread = Vec::with_capacity(wanted.len());
             for unknowns in wanted {
                 let unknowns = within(unknowns, control.bounds);
-                let bounds = Some(control.bounds);
-                self.spread.extend(Landmark::at(search.forward, unknowns, &self.places, bounds)?);
+                let found = Landmark::at(search.forward, unknowns, &self.places, spread_within)?;
+                spread.extend(found);
             }
+            (self.spread, self.has_spread) = (spread, true);
         }
-        let all = || self.commanded.iter().chain(&self.spread);
+        let all = || commanded_by.iter().chain(&self.spread);
         let mut near = [(f64::INFINITY, None); COMPARED];
         for landmark in all() {
             let most = near[COMPARED - 1].0;
@@ -167,7 +176,7 @@ impl Landmarks {
         let to = landmark.rate_changes.as_ref().and_then(|rate_changes| {
             let Landmark { unknowns, evaluation, .. } = landmark;
             let from = (unknowns.as_slice(), evaluation, rate_changes);
-            let (to, curvature) = led(from, &self.places, search, control, workspace)?;
+            let (to, curvature) = led(from, of_target, search, control, workspace)?;
             search.expect_curvature(curvature);
             Some(to)
         });

@@ -243,10 +243,10 @@ impl Target {
         into: &mut Linear,
     ) {
         into.residual.clear();
+        into.jacobian.clear();
         let Some(tip) = poses.last() else { return };
         self.residual_at(tip, |disk| poses[disk].position, lever, &mut into.residual);
         let (rows, n) = (into.residual.len(), motions.len());
-        into.jacobian.clear();
         into.jacobian.resize(rows * n, 0.0);
         let mut column = Vec::with_capacity(rows);
         let places = self.places().len();

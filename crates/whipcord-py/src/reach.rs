@@ -135,7 +135,7 @@ enum Row {
     Ended,
 }
 
-/// Each target by a thread that is free. Each thread has a solver of its own, and an answer depends on its target alone.
+/// Each target by a thread that is free. Each thread has a solver of its own, and an answer depends on its target and on how many there are.
 fn worked_off(
     task: &Task,
     targets: &[Option<Target>],

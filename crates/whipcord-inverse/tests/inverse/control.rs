@@ -1,6 +1,7 @@
 //! A controller on simulated robots that are not its model: wrong stiffness, an unknown load, noise, another model with friction.
 
 use std::f64::consts::TAU;
+use std::time::Instant;
 
 use whipcord::{
     Actuation, Cable, CableCommand, Case, Model, ModelKind, Prepared, Robot, Solution, Vec3,
@@ -175,4 +176,53 @@ fn options_and_models_that_cannot_be_are_refused() {
     assert_eq!(new(ModelKind::Cosserat, f64::NAN), Some(InverseError::ControlOptions));
     assert_eq!(new(ModelKind::ConstantCurvature, 1e-3), Some(InverseError::NoDerivatives));
     assert_eq!(new(ModelKind::Cosserat, 1e-3), None);
+}
+
+/// Times of the cycles of a controller at 1 kHz, with measurements of the tip and an estimate of the load, along tips of tensions that go up and down; each the least of two rounds, so
+/// that interruptions by other programs drop out.
+#[test]
+#[ignore = "a minute"]
+#[allow(clippy::print_stdout, reason = "a study prints its results")]
+fn study_of_cycles() {
+    let cycles = std::env::var("COUNT").ok().and_then(|n| n.parse().ok()).unwrap_or(10_000);
+    let period = 1e-3;
+    println!("| robot | median, µs | of 99.9 %, µs | worst, µs |");
+    println!("|---|---|---|---|");
+    for (name, robot, greatest) in robots::all() {
+        if !robot.motors().is_empty() {
+            continue;
+        }
+        let model = Model::new(ModelKind::Cosserat, Default::default(), Actuation::Natural);
+        let of = CableLimits { tension: [0.05, greatest], ..CableLimits::default() };
+        let limits = Limits::uniform(robot.cables().len(), of);
+        let tensions = |cycle: usize| -> Vec<f64> {
+            let turn = TAU * period * cycle as f64 / 2.0;
+            let of = |k: usize| greatest * (0.4 + 0.3 * (turn + 1.7 * k as f64).sin());
+            (0..robot.cables().len()).map(of).collect()
+        };
+        let start = Case::with_tensions(&tensions(0));
+        let mut seconds = vec![f64::INFINITY; cycles];
+        for _ in 0..2 {
+            let options = ControlOptions::new(period, robots::LENGTH);
+            let by = CommandedBy::Tensions;
+            let mut controller =
+                Controller::new(&model, &robot, &start, &limits, by, options).unwrap();
+            let mut aim = Plant::new(ModelKind::Cosserat, &robot, Vec3::default());
+            let mut plant = Plant::new(ModelKind::Cosserat, &robot, Vec3::new(0.01, 0.01, 0.0));
+            let mut random = Random(4);
+            let mut tip = plant.tip(&tensions(0));
+            for (cycle, least) in seconds.iter_mut().enumerate() {
+                let now = Target::Tip(aim.tip(&tensions(cycle)));
+                let mut part = || 1e-4 * (random.next() - 0.5);
+                let seen = Target::Tip(tip + Vec3::new(part(), part(), part()));
+                let clock = Instant::now();
+                let answer = controller.cycle(&now, Some(&seen)).unwrap();
+                *least = least.min(clock.elapsed().as_secs_f64());
+                tip = plant.tip(&answer.commands);
+            }
+        }
+        seconds.sort_by(f64::total_cmp);
+        let at = |part: f64| 1e6 * seconds[(part * (cycles - 1) as f64) as usize];
+        println!("| {name} | {:.0} | {:.0} | {:.0} |", at(0.5), at(0.999), at(1.0));
+    }
 }

@@ -26,6 +26,10 @@ impl TensionMotions {
         motions: &mut [Twist],
         lengths: &mut [f64],
     ) {
+        // Of a robot without cables.
+        if lengths.is_empty() {
+            return;
+        }
         Arch::new().dispatch(OfAll { memory: self, rod, poses, motions, lengths });
     }
 

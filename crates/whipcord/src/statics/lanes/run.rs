@@ -159,7 +159,7 @@ pub(crate) fn solve_run<S: Simd>(
 /// exerts there, with its stretch.
 ///
 /// # Errors
-/// A node whose Hessian is not positive definite.
+/// The first node, along the rod, whose Hessian is not positive definite.
 #[inline(always)]
 pub(crate) fn linearize_run<S: Simd>(
     simd: S,
@@ -170,6 +170,7 @@ pub(crate) fn linearize_run<S: Simd>(
     mut take: impl FnMut(usize, [Mat3; 3]),
 ) -> Result<(), (usize, SectionFault)> {
     let lanes = Lanes::<S>::COUNT;
+    let mut first: Option<usize> = None;
     for Wave { slots, nodes, .. } in &run.waves {
         for (number, group) in nodes.chunks(lanes).enumerate() {
             let slot = slots.start + number * lanes;
@@ -187,7 +188,8 @@ pub(crate) fn linearize_run<S: Simd>(
             let [stretch, mixed, turn] = tangent.compliance(simd);
             for (lane, &node) in group.iter().enumerate() {
                 if definite.as_slice()[lane] == 0.0 {
-                    return Err((node, SectionFault::Diverged));
+                    first = Some(first.map_or(node, |first| first.min(node)));
+                    continue;
                 }
                 let of =
                     [matrix_of(&stretch, lane), matrix_of(&mixed, lane), matrix_of(&turn, lane)];
@@ -195,7 +197,7 @@ pub(crate) fn linearize_run<S: Simd>(
             }
         }
     }
-    Ok(())
+    first.map_or(Ok(()), |node| Err((node, SectionFault::Diverged)))
 }
 
 /// The strains at nodes, one in each lane; lanes without a node repeat the last one.

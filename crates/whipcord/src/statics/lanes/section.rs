@@ -26,11 +26,11 @@ pub(crate) struct LaneBare<S: Simd> {
     /// Diagonal of the Hessian's block of forces without cables: infinite on an axis that is held.
     pub pivots: LaneVec3<S>,
     pub rest_curvature: LaneVec3<S>,
-    /// [`reach`].
+    /// [`crate::section::reach`].
     pub reach: Lanes<S>,
 }
 
-/// [`Crossing`] in each lane. The offset has no z component.
+/// [`crate::section::Crossing`] in each lane. The offset has no z component.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneCrossing<S: Simd> {
     pub offset: [Lanes<S>; 2],
