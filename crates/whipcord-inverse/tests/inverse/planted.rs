@@ -365,8 +365,9 @@ fn what_was_asked_before_changes_no_answer() {
             solver
         };
         let mut one = solver();
-        for target in &targets {
-            let options = ReachOptions::default();
+        for (number, target) in targets.iter().enumerate() {
+            let prefer = [Preference::LeastChange, Preference::LeastTension][number / 2 % 2];
+            let options = ReachOptions { prefer, ..ReachOptions::default() };
             let [before, alone] =
                 [&mut one, &mut solver()].map(|solver| solver.reach(target, &options).unwrap());
             assert_eq!(before.commands, alone.commands);

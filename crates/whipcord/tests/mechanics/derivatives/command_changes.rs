@@ -4,7 +4,10 @@ use super::{ROBOTS, Tested, bending_stiffness, by_length, options, taut};
 use crate::common::Wildness;
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::derivatives::{Change, Place};
-use whipcord::{Solution, Twist, Vec3};
+use whipcord::{
+    Backbone, Cable, Case, Disks, Loads, Material, Model, Robot, Routing, Section, Solution, Twist,
+    Vec3,
+};
 
 /// The greatest difference of two changes with a command, as a part of the greatest motion.
 fn difference(a: &Change, b: &Change, length: f64) -> f64 {
@@ -125,6 +128,58 @@ fn rates_of_the_tip_are_those_of_all_derivatives(tested: Tested) {
                     let bound = if let Tested::Continuous = tested { 0.0 } else { 1e-9 * scale };
                     assert!(size(off) <= bound, "{i}: {:.1e} of {scale:.1e}", size(off));
                 }
+            }
+        }
+    }
+}
+
+/// More cables than the processor's vectors have lanes, or none; some end early and some are slack.
+#[test]
+fn rods_of_any_number_of_cables_move_as_differences_say() {
+    const LENGTH: f64 = 0.2;
+    for cables in [0, 1, 5, 9, 17] {
+        let material =
+            Material { young_modulus: Some(2e9), poisson_ratio: Some(0.3), ..Default::default() };
+        let section = Some(Section::circle(0.003));
+        let backbone = Backbone { section, material, ..Backbone::new(LENGTH) };
+        let cable = |k: u32| {
+            let (start_angle, turns) = (f64::from(k), 0.7 - 0.3 * f64::from(k % 5));
+            let routing = Routing::Helix { start_angle, turns, radius: 0.007 };
+            let ends_at = (k % 3 == 1).then_some(0.1);
+            Cable { ends_at, ..Cable::new(format!("{k}"), routing) }
+        };
+        let disks = Disks::equally_spaced(LENGTH, 11, 0.007);
+        let robot = Robot::new(backbone, disks, (0..cables).map(cable).collect()).unwrap();
+        let tensions: Vec<f64> = (0..cables)
+            .map(|k| if k % 4 == 3 { 0.0 } else { 0.3 + 0.1 * f64::from(k % 7) })
+            .collect();
+        let model =
+            Model::Cosserat(Options { accuracy: Accuracy::Steps(20), ..Options::default() });
+        let mut prepared = model.prepare(&robot, &Loads::default()).unwrap();
+        let case = Case::with_tensions(&tensions);
+        let (_, changes) = prepared.solve_with_command_changes(&case, None, 0.0).unwrap();
+        assert_eq!(changes.len(), tensions.len());
+        for (cable, change) in changes.iter().enumerate() {
+            // No tension is negative.
+            let mut at = |steps: f64| {
+                let mut moved = tensions.clone();
+                moved[cable] += 1e-3 * steps;
+                let solution = prepared.solve(&Case::with_tensions(&moved), None).unwrap();
+                let lengths: Vec<f64> = solution.cables.iter().map(|cable| cable.length).collect();
+                (solution.disks.tip().position, lengths)
+            };
+            let [a, b, c] = [0.0, 1.0, 2.0].map(&mut at);
+            let rate = |a: f64, b: f64, c: f64| (4.0 * b - 3.0 * a - c) / 2e-3;
+            let tip = Vec3::new(
+                rate(a.0.x, b.0.x, c.0.x),
+                rate(a.0.y, b.0.y, c.0.y),
+                rate(a.0.z, b.0.z, c.0.z),
+            );
+            let scale = tip.norm().max(1e-3);
+            assert!((change.twist(Place::Tip).linear - tip).norm() < 1e-5 * scale, "{cable}");
+            for (k, found) in change.lengths().iter().enumerate() {
+                let length = rate(a.1[k], b.1[k], c.1[k]);
+                assert!((found - length).abs() < 1e-5 * scale, "{cable} {k}: {found} {length}");
             }
         }
     }
