@@ -169,7 +169,7 @@ pub(crate) fn descend<P: Problem>(
         && !is_done(&linear, control.ending.part_of_tolerance * tolerance)
     {
         let cost = linear.cost();
-        let penalty = 1e2 * cost.max(1e-30);
+        let penalty = linear.penalty();
         let region = Region { damping, radius };
         let by = |second: &[f64], workspace: &mut Workspace| {
             workspace.step(&linear, second, &x, control, region, penalty)

@@ -37,7 +37,7 @@ impl Passed {
         // Of the answer, not of a trial: nothing is to be corrected.
         let linear = search.linearize(&at.evaluation);
         let control = task.control;
-        let penalty = 1e2 * linear.cost().max(1e-30);
+        let penalty = linear.penalty();
         let region = Region { damping: FIRST_DAMPING, radius: FIRST_RADIUS };
         workspace.step(&linear, &[], &at.unknowns, control, region, penalty).ok()?;
         let (left, violation) = workspace.left();

@@ -191,7 +191,7 @@ impl Landmarks {
         workspace: &mut Workspace,
     ) -> f64 {
         let linear = search.linearize(&landmark.evaluation);
-        let penalty = 1e2 * linear.cost().max(1e-30);
+        let penalty = linear.penalty();
         let region = Region { damping: FIRST_DAMPING, radius: LARGEST_RADIUS };
         let step = workspace.step(&linear, &[], &landmark.unknowns, control, region, penalty);
         if step.is_err() {

@@ -24,6 +24,11 @@ impl Linear {
         (2.0 * self.cost()).sqrt()
     }
 
+    /// What a violation of 1 counts for beside the cost: so much that constraints are kept wherever they can be.
+    pub fn penalty(&self) -> f64 {
+        1e2 * self.cost().max(1e-30)
+    }
+
     /// The greatest violation of a constraint, 0 where all are kept.
     pub fn violation(&self) -> f64 {
         self.slack.iter().map(|slack| -slack).fold(0.0, f64::max)

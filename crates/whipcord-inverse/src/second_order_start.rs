@@ -34,7 +34,7 @@ pub(crate) fn led(
     let mut changes = vec![0.0; to.len()];
     let mut foretold = Foretold::default();
     for _ in 0..STEPS {
-        let penalty = 1e2 * linear.cost().max(1e-30);
+        let penalty = linear.penalty();
         workspace.step(&linear, &[], &to, control, region, penalty).ok()?;
         let mut size = 0.0_f64;
         for (k, (x, d)) in to.iter_mut().zip(workspace.last_step()).enumerate() {
