@@ -35,6 +35,12 @@ fn subtract(from: &mut [f64], factors: &[f64], times: f64) {
 
 /// How many columns of factors are applied to a column at once: it is then loaded and stored once instead of four times.
 const BLOCK: usize = 4;
+/// Columns of a large matrix that are eliminated side by side, so that the factors before them are loaded once for several.
+const PANEL: usize = 16;
+/// From this size on a matrix is large.
+const LARGE: usize = 100;
+/// Rows of a column that are in registers together.
+const ROWS: usize = 8;
 
 /// The elimination of a matrix by columns, with the instructions that the processor has. Each entry takes the factors in the order
 /// of their columns and none of the sums is fused: the bits do not depend on the processor.
@@ -52,39 +58,110 @@ impl WithSimd for Eliminate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { n, factors, scales, pivots } = self;
-        for k in 0..n {
-            let (done, rest) = factors.split_at_mut(k * n);
-            let column = &mut rest[..n];
-            for (i, &pivot) in pivots.iter().enumerate() {
-                column.swap(i, pivot);
-            }
-            forward(done, n, column);
-            let mut pivot = k;
-            for i in k + 1..n {
-                if column[i].abs() > column[pivot].abs() {
-                    pivot = i;
+        // The factors of a smaller matrix are near anyway.
+        let most = if n < LARGE { n.max(1) } else { PANEL };
+        for first in (0..n).step_by(most) {
+            let (done, rest) = factors.split_at_mut(first * n);
+            let width = most.min(n - first);
+            let panel = &mut rest[..width * n];
+            for column in panel.chunks_exact_mut(n) {
+                for (i, &pivot) in pivots.iter().enumerate() {
+                    column.swap(i, pivot);
                 }
             }
-            let value = column[pivot];
-            if value.is_nan() || value.abs() <= 0.25 * f64::EPSILON * scales[k] {
-                return Err(Singular { column: k });
+            forward_panel(done, n, panel);
+            for k in first..first + width {
+                let (before, rest) = panel.split_at_mut((k - first) * n);
+                let column = &mut rest[..n];
+                for (i, &pivot) in pivots.iter().enumerate().skip(first) {
+                    column.swap(i, pivot);
+                }
+                forward(before, n, first, column);
+                let mut pivot = k;
+                for i in k + 1..n {
+                    if column[i].abs() > column[pivot].abs() {
+                        pivot = i;
+                    }
+                }
+                let value = column[pivot];
+                if value.is_nan() || value.abs() <= 0.25 * f64::EPSILON * scales[k] {
+                    return Err(Singular { column: k });
+                }
+                pivots.push(pivot);
+                column.swap(k, pivot);
+                if pivot != k {
+                    before.chunks_exact_mut(n).for_each(|column| column.swap(k, pivot));
+                    done.chunks_exact_mut(n).for_each(|column| column.swap(k, pivot));
+                }
+                column[k + 1..].iter_mut().for_each(|factor| *factor /= value);
             }
-            pivots.push(pivot);
-            column.swap(k, pivot);
-            if pivot != k {
-                done.chunks_exact_mut(n).for_each(|column| column.swap(k, pivot));
-            }
-            column[k + 1..].iter_mut().for_each(|factor| *factor /= value);
         }
         Ok(())
     }
 }
 
-/// Forward substitution of a column with these columns of unit lower factors.
+/// Forward substitution of the columns of a panel with these columns of factors, whose number is a multiple of [`BLOCK`]: factors
+/// that are loaded once serve four columns.
 #[inline(always)]
-fn forward(factors: &[f64], n: usize, column: &mut [f64]) {
+fn forward_panel(factors: &[f64], n: usize, panel: &mut [f64]) {
+    let mut fours = panel.chunks_exact_mut(4 * n);
+    for four in &mut fours {
+        let (low, high) = four.split_at_mut(2 * n);
+        let ((x0, x1), (x2, x3)) = (low.split_at_mut(n), high.split_at_mut(n));
+        for (b, block) in factors.chunks_exact(BLOCK * n).enumerate() {
+            let k = BLOCK * b;
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| &block[i * n + k..(i + 1) * n]);
+            let times = [&mut *x0, &mut *x1, &mut *x2, &mut *x3].map(|x| {
+                let below = &mut x[k..];
+                let first = below[0];
+                below[1] -= a[1] * first;
+                let second = below[1];
+                below[2] = below[2] - a[2] * first - b[2] * second;
+                let third = below[2];
+                below[3] = below[3] - a[3] * first - b[3] * second - c[3] * third;
+                [first, second, third, below[3]]
+            });
+            let [a, b, c, d] = [a, b, c, d].map(|factors| factors[BLOCK..].as_chunks::<ROWS>());
+            let below = k + BLOCK;
+            let [x0, x1, x2, x3] = [&mut *x0, &mut *x1, &mut *x2, &mut *x3]
+                .map(|x| x[below..].as_chunks_mut::<ROWS>());
+            let rows = x0.0.iter_mut().zip(x1.0).zip(x2.0).zip(x3.0);
+            let factors = a.0.iter().zip(b.0).zip(c.0).zip(d.0);
+            for ((((x0, x1), x2), x3), (((a, b), c), d)) in rows.zip(factors) {
+                for (x, times) in [x0, x1, x2, x3].into_iter().zip(&times) {
+                    *x = four_times(*x, [a, b, c, d], times);
+                }
+            }
+            for (x, times) in [x0.1, x1.1, x2.1, x3.1].into_iter().zip(&times) {
+                let factors = a.1.iter().zip(b.1).zip(c.1).zip(d.1);
+                for (x, (((a, b), c), d)) in x.iter_mut().zip(factors) {
+                    *x = *x - a * times[0] - b * times[1] - c * times[2] - d * times[3];
+                }
+            }
+        }
+    }
+    for column in fours.into_remainder().chunks_exact_mut(n) {
+        forward(factors, n, 0, column);
+    }
+}
+
+/// Some rows of a column, less so many times those of four columns of factors.
+#[inline(always)]
+fn four_times(
+    mut x: [f64; ROWS],
+    [a, b, c, d]: [&[f64; ROWS]; 4],
+    times: &[f64; 4],
+) -> [f64; ROWS] {
+    for i in 0..ROWS {
+        x[i] = x[i] - a[i] * times[0] - b[i] * times[1] - c[i] * times[2] - d[i] * times[3];
+    }
+    x
+}
+
+/// Forward substitution of a column with these columns of unit lower factors, of which the first is that of row `k`.
+#[inline(always)]
+fn forward(factors: &[f64], n: usize, mut k: usize, column: &mut [f64]) {
     let mut blocks = factors.chunks_exact(BLOCK * n.max(1));
-    let mut k = 0;
     for block in &mut blocks {
         let [a, b, c, d] = [0, 1, 2, 3].map(|i| &block[i * n + k..(i + 1) * n]);
         let below = &mut column[k..];
@@ -151,7 +228,7 @@ impl DenseLu {
         for k in 0..n {
             b.swap(k, self.pivots[k]);
         }
-        forward(&self.factors[..n * n], n, b);
+        forward(&self.factors[..n * n], n, 0, b);
         for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate().rev() {
             let (above, below) = b.split_at_mut(k);
             below[0] /= factors[k];

@@ -23,13 +23,22 @@ pub struct ReplacedRows {
     lu: DenseLu,
     /// The matrix of the factors; empty where there are none.
     matrix: Vec<f64>,
+    /// The rows that were replaced since, in no order, and the place of each row among them.
     rows: Vec<usize>,
-    given: Vec<f64>,
+    places: Vec<Option<usize>>,
+    /// What is added to each of these rows of the matrix of the factors.
+    added: Vec<Vec<f64>>,
+    /// The product of what is added to a row with a column of the inverse, by their places; rows of so many.
+    products: Vec<f64>,
+    most: usize,
     /// Of the inverse, by the row that was replaced; empty where none was.
     columns: Vec<Vec<f64>>,
-    /// What is added to a row of the matrix of the factors.
-    added: Vec<f64>,
+    /// The last right-hand side, and its solution with the matrix of the factors.
+    given: Vec<f64>,
+    solved: Vec<f64>,
+    all: Vec<usize>,
     small: Vec<f64>,
+    parts: Vec<f64>,
     small_lu: DenseLu,
 }
 
@@ -53,67 +62,164 @@ impl ReplacedRows {
     /// # Errors
     /// [`Singular`] when a column has no pivot above rounding.
     pub fn solve(&mut self, a: &[f64], b: &mut [f64]) -> Result<Factors, Singular> {
+        let mut all = core::mem::take(&mut self.all);
+        all.clear();
+        all.extend(0..b.len());
+        let solved = self.solve_changed(a, &all, b);
+        self.all = all;
+        solved
+    }
+
+    /// The same where at most these rows of the matrix differ from those of the last system.
+    ///
+    /// # Errors
+    /// [`Singular`] when a column has no pivot above rounding.
+    pub fn solve_changed(
+        &mut self,
+        a: &[f64],
+        changed: &[usize],
+        b: &mut [f64],
+    ) -> Result<Factors, Singular> {
         let n = b.len();
         debug_assert_eq!(a.len(), n * n);
-        if self.matrix.len() == a.len() {
-            let rows = self.matrix.chunks_exact(n).zip(a.chunks_exact(n)).enumerate();
-            self.rows.clear();
-            self.rows.extend(rows.filter(|(_, (old, new))| old != new).map(|(row, _)| row));
-            if self.rows.is_empty() {
-                self.lu.solve(b);
-                return Ok(Factors::Kept);
-            }
+        if !self.matrix.is_empty() && self.matrix.len() == a.len() {
             // From about here on, factors cost less.
-            if 4 * self.rows.len() <= n {
-                self.given.clear();
-                self.given.extend_from_slice(b);
-                if self.replace(a, b) && self.is_exact(a, b) {
-                    return Ok(Factors::Kept);
-                }
-                b.copy_from_slice(&self.given);
+            if self.note_changes(a, changed) && self.replace(a, b) {
+                return Ok(Factors::Kept);
             }
         }
         self.matrix.clear();
         self.lu.factor(n, a)?;
         self.matrix.extend_from_slice(a);
+        self.rows.clear();
+        self.places.clear();
+        self.places.resize(n, None);
+        self.most = n / 4;
+        self.products.resize(self.most * self.most, 0.0);
+        self.added.resize(self.most, Vec::new());
         self.columns.iter_mut().for_each(Vec::clear);
         self.columns.resize(n, Vec::new());
+        self.given.clear();
+        self.given.extend_from_slice(b);
         self.lu.solve(b);
+        self.solved.clear();
+        self.solved.extend_from_slice(b);
         Ok(Factors::New)
     }
 
-    /// With the rows `D` that are added to the matrix of the factors, `x = y − Z s` with `A y = b`, the columns `Z` of the inverse, and
-    /// `(1 + D Z) s = D y`; `false` where that is singular.
-    fn replace(&mut self, a: &[f64], b: &mut [f64]) -> bool {
-        let Self { lu, matrix, rows, columns, added, small, small_lu, .. } = self;
-        let (n, count) = (b.len(), rows.len());
-        lu.solve(b);
-        for &row in &*rows {
-            let column = &mut columns[row];
-            if column.is_empty() {
-                column.resize(n, 0.0);
-                column[row] = 1.0;
-                lu.solve(column);
+    /// Takes over which rows are replaced and by what; `false` where they are too many.
+    fn note_changes(&mut self, a: &[f64], changed: &[usize]) -> bool {
+        let n = self.places.len();
+        for &row in changed {
+            let of = row * n..(row + 1) * n;
+            let (old, new) = (&self.matrix[of.clone()], &a[of]);
+            match (self.places[row], old == new) {
+                (None, true) => {}
+                (Some(place), true) => self.put_back(place),
+                (Some(place), false) => {
+                    let differs = |(added, (new, old)): (&f64, (&f64, &f64))| *added != new - old;
+                    if self.added[place].iter().zip(new.iter().zip(old)).any(differs) {
+                        self.put(place, a);
+                    }
+                }
+                (None, false) => {
+                    let place = self.rows.len();
+                    if place == self.most {
+                        return false;
+                    }
+                    self.rows.push(row);
+                    self.places[row] = Some(place);
+                    let column = &mut self.columns[row];
+                    if column.is_empty() {
+                        column.resize(n, 0.0);
+                        column[row] = 1.0;
+                        self.lu.solve(column);
+                    }
+                    for other in 0..place {
+                        self.products[other * self.most + place] =
+                            dot(&self.added[other], &self.columns[row]);
+                    }
+                    self.put(place, a);
+                }
             }
         }
+        true
+    }
+
+    /// What is added to the row at a place.
+    fn put(&mut self, place: usize, a: &[f64]) {
+        let Self { matrix, rows, places, added, products, most, columns, .. } = self;
+        let of = rows[place] * places.len()..(rows[place] + 1) * places.len();
+        let added = &mut added[place];
+        added.clear();
+        added.extend(a[of.clone()].iter().zip(&matrix[of]).map(|(new, old)| new - old));
+        for (product, row) in products[place * *most..].iter_mut().zip(&*rows) {
+            *product = dot(added, &columns[*row]);
+        }
+    }
+
+    /// The row at a place is that of the factors again; the last one comes to its place.
+    fn put_back(&mut self, place: usize) {
+        let last = self.rows.len() - 1;
+        self.places[self.rows[last]] = Some(place);
+        self.places[self.rows[place]] = None;
+        self.rows.swap_remove(place);
+        self.added.swap(place, last);
+        for other in 0..=last {
+            self.products[place * self.most + other] = self.products[last * self.most + other];
+        }
+        for other in 0..=last {
+            self.products[other * self.most + place] = self.products[other * self.most + last];
+        }
+    }
+
+    /// With the rows `D` that are added to the matrix of the factors, `x = y − Z s` with `A y = b`, the columns `Z` of the inverse, and
+    /// `(1 + D Z) s = D y`; `false` where that is singular or not exact, with the right-hand side as it was.
+    fn replace(&mut self, a: &[f64], b: &mut [f64]) -> bool {
+        let Self {
+            lu,
+            rows,
+            columns,
+            added,
+            products,
+            most,
+            small,
+            small_lu,
+            given,
+            solved,
+            parts,
+            ..
+        } = self;
+        if *b != given[..] {
+            given.clear();
+            given.extend_from_slice(b);
+            solved.clear();
+            solved.extend_from_slice(b);
+            lu.solve(solved);
+        }
+        b.copy_from_slice(solved);
+        let count = rows.len();
+        if count == 0 {
+            return true;
+        }
         small.clear();
-        let mut parts = Vec::with_capacity(count);
-        for (i, &row) in rows.iter().enumerate() {
-            let of = row * n..(row + 1) * n;
-            added.clear();
-            added.extend(a[of.clone()].iter().zip(&matrix[of]).map(|(new, old)| new - old));
-            let unit = |j: usize| if i == j { 1.0 } else { 0.0 };
-            let columns = rows.iter().map(|&of| &columns[of]).enumerate();
-            small.extend(columns.map(|(j, column)| unit(j) + dot(added, column)));
+        parts.clear();
+        for (i, added) in added[..count].iter().enumerate() {
+            small.extend_from_slice(&products[i * *most..][..count]);
+            small[i * count + i] += 1.0;
             parts.push(dot(added, b));
         }
-        if small_lu.factor(count, small).is_err() {
-            return false;
+        let regular = small_lu.factor(count, small).is_ok();
+        if regular {
+            small_lu.solve(parts);
+            for (part, &row) in parts.iter().zip(&*rows) {
+                let column = &columns[row];
+                b.iter_mut().zip(column).for_each(|(x, z)| *x -= part * z);
+            }
         }
-        small_lu.solve(&mut parts);
-        for (part, &row) in parts.iter().zip(&*rows) {
-            let column = &columns[row];
-            b.iter_mut().zip(column).for_each(|(x, z)| *x -= part * z);
+        if !regular || !self.is_exact(a, b) {
+            b.copy_from_slice(&self.given);
+            return false;
         }
         true
     }
@@ -139,16 +245,24 @@ mod tests {
     #[test]
     fn replaced_rows_give_the_solution_of_the_new_matrix() {
         let n = 21;
-        let mut a: Vec<f64> = (0..n * n).map(noise).collect();
-        let b: Vec<f64> = (0..n).map(|i| noise(900 + i)).collect();
+        let first: Vec<f64> = (0..n * n).map(noise).collect();
+        let mut a = first.clone();
+        let mut b: Vec<f64> = (0..n).map(|i| noise(900 + i)).collect();
         let mut system = ReplacedRows::default();
         system.solve(&a, &mut b.clone()).unwrap();
-        for row in [3, 17, 0, 20, 8, 9, 10] {
-            for column in 0..n {
-                a[row * n + column] = noise(5000 + 31 * row + column);
+        // Some rows are replaced again, and some come back.
+        let rows = [3, 17, 0, 20, 3, 17, 8, 0, 9, 17, 17, 5, 10, 1, 2, 11];
+        for (time, row) in rows.into_iter().enumerate() {
+            let back = [5, 7, 9].contains(&time);
+            for column in row * n..(row + 1) * n {
+                a[column] = if back { first[column] } else { noise(5000 + 7 * time + column) };
+            }
+            if time == 3 {
+                b[5] += 1.0;
             }
             let (mut x, mut exact) = (b.clone(), b.clone());
-            system.solve(&a, &mut x).unwrap();
+            let factors = system.solve_changed(&a, &[row], &mut x).unwrap();
+            assert_eq!(factors == Factors::New, time == 11, "{time}");
             let mut lu = DenseLu::default();
             lu.factor(n, &a).unwrap();
             lu.solve(&mut exact);

@@ -45,7 +45,9 @@ pub(crate) struct Meter {
 /// An integration step takes about as long as the elimination of a dense matrix takes for so much of the cube of its rows.
 const ELIMINATION: usize = 10_000;
 /// The same of a solve with factors that are known, of the square of its rows.
-const SUBSTITUTION: usize = 150;
+const SUBSTITUTION: usize = 400;
+/// The same of the response of a rod, of the product of its unknowns and its nodes.
+const RESPONSE: usize = 320;
 
 /// A count that can be raised through a shared reference: of a solve, which is the work of one thread.
 #[derive(Debug, Default)]
@@ -118,9 +120,14 @@ impl Meter {
         self.integrate(eliminations.saturating_mul(rows.saturating_pow(3)) / ELIMINATION);
     }
 
-    /// Counts so many solves with a dense matrix of so many rows, likewise: each assembles it, compares it and substitutes.
+    /// Counts so many solves with a dense matrix of so many rows, likewise: each replaces some of its rows and substitutes.
     pub fn substitute(&self, rows: usize, solves: usize) {
         self.integrate(solves.saturating_mul(rows * rows) / SUBSTITUTION);
+    }
+
+    /// Counts the response of a rod in so many steps to so many unknowns, each of which acts in one of them, likewise.
+    pub fn respond(&self, steps: usize, unknowns: usize) {
+        self.integrate(unknowns.saturating_mul(4 * steps + unknowns) / RESPONSE);
     }
 
     /// Whether all of the budget is spent.

@@ -87,8 +87,6 @@ pub(super) struct ResponseScratch {
     lengths: Vec<f64>,
     turns: Vec<TurnRow>,
     turn_entries: Vec<f64>,
-    columns: Vec<Change>,
-    changes: Vec<Change>,
 }
 
 /// What the turn at a node is by the unknowns of a step, with its entries from `first` on.
@@ -296,26 +294,20 @@ impl PassageResponse for FrictionRod<'_> {
             return false;
         }
         let (n, wide) = (nodes.count(), nodes.count() + 1);
+        problem.meter.respond(grid.len(), n);
         for rows in [&mut response.lengths, &mut response.turns] {
             rows.clear();
             rows.resize(n * wide, 0.0);
         }
         let start = if applied.any_follower_force() { 9 } else { 6 };
-        let ResponseScratch { lengths, turns, turn_entries, changes, .. } = &mut **memory;
+        let ResponseScratch { lengths, turns, turn_entries, .. } = &**memory;
         let (mut first, mut turn) = (0, 0);
         for (k, step) in grid.steps.iter().enumerate() {
             let unknowns = start + step.active;
-            changes.clear();
-            changes.extend((0..wide).map(|j| chain.elimination.change(k, j)));
             let add = |row: &[f64], into: &mut [f64]| {
-                let part = |c: usize| Vec3::new(row[c], row[c + 1], row[c + 2]);
-                let (by_turn, by_moment) = (part(0), part(3));
-                let by_force = if start == 9 { part(6) } else { Vec3::ZERO };
-                for (entry, change) in into.iter_mut().zip(&*changes) {
-                    *entry += by_turn.dot(change.turn)
-                        + by_moment.dot(change.moment)
-                        + by_force.dot(change.force);
-                }
+                let mut worth = [0.0; 9];
+                worth[..start].copy_from_slice(&row[..start]);
+                chain.elimination.add_worth(k, &worth, into);
                 for (local, by) in row[start..].iter().enumerate() {
                     into[nodes.at(local, k)] += by;
                 }
@@ -344,11 +336,7 @@ impl PassageResponse for FrictionRod<'_> {
         kept.copy_from(state);
         step.nodes.clear();
         for k in 0..state.nodes.len() {
-            let mut change = elimination.change(k, changes.len());
-            for (j, &by) in changes.iter().enumerate() {
-                change = change.plus(by, elimination.change(k, j));
-            }
-            step.nodes.push(change);
+            step.nodes.push(elimination.follow(k, changes));
         }
         let last = step.nodes.len() - 1;
         // The base is clamped, and nothing is left to act at the tip.
@@ -446,15 +434,10 @@ impl ResponseScratch {
             let by = Unknowns { follower_force, load: false, tensions };
             let (sampled, end) = (&samples[3 * k..3 * k + 3], gaps[k].end.rotation);
             sensitivity.transition(grid, loads, state.load, k, sampled, end, by);
-            let start = 3 + cut;
-            self.columns.clear();
-            self.columns
-                .extend(sensitivity.columns[..start].iter().map(|&column| Change::from(column)));
-            self.columns.resize(start + nodes.count(), Change::default());
-            for (cable, &column) in sensitivity.columns[start..].iter().enumerate() {
-                self.columns[start + nodes.at(cable, k)] = column.into();
-            }
-            if !elimination.push(&self.columns, &gaps[k].change) {
+            let (start, own) = sensitivity.columns.split_at(3 + cut);
+            let own = own.iter().enumerate();
+            let own = own.map(|(cable, &column)| (nodes.at(cable, k), column));
+            if !elimination.push_few(start, own, &gaps[k].change) {
                 return false;
             }
             self.lengths.extend_from_slice(&sensitivity.lengths);

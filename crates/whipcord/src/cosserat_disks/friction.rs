@@ -225,7 +225,6 @@ impl Chain {
         response.turns.clear();
         response.turns.resize(n * wide, 0.0);
         let mut inside: Vec<(Column, BodyWrench)> = Vec::new();
-        let mut changes: Vec<Change> = Vec::with_capacity(wide);
         for (k, span) in task.frame.spans.iter().enumerate() {
             let cables = span.passages.len();
             let link = &self.links[k];
@@ -247,8 +246,6 @@ impl Chain {
                     .chain([Column::Closing])
                     .map(|column| (column, link.pass(&self.push(task, k, column)).0)),
             );
-            changes.clear();
-            changes.extend((0..wide).map(|j| self.elimination.change(k, j)));
             for i in 0..cables {
                 let of_wrench = |rows: &[f64], wrench: &BodyWrench| -> f64 {
                     (0..3)
@@ -269,17 +266,12 @@ impl Chain {
                 let p = span.first + i;
                 let next = self.next_of(task, k, i);
                 let [length, near, far] = [rows, near_rows, far_rows].map(by_start);
-                for (j, &Change { turn, moment, force }) in changes.iter().enumerate() {
-                    let along = |by: &[f64; 9]| -> f64 {
-                        (0..3)
-                            .map(|c| by[c] * turn[c] + by[3 + c] * moment[c] + by[6 + c] * force[c])
-                            .sum()
-                    };
-                    response.lengths[p * wide + j] += along(&length);
-                    response.turns[p * wide + j] += along(&near);
-                    if let Some(next) = next {
-                        response.turns[next * wide + j] += along(&far);
-                    }
+                let own = p * wide..(p + 1) * wide;
+                self.elimination.add_worth(k, &length, &mut response.lengths[own.clone()]);
+                self.elimination.add_worth(k, &near, &mut response.turns[own]);
+                if let Some(next) = next {
+                    let next = next * wide..(next + 1) * wide;
+                    self.elimination.add_worth(k, &far, &mut response.turns[next]);
                 }
                 for &(column, wrench) in &inside {
                     let j = if let Column::Tension(j) = column { j } else { n };
@@ -312,10 +304,7 @@ impl Chain {
         self.step.load = 0.0;
         self.step.nodes.clear();
         for k in 0..self.nodes.len() {
-            let mut change = self.elimination.change(k, theta.len());
-            for (j, &theta) in theta.iter().enumerate() {
-                change = change.plus(theta, self.elimination.change(k, j));
-            }
+            let change = self.elimination.follow(k, theta);
             let mut node = NodeStep { change, ..NodeStep::default() };
             if let Some(link) = self.links.get(k) {
                 let mut push = self.push(task, k, Column::Closing);

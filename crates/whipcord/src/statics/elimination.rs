@@ -12,7 +12,7 @@
 //! answers to `θ`. The product of the determinants of `C Pₖ + D` is that of the boundary value
 //! problem.
 
-use whipcord_numerics::{DenseLu, Vec3};
+use whipcord_numerics::{DenseLu, Vec3, dot};
 
 /// Sizes of the system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,43 +72,56 @@ impl Elimination {
         }
     }
 
-    /// Component of a change: turn, moment, force.
-    fn component(&self, change: &Change, i: usize) -> f64 {
-        let value = match i {
-            0..3 => change.turn[i],
-            3..6 => change.moment[i - 3],
-            _ => change.force[i - 6],
-        };
-        value / self.unit(i)
-    }
-
     /// Eliminates one step, given by its columns (by `η`, `y`, `θ`) and its gap; `false` where
     /// that breaks down.
     pub fn push<C: Copy + Into<Change>>(&mut self, columns: &[C], gap: &Change) -> bool {
-        let Size { cut, shared } = self.size;
-        let wide = shared + 1;
+        let (start, shared) = columns.split_at(3 + self.size.cut);
+        self.push_few(start, shared.iter().copied().enumerate(), gap)
+    }
+
+    /// The same of a step that depends on few of what all steps share: the columns by `η` and `y`, and those by `θ` that are not
+    /// zero, each with its number.
+    pub fn push_few<C: Copy + Into<Change>>(
+        &mut self,
+        start: &[C],
+        shared: impl Iterator<Item = (usize, C)>,
+        gap: &Change,
+    ) -> bool {
+        let Size { cut, shared: count } = self.size;
+        let (rows, wide) = (3 + cut, count + 1);
         let Work { mut pivot, mut first, mut rest, mut inverse, mut unit } =
             core::mem::take(&mut self.work);
-        let entry = |row: usize, column: usize| {
-            self.component(&columns[column].into(), row)
-                * if column < 3 + cut { self.unit(column) } else { 1.0 }
-        };
+        let mut by_start = [[0.0; 9]; 9];
+        for (j, &column) in start.iter().enumerate() {
+            let column: Change = column.into();
+            for (i, row) in by_start[..rows].iter_mut().enumerate() {
+                row[j] = column.component(i) / self.unit(i) * self.unit(j);
+            }
+        }
         // Everything by (y, θ, 1) once η = P y + Q (θ, 1) is put in.
         let by_cut = |row: usize, j: usize| {
-            let turned: f64 = (0..3).map(|i| entry(row, i) * self.compliance[i * cut + j]).sum();
-            turned + entry(row, 3 + j)
-        };
-        let by_shared = |row: usize, j: usize| {
-            let turned: f64 = (0..3).map(|i| entry(row, i) * self.turn[i * wide + j]).sum();
-            let own = if j < shared { entry(row, 3 + cut + j) } else { self.component(gap, row) };
-            turned + own
+            let by = &by_start[row];
+            let turned: f64 = (0..3).map(|i| by[i] * self.compliance[i * cut + j]).sum();
+            turned + by[3 + j]
         };
         pivot.clear();
         pivot.extend((0..cut * cut).map(|n| by_cut(3 + n / cut, n % cut)));
         first.clear();
         first.extend((0..3 * cut).map(|n| by_cut(n / cut, n % cut)));
         rest.clear();
-        rest.extend((0..(3 + cut) * wide).map(|n| by_shared(n / wide, n % wide)));
+        rest.resize(rows * wide, 0.0);
+        for (by, into) in by_start[..rows].iter().zip(rest.chunks_exact_mut(wide)) {
+            add_rows(&by[..3], &self.turn, into);
+        }
+        let mut add = |j: usize, column: &Change| {
+            for (i, row) in rest.chunks_exact_mut(wide).enumerate() {
+                row[j] += column.component(i) / self.unit(i);
+            }
+        };
+        for (j, column) in shared {
+            add(j, &column.into());
+        }
+        add(count, gap);
         let regular = self.lu.factor(cut, &pivot).is_ok();
         if regular {
             self.negative ^= self.lu.is_determinant_negative();
@@ -136,17 +149,16 @@ impl Elimination {
         self.kept.extend_from_slice(&self.compliance);
         self.kept.extend_from_slice(&self.turn);
         self.kept.extend_from_slice(inverse);
-        let actuation = &rest[3 * wide..];
+        let (turned, actuation) = rest.split_at(3 * wide);
         self.kept.extend_from_slice(actuation);
-        for i in 0..3 {
-            for j in 0..cut {
-                self.compliance[i * cut + j] =
-                    (0..cut).map(|l| first[i * cut + l] * inverse[l * cut + j]).sum();
+        self.turn.copy_from_slice(turned);
+        for (i, turn) in self.turn.chunks_exact_mut(wide).enumerate() {
+            let compliance = &mut self.compliance[i * cut..(i + 1) * cut];
+            for (j, entry) in compliance.iter_mut().enumerate() {
+                *entry = (0..cut).map(|l| first[i * cut + l] * inverse[l * cut + j]).sum();
             }
-            for j in 0..wide {
-                let taken: f64 =
-                    (0..cut).map(|l| self.compliance[i * cut + l] * actuation[l * wide + j]).sum();
-                self.turn[i * wide + j] = rest[i * wide + j] - taken;
+            for (by, row) in compliance.iter().zip(actuation.chunks_exact(wide)) {
+                turn.iter_mut().zip(row).for_each(|(x, row)| *x -= by * row);
             }
         }
         self.steps += 1;
@@ -161,29 +173,48 @@ impl Elimination {
         self.answers.resize(rows * (self.steps + 1), 0.0);
         self.answers[rows * self.steps..][..3 * wide].copy_from_slice(&self.turn);
         let stride = 3 * cut + 3 * wide + cut * cut + cut * wide;
+        let rest = &mut self.work.rest;
         for k in (0..self.steps).rev() {
             let kept = &self.kept[k * stride..(k + 1) * stride];
             let (compliance, kept) = kept.split_at(3 * cut);
             let (turn, kept) = kept.split_at(3 * wide);
             let (inverse, actuation) = kept.split_at(cut * cut);
             let (here, next) = self.answers.split_at_mut(rows * (k + 1));
-            let here = &mut here[rows * k..];
-            for j in 0..wide {
-                for i in 0..cut {
-                    here[(3 + i) * wide + j] = (0..cut)
-                        .map(|l| {
-                            inverse[i * cut + l]
-                                * (next[(3 + l) * wide + j] - actuation[l * wide + j])
-                        })
-                        .sum();
-                }
-                for i in 0..3 {
-                    let bent: f64 =
-                        (0..cut).map(|l| compliance[i * cut + l] * here[(3 + l) * wide + j]).sum();
-                    here[i * wide + j] = bent + turn[i * wide + j];
-                }
+            let (turns, cuts) = here[rows * k..].split_at_mut(3 * wide);
+            rest.clear();
+            rest.extend(next[3 * wide..rows].iter().zip(actuation).map(|(next, own)| next - own));
+            for (by, into) in inverse.chunks_exact(cut).zip(cuts.chunks_exact_mut(wide)) {
+                add_rows(by, rest, into);
             }
+            for (by, into) in compliance.chunks_exact(cut).zip(turns.chunks_exact_mut(wide)) {
+                add_rows(by, cuts, into);
+            }
+            turns.iter_mut().zip(turn).for_each(|(x, turn)| *x += turn);
         }
+    }
+
+    /// The change of node `k` with these changes of `θ` and with the gaps.
+    pub fn follow(&self, k: usize, theta: &[f64]) -> Change {
+        let Size { cut, shared } = self.size;
+        let wide = shared + 1;
+        let rows = &self.answers[k * (3 + cut) * wide..];
+        let mut values = [0.0; 9];
+        for (i, (value, row)) in
+            values.iter_mut().zip(rows.chunks_exact(wide)).take(3 + cut).enumerate()
+        {
+            *value = (dot(&row[..shared], theta) + row[shared]) * self.unit(i);
+        }
+        let [turn, moment, force] =
+            [0, 3, 6].map(|i| Vec3::new(values[i], values[i + 1], values[i + 2]));
+        Change { turn, moment, force }
+    }
+
+    /// Adds to each entry what its change of node `k` is worth; of turn, moment and force by components.
+    pub fn add_worth(&self, k: usize, worth: &[f64; 9], into: &mut [f64]) {
+        let Size { cut, shared } = self.size;
+        let (rows, wide) = (3 + cut, shared + 1);
+        let worth: [f64; 9] = core::array::from_fn(|i| worth[i] * self.unit(i));
+        add_rows(&worth[..rows], &self.answers[k * rows * wide..], into);
     }
 
     /// What answer `j` of node `k` is: `j` counts through `θ`, and the last is that to the gaps.
@@ -205,6 +236,19 @@ impl Elimination {
     }
 }
 
+/// Adds so many times each of these rows.
+fn add_rows(times: &[f64], rows: &[f64], into: &mut [f64]) {
+    let wide = into.len();
+    for (times, rows) in times.chunks(3).zip(rows.chunks(3 * wide)) {
+        let &[a, b, c] = times else { continue };
+        let (first, rest) = rows.split_at(wide);
+        let (second, third) = rest.split_at(wide);
+        for (((x, p), q), r) in into.iter_mut().zip(first).zip(second).zip(third) {
+            *x += a * p + b * q + c * r;
+        }
+    }
+}
+
 /// Change of a node: of its rotation in the body frame, of the moment there in the body frame, and
 /// of the followers' force in the base frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -215,6 +259,15 @@ pub(crate) struct Change {
 }
 
 impl Change {
+    /// Of turn, moment, force.
+    fn component(&self, i: usize) -> f64 {
+        match i {
+            0..3 => self.turn[i],
+            3..6 => self.moment[i - 3],
+            _ => self.force[i - 6],
+        }
+    }
+
     pub fn plus(self, f: f64, other: Self) -> Self {
         Self {
             turn: self.turn + f * other.turn,

@@ -109,8 +109,8 @@ impl CondensedHoles {
         let Self { scratch, history, by_wrench, columns, lu, .. } = self;
         let law = Law { holes, commands, before: &history.beyond, modes: None };
         scratch.solve(&law)?;
-        let FrictionScratch { tensions, at, beyond, modes, matrix, changes, .. } = &*scratch;
-        lu.factor(tensions.len(), matrix).ok()?;
+        let FrictionScratch { tensions, at, beyond, modes, problem, changes, .. } = &*scratch;
+        lu.factor(tensions.len(), problem.matrix()).ok()?;
         columns.resize_with(1 + by_wrench.len(), Vec::new);
         columns[0].clone_from(changes);
         let here = Iterate { tensions, beyond, turns: &at.turns };

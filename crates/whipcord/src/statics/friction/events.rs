@@ -6,13 +6,12 @@
 //! an event the rates solve a complementarity problem: `Dᵢ` falls at the bound where the cable is pulled, rises at the bound where it is
 //! released, or the hole sticks and the tension goes away from the bound.
 
-use whipcord_numerics::{ReplacedRows, dot};
-
 use super::holes::Holes;
 use super::law::{Iterate, Law, Mode};
-use super::linear_problem::{LinearEffort, linear_system};
+use super::linear_problem::LinearProblem;
 use super::response::Response;
 use super::trail::Trigger;
+use crate::budget::Meter;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
 
@@ -72,11 +71,7 @@ pub(super) struct Events {
     rates: Rates,
     /// The state from which the coefficients of the linear problem are taken.
     at: Coefficients,
-    matrix: Vec<f64>,
-    lengths: Vec<f64>,
-    system: ReplacedRows,
-    /// Of what was solved and is not counted yet.
-    pub effort: LinearEffort,
+    pub problem: LinearProblem,
 }
 
 /// Where holes come to rest within a substep.
@@ -131,22 +126,24 @@ impl Events {
         from: &[Command],
         start: &Station,
         end: Option<&Station>,
+        meter: &Meter,
     ) -> bool {
         self.start(law, from, start, end);
         self.count = 0;
-        self.response.clone_from(&start.response);
         let slots = if end.is_some() { SLOTS } else { 1 };
         let mut most = MOST_EVENTS * law.holes.count() + 32;
         for slot in 0..slots {
             let at = |slot: f64| slot / slots as f64;
             let (mut now, to) = (at(slot as f64), at(slot as f64 + 1.0));
             (self.now, self.trigger) = (now, None);
-            self.respond(start, end, 0.5 * (now + to));
+            self.respond(law, start, end, 0.5 * (now + to));
             if !self.linearise(law, 0.5 * (to - now), end.is_some()) {
                 return false;
             }
             while now < to - ROUNDED {
-                if !self.choose(law) || most == 0 {
+                let is_chosen = self.choose(law);
+                self.problem.charge(meter);
+                if !is_chosen || most == 0 || meter.has_ended() {
                     return false;
                 }
                 if now == 0.0 {
@@ -163,7 +160,7 @@ impl Events {
         if end.is_some() {
             // What happens at the very end shows that the response changed too much.
             (self.now, self.trigger) = (1.0, None);
-            self.respond(start, end, 1.0);
+            self.respond(law, start, end, 1.0);
             if !self.linearise(law, 0.0, false) || !self.choose(law) {
                 return false;
             }
@@ -174,20 +171,19 @@ impl Events {
 
     /// Takes the coefficients of the linear problem from the state as it will be this part of the substep later.
     fn linearise(&mut self, law: &Law<'_>, later: f64, moves: bool) -> bool {
-        self.system.forget();
         self.at.commands.clone_from(&self.commands);
         self.at.tensions.clone_from(&self.tensions);
         self.at.turns.clone_from(&self.turns);
-        if !moves {
-            return true;
+        if moves {
+            // The rates of the part before serve, where there is one.
+            if self.now == 0.0 && !self.choose(law) {
+                return false;
+            }
+            go(&mut self.at.tensions, &self.rates.tensions, later);
+            go(&mut self.at.turns, &self.rates.turns, later);
+            move_commands(&mut self.at.commands, &self.rates.commands, later);
         }
-        if !self.choose(law) {
-            return false;
-        }
-        go(&mut self.at.tensions, &self.rates.tensions, later);
-        go(&mut self.at.turns, &self.rates.turns, later);
-        move_commands(&mut self.at.commands, &self.rates.commands, later);
-        self.system.forget();
+        self.problem.renew();
         true
     }
 
@@ -274,8 +270,11 @@ impl Events {
     }
 
     /// The response at a fraction of the substep.
-    fn respond(&mut self, start: &Station, end: Option<&Station>, at: f64) {
-        let Some(end) = end else { return };
+    fn respond(&mut self, law: &Law<'_>, start: &Station, end: Option<&Station>, at: f64) {
+        let Some(end) = end else {
+            self.response.clone_from(&start.response);
+            return self.problem.begin(law.holes, &self.response);
+        };
         let between = |into: &mut Vec<f64>, from: &[f64], to: &[f64]| {
             into.clear();
             into.extend(from.iter().zip(to).map(|(from, to)| from + at * (to - from)));
@@ -288,6 +287,7 @@ impl Events {
             let row = p * wide..(p + 1) * wide;
             self.response.turns[row.clone()].copy_from_slice(&end.response.turns[row]);
         }
+        self.problem.begin(law.holes, &self.response);
     }
 
     /// The modes that agree with their rates, and the rates.
@@ -307,26 +307,34 @@ impl Events {
 
     /// The rates in the modes as they are.
     fn solve(&mut self, law: &Law<'_>) -> bool {
-        let Self { at, beyond, rates, modes, response, matrix, system, lengths, effort, .. } = self;
+        let Self { at, beyond, rates, modes, response, problem, .. } = self;
         let here = Iterate { tensions: &at.tensions, beyond, turns: &at.turns };
         let now = Law { commands: &at.commands, ..*law };
-        let n = here.tensions.len();
-        let Rates { commands, tensions: changes, .. } = rates;
-        linear_system(&now, here, modes, response, Some(commands), (matrix, changes));
-        if !effort.solve(system, matrix, changes) {
+        let Rates { commands, tensions, beyond, turns } = rates;
+        if !problem.solve(&now, here, modes, response, Some(commands), tensions) {
             return false;
         }
-        let along = |rows: &[f64], into: &mut Vec<f64>| {
-            into.clear();
-            into.extend(rows.chunks(n + 1).map(|row| dot(&row[..n], changes)));
-        };
-        along(&response.turns, &mut rates.turns);
-        along(&response.lengths, lengths);
-        law.holes.beyond_into(lengths, changes, &mut rates.beyond);
+        turns.resize(tensions.len(), 0.0);
+        beyond.resize(tensions.len(), 0.0);
+        for (p, mode) in modes.iter().enumerate() {
+            match mode {
+                Mode::Sticks => {
+                    turns[p] = response.turn(p, tensions);
+                    beyond[p] = 0.0;
+                }
+                _ => beyond[p] = problem.beyond(p, tensions),
+            }
+        }
         true
     }
 
+    /// Goes on at the rates.
     fn advance(&mut self, part: f64) {
+        for (p, mode) in self.modes.iter().enumerate() {
+            if *mode != Mode::Sticks {
+                self.rates.turns[p] = self.response.turn(p, &self.rates.tensions);
+            }
+        }
         go(&mut self.tensions, &self.rates.tensions, part);
         go(&mut self.beyond, &self.rates.beyond, part);
         go(&mut self.turns, &self.rates.turns, part);

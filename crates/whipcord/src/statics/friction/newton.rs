@@ -6,13 +6,10 @@
 //! the angle by which the cable turns in it. The linearised problem is a complementarity problem: its holes change from one
 //! case to another until all of them agree with the step (the method of Josephy and Newton).
 
-use whipcord_numerics::{ReplacedRows, dot};
-
 use super::events::{Events, Station};
 use super::law::{Iterate, Law, Mode};
-use super::linear_problem::{LinearEffort, linear_system};
+use super::linear_problem::LinearProblem;
 use super::response::{PassageResponse, Passages, Response};
-use crate::budget::Meter;
 use crate::shape::SlipState;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Open;
@@ -51,11 +48,8 @@ pub(crate) struct FrictionScratch {
     /// After the linear step.
     after: [Vec<f64>; 3],
     pub(super) response: Response,
-    pub(super) matrix: Vec<f64>,
     pub(super) changes: Vec<f64>,
-    pub(super) system: ReplacedRows,
-    /// Of what was solved and is not counted yet.
-    effort: LinearEffort,
+    pub(super) problem: LinearProblem,
 }
 
 impl FrictionScratch {
@@ -86,7 +80,7 @@ impl FrictionScratch {
                 return Err(failed(iteration, before, None));
             };
             model.meter().iterate();
-            self.charge(model.meter());
+            self.problem.charge(model.meter());
             self.kept.clone_from(&self.tensions);
             recent.rotate_right(1);
             recent[0] = before;
@@ -130,15 +124,6 @@ impl FrictionScratch {
         Err(failed(MAX_ITERATIONS, residual, None))
     }
 
-    /// Counts the linear problems of the holes that were solved since it was last asked to.
-    pub(super) fn charge(&mut self, meter: &Meter) {
-        for effort in [&mut self.effort, &mut self.events.effort] {
-            let LinearEffort { solves, factors } = core::mem::take(effort);
-            meter.eliminate(self.tensions.len(), factors);
-            meter.substitute(self.tensions.len(), solves);
-        }
-    }
-
     /// What is left of the equilibrium, and of the equations of the holes as a fraction of the length.
     fn measure<M: PassageResponse>(
         &mut self,
@@ -179,8 +164,7 @@ impl FrictionScratch {
 
     /// The linear step of the tensions by the response as it is, in cases that agree with it; `None` where there is none.
     pub(super) fn solve(&mut self, law: &Law<'_>) -> Option<()> {
-        // What changes from one case to another is few rows.
-        self.system.forget();
+        self.problem.begin(law.holes, &self.response);
         for change in 0..MOST_CHANGES[1] {
             self.assemble(law)?;
             if self.agree(law, change >= MOST_CHANGES[0]) {
@@ -192,30 +176,34 @@ impl FrictionScratch {
 
     /// Solves the linear problem of the Newton step in the cases as they are.
     fn assemble(&mut self, law: &Law<'_>) -> Option<()> {
-        let Self { tensions, at, beyond, modes, response, matrix, changes, system, effort, .. } =
-            self;
+        let Self { tensions, at, beyond, modes, response, changes, problem, .. } = self;
         let here = Iterate { tensions, beyond, turns: &at.turns };
-        linear_system(law, here, modes, response, None, (matrix, changes));
-        effort.solve(system, matrix, changes).then_some(())
+        problem.solve(law, here, modes, response, None, changes).then_some(())
     }
 
     /// Whether the cases of all holes agree with the linear step; else those that do not change, or where it is `one_by_one` the
     /// one that agrees least.
     fn agree(&mut self, law: &Law<'_>, one_by_one: bool) -> bool {
-        let Self { tensions, at, beyond, modes, response, changes, after, .. } = self;
+        let Self { tensions, at, beyond, modes, response, changes, problem, after, .. } = self;
         let n = tensions.len();
-        let along = |by: &[f64]| by[n] + dot(&by[..n], changes);
         let [new_tensions, new_beyond, new_turns] = after;
-        let add = |into: &mut Vec<f64>, now: &[f64], by: &[f64]| {
-            into.clear();
-            into.extend(now.iter().zip(by.chunks(n + 1)).map(|(now, by)| now + along(by)));
-        };
-        add(new_turns, &at.turns, &response.turns);
-        // The lengths for a moment.
-        add(new_tensions, &at.lengths, &response.lengths);
-        let lengths = core::mem::take(new_tensions);
+        new_tensions.clear();
         new_tensions.extend(tensions.iter().zip(&*changes).map(|(now, change)| now + change));
-        law.holes.beyond_into(&lengths, new_tensions, new_beyond);
+        // Of each hole what its case looks at.
+        new_beyond.clone_from(beyond);
+        new_turns.clone_from(&at.turns);
+        for (p, mode) in modes.iter().enumerate() {
+            match mode {
+                Mode::Free => {}
+                Mode::Sticks => {
+                    let closing = response.turns[p * (n + 1) + n];
+                    new_turns[p] += closing + response.turn(p, changes);
+                }
+                Mode::Slack | Mode::Held | Mode::Pulled | Mode::Released => {
+                    new_beyond[p] += problem.beyond(p, changes) + problem.beyond_closing(p, n);
+                }
+            }
+        }
         let now = Iterate { tensions, beyond, turns: &at.turns };
         let then = Iterate { tensions: new_tensions, beyond: new_beyond, turns: new_turns };
         let least = VIOLATED * law.holes.length;

@@ -1,5 +1,7 @@
 //! What a model tells of a robot with friction at its holes.
 
+use whipcord_numerics::dot;
+
 use crate::budget::Meter;
 use crate::section::Fault;
 use crate::statics::outcome::Failure;
@@ -19,6 +21,14 @@ pub(crate) struct Passages {
 pub(crate) struct Response {
     pub lengths: Vec<f64>,
     pub turns: Vec<f64>,
+}
+
+impl Response {
+    /// What the angle in the near hole of a passage changes by, with these changes of the tensions.
+    pub fn turn(&self, p: usize, tensions: &[f64]) -> f64 {
+        let n = tensions.len();
+        dot(&self.turns[p * (n + 1)..][..n], tensions)
+    }
 }
 
 /// A robot as what answers the tensions of all its passages with its shape.

@@ -11,6 +11,7 @@ use super::law::Law;
 use super::newton::FrictionScratch;
 use super::response::PassageResponse;
 use super::way::{Way, between};
+use crate::budget::Meter;
 use crate::shape::SlipState;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
@@ -186,7 +187,7 @@ impl Way<'_> {
     }
 
     /// Where the holes last come to rest in the substep, by the response at its start, or at both ends; `false` where this does not tell.
-    fn follow<S>(&mut self, history: &History<S>, to_end: bool) -> bool {
+    fn follow<S>(&mut self, history: &History<S>, to_end: bool, meter: &Meter) -> bool {
         let from: Vec<Command> = between(history, self.holes, &self.commands, 0.0).collect();
         let law = Law {
             holes: self.holes,
@@ -195,7 +196,9 @@ impl Way<'_> {
             modes: None,
         };
         let FrictionScratch { start, end, events, .. } = &mut *self.scratch;
-        events.follow(&law, &from, start, to_end.then_some(end))
+        let followed = events.follow(&law, &from, start, to_end.then_some(end), meter);
+        events.problem.charge(meter);
+        followed
     }
 
     /// The greatest difference of the tensions of the scratch from these, as a part of the greatest one of its cable. Cables that
@@ -238,8 +241,7 @@ impl Way<'_> {
         let is_known = self.stands || self.stand(model, history);
         self.stands = false;
         self.scratch.events.keeps_stops = history.trail.is_some();
-        let is_followed = is_known && self.follow(history, false);
-        self.scratch.charge(model.meter());
+        let is_followed = is_known && self.follow(history, false, model.meter());
         let no_event = self.scratch.events.count == 0;
         rest.clear();
         rest.extend_from_slice(if is_followed {
@@ -252,8 +254,7 @@ impl Way<'_> {
             self.stops.clone_from(&self.scratch.events.stops);
         }
         let mut effort = self.find(model, history, near, is_followed, rest)?;
-        let follows = is_known && self.end(model) && self.follow(history, true);
-        self.scratch.charge(model.meter());
+        let follows = is_known && self.end(model) && self.follow(history, true, model.meter());
         if !follows {
             return Ok((effort, None));
         }
