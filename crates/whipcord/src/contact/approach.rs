@@ -19,16 +19,18 @@ const MARGIN: f64 = 1e-3;
 const FARTHEST: f64 = 4.0;
 /// How much farther each next distance is that is tried.
 const FARTHER: f64 = 1.3;
-/// What it may spend, as a part of what the way before may.
-const BUDGET: f64 = 0.5;
+/// So far on the way beyond where that was lost the robot is looked for where it is not found at the end.
+const BEYOND: f64 = 1.0 / 24.0;
 
 impl<M: Noting> PathTracker<'_, M> {
-    /// An equilibrium under a case that the way to was lost, for this reason: from the answer without the obstacles. The reason
-    /// where there is none, and where this way does not exist: movable objects and pipes hold the robot where it is.
+    /// An equilibrium under a case that the way to was lost, for this reason: from the answer without the obstacles, there or a little
+    /// beyond where it was lost, at last or first, and on from there. The reason where there is none, and where this way does not exist: movable objects and
+    /// pipes hold the robot where it is.
     pub(super) fn approach(
         &mut self,
         asked: &Case,
         at: &impl Fn(f64) -> Case,
+        acting: impl Fn(f64) -> Acting,
         lost: SolveError,
     ) -> Result<(), SolveError> {
         let is_cancelled = matches!(lost, SolveError::Cancelled { .. });
@@ -36,14 +38,34 @@ impl<M: Noting> PathTracker<'_, M> {
             return Err(lost);
         }
         let reached = self.reached;
-        match self.come_from_outside(asked, at) {
-            Ok(()) => {
-                self.slipped_at.get_or_insert(reached);
-                Ok(())
+        let beyond = [Some(reached), self.lost_at.filter(|&at| at + BEYOND < reached)]
+            .map(|lost_at| lost_at.map(|lost_at| lost_at + BEYOND));
+        self.renew_budget();
+        for (attempt, way) in [Some(1.0)].into_iter().chain(beyond).flatten().enumerate() {
+            if way > 1.0 {
+                continue;
             }
-            Err(error @ SolveError::Cancelled { .. }) => Err(error),
-            Err(_) => Err(lost),
+            if attempt == 1 {
+                self.renew_budget();
+            }
+            let between = |part: f64| if part == 1.0 { 1.0 } else { way + part * (1.0 - way) };
+            let came = self.come_from_outside(asked, &|part| at(way * part)).and_then(|()| {
+                if way == 1.0 {
+                    return Ok(());
+                }
+                self.go(asked, |part| at(between(part)), |part| acting(between(part)))
+            });
+            match came {
+                Ok(()) => {
+                    self.slipped_at.get_or_insert(reached);
+                    self.lose_notes();
+                    return Ok(());
+                }
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                Err(_) => {}
+            }
         }
+        Err(lost)
     }
 
     fn come_from_outside(
@@ -53,7 +75,10 @@ impl<M: Noting> PathTracker<'_, M> {
     ) -> Result<(), SolveError> {
         let case = &at(1.0);
         let free = self.model.solve_free(case)?;
-        self.budget = self.spent + BUDGET * self.model.budget();
+        // Where another attempt has left off.
+        self.arrange(Acting::ALL);
+        self.drawn_out = None;
+        self.scene.rub(true);
         self.odd = None;
         self.pairs.near.clear();
         self.dampers.all.clear();
@@ -95,7 +120,7 @@ impl<M: Noting> PathTracker<'_, M> {
             let kept = self.kept();
             self.scene.begin_step();
             match self.relax(case) {
-                Ok(_) => {}
+                Ok(()) => {}
                 Err(Stop::Cancelled) => return Err(SolveError::Cancelled { last_load: None }),
                 // Contacts may hold what is not stable alone.
                 Err(_) => self.restore(kept),

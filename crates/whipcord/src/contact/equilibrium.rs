@@ -95,6 +95,13 @@ impl<M: Compliant> PathTracker<'_, M> {
                 if self.residual < NEARLY_MET && self.is_clear() {
                     return self.arrived();
                 }
+                if self.searches && self.is_alone() {
+                    self.searches = self.model.search_alone(case);
+                    if self.searches {
+                        (least, since) = (f64::INFINITY, 0);
+                        continue;
+                    }
+                }
                 break;
             }
             self.pairs.pushes(&mut self.pushes);
@@ -217,6 +224,14 @@ impl<M: Compliant> PathTracker<'_, M> {
     pub(super) fn is_touching(&self) -> bool {
         self.pairs.near.iter().any(|pair| pair.force > 0.0)
             || self.objects.count() > 0 && self.objects.near.iter().any(|pair| pair.force > 0.0)
+    }
+
+    /// Whether nothing acts on the robot but its cables and loads.
+    fn is_alone(&self) -> bool {
+        !self.is_touching()
+            && self.objects.count() == 0
+            && self.dampers.all.is_empty()
+            && self.nudge.is_none()
     }
 
     /// What is left of the balance of an object that nothing holds.

@@ -63,6 +63,12 @@ pub(crate) trait Compliant {
     /// Looks at a case without its obstacles, and these wrenches, from where it is, and stays there.
     fn consider(&mut self, case: &Case, pushes: &[Push]) -> Result<(), SolveError>;
 
+    /// Goes to the equilibrium without pushes that a search from rest finds, where steps from where it is lead to none: whether there is one. It
+    /// stays where it is otherwise.
+    fn search_alone(&mut self, _case: &Case) -> bool {
+        false
+    }
+
     /// How far it is from equilibrium: the largest change of a coordinate that is left, in rad.
     fn residual(&self) -> f64;
 

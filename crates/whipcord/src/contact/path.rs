@@ -31,10 +31,14 @@ const RUBBING_STEP: f64 = 1.0 / 32.0;
 const LEAST_STEP: f64 = 1e-3;
 /// How far ahead on the way a robot comes to rest that has lost its equilibrium.
 const AHEAD: f64 = 2e-3;
-/// So often it may do so.
+/// So often it may do so, and so often at a place where nothing comes of it.
 const JUMPS: usize = 20;
+const JUMPS_IN_VAIN: usize = 3;
 /// A cross-section that moves farther than this part of the length while it does so has jumped.
 const JUMP: f64 = 0.02;
+
+/// What it may spend at the end of the way, and on another one, as a part of what the way may.
+const RENEWED: f64 = 0.5;
 
 /// Why the robot does not get on.
 pub(super) enum Stop {
@@ -96,8 +100,12 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) nudge: Option<Push>,
     /// Whether the equilibrium that is looked for is none but a place on the way to the answer.
     pub(super) is_on_way: bool,
+    /// Whether the model searches from rest for an equilibrium without contacts that its steps do not lead to: until it has searched in vain.
+    pub(super) searches: bool,
     /// How far on the way there is an equilibrium.
     pub(super) reached: f64,
+    /// Where on the way there was first no equilibrium near.
+    pub(super) lost_at: Option<f64>,
     /// Where on the way the robot slipped off.
     pub(super) slipped_at: Option<f64>,
     /// Whether the way begins at a known answer that the model, under other loads, does not quite stand at: what its contacts
@@ -173,7 +181,9 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
             unstable: None,
             nudge: None,
             is_on_way: false,
+            searches: true,
             reached: 0.0,
+            lost_at: None,
             slipped_at: None,
             is_off_answer: false,
             rubs: has_friction(robot),
@@ -275,28 +285,35 @@ impl<M: Noting> PathTracker<'_, M> {
             if self.objects.count() > 0 {
                 return Err(self.obstructed(way, stop));
             }
-            // Beyond here it has no equilibrium near: it jumps to another.
-            let Some(ahead) = jumps.next(way) else { return Err(self.obstructed(way, stop)) };
-            let next = (way + ahead).min(1.0);
-            self.scene.begin_step();
-            self.arrange(acting(next));
-            match self.relax(&at(next)) {
-                Ok(moved) => {
-                    self.lose_notes();
-                    if moved > JUMP * self.length {
-                        self.slipped_at.get_or_insert(way);
+            // Beyond here it has no equilibrium near: it jumps to another, which may stand farther on only.
+            self.lost_at.get_or_insert(way);
+            let from = self.centres();
+            let mut in_vain = 0;
+            way = loop {
+                let Some(ahead) = jumps.next(way) else { return Err(self.obstructed(way, stop)) };
+                let next = (way + ahead).min(1.0);
+                self.scene.begin_step();
+                self.arrange(acting(next));
+                match self.relax(&at(next)) {
+                    Ok(()) => break next,
+                    Err(why @ (Stop::Spent(_) | Stop::Lost(_) | Stop::Cancelled)) => {
+                        return Err(self.obstructed(way, Some(why)));
                     }
-                    if next == 1.0 {
-                        return Ok(());
+                    Err(_) if next == 1.0 || in_vain == JUMPS_IN_VAIN => {
+                        return Err(self.obstructed(way, stop));
                     }
-                    (way, step) = (next, 10.0 * LEAST_STEP);
-                    self.reached = way;
+                    Err(_) => in_vain += 1,
                 }
-                Err(why @ (Stop::Spent(_) | Stop::Lost(_) | Stop::Cancelled)) => {
-                    return Err(self.obstructed(way, Some(why)));
-                }
-                Err(_) => return Err(self.obstructed(way, stop)),
+            };
+            self.lose_notes();
+            if self.farthest_from(&from) > JUMP * self.length {
+                self.slipped_at.get_or_insert(self.reached);
             }
+            self.reached = way;
+            if way == 1.0 {
+                return Ok(());
+            }
+            step = 10.0 * LEAST_STEP;
         }
     }
 
@@ -334,6 +351,11 @@ impl<M: Compliant> PathTracker<'_, M> {
     pub(super) fn kept(&mut self) -> Kept {
         self.model.keep();
         Kept { pairs: self.pairs.clone(), objects: self.objects.clone(), odd: self.odd }
+    }
+
+    /// From here on it may spend a part of what the way may, whatever is spent.
+    pub(super) fn renew_budget(&mut self) {
+        self.budget = self.spent + RENEWED * self.model.budget();
     }
 
     pub(super) fn restore(&mut self, kept: Kept) {

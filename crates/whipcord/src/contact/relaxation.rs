@@ -21,14 +21,12 @@ const STEPS: usize = 200;
 const ATTEMPTS: usize = 24;
 
 impl<M: Compliant> PathTracker<'_, M> {
-    /// The stable equilibrium under a case that the robot comes to from where it is; how far a cross-section is from where
-    /// it was, in m.
-    pub(super) fn relax(&mut self, case: &Case) -> Result<f64, Stop> {
-        let from = self.centres();
+    /// The stable equilibrium under a case that the robot comes to from where it is.
+    pub(super) fn relax(&mut self, case: &Case) -> Result<(), Stop> {
         let relaxed = self.come_to_rest(case);
         self.nudge = None;
         self.dampers.all.clear();
-        relaxed.map(|()| self.farthest_from(&from))
+        relaxed
     }
 
     fn come_to_rest(&mut self, case: &Case) -> Result<(), Stop> {
@@ -100,7 +98,8 @@ impl<M: Compliant> PathTracker<'_, M> {
         (0..self.model.watched().len()).map(|k| self.model.centre(k)).collect()
     }
 
-    fn farthest_from(&self, before: &[Vec3]) -> f64 {
+    /// How far a cross-section is from where it was, in m.
+    pub(super) fn farthest_from(&self, before: &[Vec3]) -> f64 {
         let moved = |(k, old): (usize, &Vec3)| (self.model.centre(k) - *old).norm();
         before.iter().enumerate().map(moved).fold(0.0, f64::max)
     }

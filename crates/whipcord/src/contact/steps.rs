@@ -116,9 +116,10 @@ fn solve_step(
         gone = tracker.hold_and_release(case, &at, &to_base);
     }
     if let Err(error) = gone {
-        tracker.approach(case, &at, error)?;
-        tracker.lose_notes();
+        tracker.approach(case, &at, grow, error)?;
     }
+    // The way does not count any more: it has led to an answer.
+    tracker.renew_budget();
     while tracker.model.refine()? {
         let here: Vec<Vec3> =
             (0..tracker.model.watched().len()).map(|k| tracker.model.centre(k)).collect();

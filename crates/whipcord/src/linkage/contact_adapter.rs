@@ -329,6 +329,21 @@ impl Compliant for ContactAdapter<'_> {
         self.measure()
     }
 
+    fn search_alone(&mut self, case: &Case) -> bool {
+        if self.holes.is_some() {
+            // What the holes remember of the way would be lost.
+            return false;
+        }
+        self.is_linear = false;
+        let Workspace { scratch, tensions, .. } = &*self.workspace;
+        let stood = (scratch.chain.q.clone(), tensions.clone());
+        let is_found = self.model.find(case, None, self.workspace).is_ok();
+        if !is_found {
+            (self.workspace.scratch.chain.q, self.workspace.tensions) = stood;
+        }
+        is_found
+    }
+
     fn residual(&self) -> f64 {
         self.residual
     }
