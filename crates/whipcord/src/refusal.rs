@@ -76,16 +76,6 @@ pub(crate) fn friction_with_branches(model: ModelKind, robot: &Robot) -> Result<
     hole_friction(model, robot, what, advice)
 }
 
-/// Refuses derivatives with hole friction where the backbone rubs on an obstacle between the steps of a rod.
-pub(crate) fn rubbing_backbone(model: ModelKind) -> SolveError {
-    SolveError::Unsupported {
-        model,
-        path: "a request for derivatives".to_owned(),
-        what: "derivatives with friction at the holes where the backbone rubs on an obstacle between two disks",
-        advice: "take finite differences of solutions, use piecewise-constant-curvature or pseudo-rigid-body, or remove the friction of the obstacle",
-    }
-}
-
 /// Refuses to follow equilibria under a growing load, on behalf of a model that takes no loads.
 pub(crate) fn branches(model: ModelKind) -> SolveError {
     SolveError::Unsupported {

@@ -1,7 +1,10 @@
 //! The frames of a rod between the ends of its integration steps.
 
-use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+use core::ops::RangeInclusive;
 
+use whipcord_numerics::{Pose, Twist, UnitQuaternion, Vec3};
+
+use crate::derivatives::Caused;
 use crate::section::Strain;
 
 /// A rod as its steps leave it: frames at their ends, and strains at start, middle and end of each.
@@ -54,6 +57,26 @@ impl DenseOutput {
         }
     }
 
+    /// The ends of steps whose frames that of a cross-section hangs on.
+    pub fn ends_beside(&self, arc_length: f64) -> RangeInclusive<usize> {
+        match self.find(arc_length) {
+            Place::End(k) => k..=k,
+            Place::Within(Inside { k, .. }) => k..=k + 1,
+        }
+    }
+
+    /// How a cross-section moves with what a cause changes, in the frame of the base; `None` within a step whose strains are not known.
+    pub fn motion(&self, arc_length: f64, caused: &Caused<'_>) -> Option<Twist> {
+        Some(match self.find(arc_length) {
+            Place::End(k) => caused.node(k),
+            Place::Within(inside) => {
+                let k = inside.k;
+                let ends = [k, k + 1].map(|node| caused.node(node));
+                inside.motion(&ends, &caused.strains(k)?)
+            }
+        })
+    }
+
     fn find(&self, arc_length: f64) -> Place<'_> {
         let after = self.ends.partition_point(|&end| end < arc_length);
         if after == 0 || self.ends.get(after) == Some(&arc_length) {
@@ -64,7 +87,7 @@ impl DenseOutput {
             (Some(strains), Some([start, end])) => {
                 let length = self.ends[k + 1] - self.ends[k];
                 let part = (arc_length - self.ends[k]) / length;
-                Place::Within(Inside { start, end, strains, length, part })
+                Place::Within(Inside { k, start, end, strains, length, part })
             }
             // Beyond the tip.
             _ => Place::End(self.poses.len().saturating_sub(1)),
@@ -79,8 +102,9 @@ enum Place<'a> {
     Within(Inside<'a>),
 }
 
-/// A cross-section within a step, at a part of its length in m.
+/// A cross-section within step `k`, at a part of its length in m.
 struct Inside<'a> {
+    k: usize,
     start: &'a Pose,
     end: &'a Pose,
     strains: &'a [Strain; 3],
@@ -96,12 +120,10 @@ struct Curve {
 }
 
 impl Curve {
-    fn new(start: &Pose, end: &Pose, [first, middle, last]: &[Strain; 3], h: f64) -> Self {
-        // `p′ = R v` and `p″ = R (u × v + v′)`, with v′ from the parabola through the three strains.
-        let slopes = [
-            (middle.linear * 4.0 - first.linear * 3.0 - last.linear) * (1.0 / h),
-            (first.linear - middle.linear * 4.0 + last.linear * 3.0) * (1.0 / h),
-        ];
+    fn new(start: &Pose, end: &Pose, strains: &[Strain; 3], h: f64) -> Self {
+        let [first, _, last] = strains;
+        // `p′ = R v` and `p″ = R (u × v + v′)`.
+        let slopes = slopes(strains, h);
         let first_of = |pose: &Pose, strain: &Strain| pose.rotation.rotate(strain.linear * h);
         let second_of = |pose: &Pose, strain: &Strain, slope: Vec3| {
             pose.rotation.rotate((strain.angular.cross(strain.linear) + slope) * (h * h))
@@ -110,6 +132,26 @@ impl Curve {
             positions: [start.position, end.position],
             firsts: [first_of(start, first), first_of(end, last)],
             seconds: [second_of(start, first, slopes[0]), second_of(end, last, slopes[1])],
+        }
+    }
+
+    /// How it changes with motions of its ends and changes of its strains.
+    fn change(&self, inside: &Inside<'_>, ends: &[Twist; 2], changes: &[Strain; 3]) -> Self {
+        let Inside { start, end, strains, length: h, .. } = *inside;
+        let slopes = slopes(changes, h);
+        let of_end = |at: usize, pose: &Pose| {
+            let (Strain { linear: v, angular: u }, by) = (strains[2 * at], changes[2 * at]);
+            let turn = ends[at].angular;
+            let bent = by.angular.cross(v) + u.cross(by.linear) + slopes[at];
+            let first = turn.cross(self.firsts[at]) + pose.rotation.rotate(by.linear * h);
+            let second = turn.cross(self.seconds[at]) + pose.rotation.rotate(bent * (h * h));
+            (first, second)
+        };
+        let (at_start, at_end) = (of_end(0, start), of_end(1, end));
+        Self {
+            positions: ends.map(|end| end.linear),
+            firsts: [at_start.0, at_end.0],
+            seconds: [at_start.1, at_end.1],
         }
     }
 
@@ -126,23 +168,65 @@ impl Curve {
     }
 }
 
+/// `v′` at start and end of a step, from the parabola through its three strains.
+fn slopes([first, middle, last]: &[Strain; 3], h: f64) -> [Vec3; 2] {
+    [
+        (middle.linear * 4.0 - first.linear * 3.0 - last.linear) * (1.0 / h),
+        (first.linear - middle.linear * 4.0 + last.linear * 3.0) * (1.0 / h),
+    ]
+}
+
 impl Inside<'_> {
+    fn curve(&self) -> Curve {
+        Curve::new(self.start, self.end, self.strains, self.length)
+    }
+
     fn position(&self) -> Vec3 {
-        Curve::new(self.start, self.end, self.strains, self.length).position(self.part)
+        self.curve().position(self.part)
+    }
+
+    /// The rotation from start to end.
+    fn turned(&self) -> UnitQuaternion {
+        self.start.rotation.conjugate() * self.end.rotation
+    }
+
+    /// The rotation vector of the cross-section, as seen from the start.
+    fn rotation_vector(&self) -> Vec3 {
+        let turn = self.turned().log();
+        let [first, _, last] = self.strains.map(|strain| strain.angular * self.length);
+        // The rate of the rotation vector at the end: the inverse of the right Jacobian.
+        let across = turn.cross(last);
+        self.mix(turn, [first, last + across * 0.5 + turn.cross(across) * (1.0 / 12.0)])
     }
 
     fn rotation(&self) -> UnitQuaternion {
-        let Self { start, end, strains: [first, _, last], length: h, part: t } = *self;
-        let turn = (start.rotation.conjugate() * end.rotation).log();
-        // The rate of the rotation vector at the end: the inverse of the right Jacobian.
-        let across = turn.cross(last.angular);
-        let rates = [
-            first.angular * h,
-            (last.angular + across * 0.5 + turn.cross(across) * (1.0 / 12.0)) * h,
-        ];
+        (self.start.rotation * UnitQuaternion::exp(self.rotation_vector())).renormalized()
+    }
+
+    /// The polynomial of degree three from nothing to a value, with these rates at both ends.
+    fn mix(&self, value: Vec3, rates: [Vec3; 2]) -> Vec3 {
+        let t = self.part;
         let (t2, u) = (t * t, 1.0 - t);
-        let vector = rates[0] * (t * u * u) + turn * (t2 * (3.0 - 2.0 * t)) - rates[1] * (t2 * u);
-        (start.rotation * UnitQuaternion::exp(vector)).renormalized()
+        rates[0] * (t * u * u) + value * (t2 * (3.0 - 2.0 * t)) - rates[1] * (t2 * u)
+    }
+
+    /// How the cross-section moves with motions of the ends of the step and changes of its strains.
+    fn motion(&self, ends: &[Twist; 2], changes: &[Strain; 3]) -> Twist {
+        let linear = self.curve().change(self, ends, changes).position(self.part);
+        let (turned, to_start) = (self.turned(), self.start.rotation.conjugate());
+        let turn = turned.log();
+        // `V⁻¹` and `V` of the logarithm and exponential of SE(3) are the Jacobians of those of SO(3).
+        let against = to_start.rotate(ends[1].angular - ends[0].angular);
+        let by_turn = Pose { position: against, rotation: turned }.log().linear;
+        let [first, _, last] = changes.map(|change| change.angular * self.length);
+        let at_end = self.strains[2].angular * self.length;
+        let across = turn.cross(at_end);
+        let by_across = by_turn.cross(at_end) + turn.cross(last);
+        let twice = by_turn.cross(across) + turn.cross(by_across);
+        let rates = [first, last + by_across * 0.5 + twice * (1.0 / 12.0)];
+        let vector = Twist { linear: self.mix(by_turn, rates), angular: self.rotation_vector() };
+        let angular = ends[0].angular + self.start.rotation.rotate(Pose::exp(vector).position);
+        Twist { linear, angular }
     }
 }
 
@@ -206,6 +290,37 @@ mod tests {
         dense.centres(&places, &mut centres);
         let of_frames: Vec<Vec3> = places.iter().map(|&s| dense.pose(s).position).collect();
         assert_eq!(centres, of_frames);
+    }
+
+    #[test]
+    fn motions_are_those_of_differences() {
+        let dense = rod(3);
+        let vector = |seed: f64| Vec3::new(seed.sin(), (2.3 * seed).cos(), (3.1 * seed).sin());
+        let twist = |seed: f64| Twist { linear: vector(seed), angular: vector(seed + 0.4) };
+        let (ends, changes) = ([twist(1.0), twist(2.0)], [twist(3.0), twist(4.0), twist(5.0)]);
+        let moved = |h: f64| {
+            let mut dense = dense.clone();
+            for (pose, by) in dense.poses[1..].iter_mut().zip(&ends) {
+                pose.position += by.linear * h;
+                pose.rotation = UnitQuaternion::exp(by.angular * h) * pose.rotation;
+            }
+            for (strain, by) in dense.strains[1].iter_mut().zip(&changes) {
+                *strain = *strain + *by * h;
+            }
+            dense
+        };
+        let h = 1e-4;
+        for part in [0.01, 0.3, 0.5, 0.8, 0.99] {
+            let s = (1.0 + part) / 3.0;
+            assert_eq!(dense.ends_beside(s), 1..=2);
+            let Place::Within(inside) = dense.find(s) else { panic!("{s} is within a step") };
+            let found = inside.motion(&ends, &changes);
+            let [after, before] = [h, -h].map(|h| moved(h).pose(s));
+            let linear = (after.position - before.position) / (2.0 * h);
+            let turn = after.rotation * before.rotation.conjugate();
+            let off = [found.linear - linear, found.angular - turn.log() / (2.0 * h)];
+            assert!(off.iter().all(|off| off.norm() < 1e-7), "{part}: {off:?}");
+        }
     }
 
     #[test]

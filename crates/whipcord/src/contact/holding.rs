@@ -19,6 +19,8 @@
 //! (I − CG) X − CB δf = X₀ + C G₋ X₋,   R X = −R₋ X₋,   δW = G X + B δf + G₋ X₋                (19)
 //! ```
 
+use core::ops::{Mul, Sub};
+
 use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
 use super::body::{tangents, wrench_of};
@@ -39,6 +41,9 @@ use crate::statics::hold::Critical;
 const ONE_CONTACT: f64 = 1e-3;
 /// A backbone that bends away from what it touches by less than this, in units of 1/L, lies on it: its contacts stay.
 const LIES_ON: f64 = 1e-2;
+
+/// Step of differences along the backbone, as a part of its length.
+const ALONG: f64 = 1e-5;
 
 /// The linearised contacts of an answer.
 #[derive(Clone, Debug, Default)]
@@ -173,10 +178,9 @@ impl Holding {
         let rates = differences(6, &pose, body.reach(), |pose| [along.slip(pose, &from)]);
         let by_before = differences(6, &from, body.reach(), |from| [along.slip(&pose, from)]);
         // As the contact moves along the backbone, it is another material point that has slid.
-        let h = 1e-5 * length;
-        let ahead = |h: f64| along.slip(&model.pose(s + h), &(along.from)(s + h));
+        let slip = |back: f64| along.slip(&model.pose(s - back), &(along.from)(s - back));
         let way = (first..self.unknowns.len()).find(|&k| self.unknowns[k].own != 0.0);
-        let by_way = way.map(|number| (number, (ahead(h) - ahead(-h)) / (2.0 * h)));
+        let by_way = way.map(|number| (number, behind(ALONG * length, slip)));
         let mut before = [[0.0; 6]; 6];
         if grip.sticks {
             let tangents = tangents(nearest.normal);
@@ -316,6 +320,17 @@ impl Along<'_> {
     }
 }
 
+/// The derivative along the backbone of something that is known by how far it is behind a contact: on that side, as the strains beside
+/// the contact jump with its push, and a contact that moves on takes those behind it along.
+fn behind<T>(step: f64, value: impl Fn(f64) -> T) -> T
+where
+    T: Sub<Output = T> + Mul<f64, Output = T>,
+{
+    let value = &value;
+    let since = |back: f64| value(0.0) - value(back);
+    (since(step) * 4.0 - since(2.0 * step)) * (0.5 / step)
+}
+
 /// How a contact of the backbone moves along it; `None` where the backbone lies on what it touches. `look` says the normal and
 /// the push at a pose.
 fn along_backbone(
@@ -328,22 +343,28 @@ fn along_backbone(
     let watched = model.watched();
     let k = watched.partition_point(|&there| there <= s);
     let (before, after) = (*watched.get(k.checked_sub(1)?)?, *watched.get(k)?);
-    // Where the place is watched itself, from the one before it.
-    let before = if before == s { *watched.get(k.checked_sub(2)?)? } else { before };
     let slope_at = |pose: &Pose| look(pose).0.dot(pose.rotation.rotate(Vec3::Z));
-    let slopes = [before, after].map(|there| slope_at(&model.pose(there)));
-    let bend = (slopes[1] - slopes[0]) / (after - before);
+    let h = ALONG * length;
+    let (bend, tangent) = if before == s {
+        // Where the place is watched itself, from the one before it: the backbone may have a corner there.
+        let before = *watched.get(k.checked_sub(2)?)?;
+        let [first, last] = [before, after].map(|there| model.pose(there));
+        let apart = after - before;
+        let bend = (slope_at(&last) - slope_at(&first)) / apart;
+        (bend, (last.position - first.position) / apart)
+    } else {
+        let bend = behind(h, |back| slope_at(&model.pose(s - back)));
+        (bend, behind(h, |back| model.pose(s - back).position))
+    };
     if !(bend.is_finite() && bend * length > LIES_ON) {
         return None;
     }
-    let tangent = (model.pose(after).position - model.pose(before).position) / (after - before);
     // A cross-section farther along, of which the reference is the place of the contact.
     let ahead = |h: f64| {
         let moved = Pose { position: pose.position + tangent * h, ..*pose };
         let [force, moment] = look(&moved).1;
         (force, moment + (tangent * h).cross(force))
     };
-    let h = 1e-5 * length;
     let (next, last) = (ahead(h), ahead(-h));
     let (force, moment) = ((next.0 - last.0) / (2.0 * h), (next.1 - last.1) / (2.0 * h));
     let slope = |pose: &Pose| [Vec3::Z * slope_at(pose)];

@@ -1,10 +1,13 @@
 //! The equilibria on the way to an answer among obstacles whose cables rub: what derivatives take of them.
 
+use whipcord_numerics::{Twist, Vec3};
+
+use super::dense_output::DenseOutput;
 use super::free_path::rubbing_or_free;
 use super::holding::Holding;
 use super::model::Compliant;
 use crate::case::{CableCommand, Case, Shortening};
-use crate::derivatives::{AnswerContacts, AnswerOnWay, ContactGain, Derivatives};
+use crate::derivatives::{AnswerContacts, AnswerOnWay, Caused, ContactGain, Derivatives};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::shape::Solution;
@@ -143,15 +146,28 @@ impl<S> NotedEnd<'_, S> {
         }
     }
 
-    /// Of the derivatives there: those at its stations, whose nodes are these, and what goes on to the next, which is not known before that is.
+    /// Of the derivatives there, of a rod of this shape: those at its stations, whose nodes `node` tells, where it is the last; else what goes
+    /// on to the next, which is not known before that is.
     pub fn found(
         &self,
         derivatives: Derivatives,
-        nodes: Vec<usize>,
-    ) -> (Derivatives, Option<Vec<Carried>>) {
-        let derivatives = derivatives.at_stations(nodes);
-        let carried = (!self.is_last).then(|| derivatives.carried_with_places());
-        (derivatives, carried)
+        shape: &DenseOutput,
+        node: impl Fn(f64) -> usize,
+    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
+        if self.is_last {
+            let nodes = self.stations.iter().map(|&s| node(s)).collect();
+            return Ok((derivatives.at_stations(nodes), None));
+        }
+        let places = |caused: &Caused<'_>| {
+            let mut motions = Vec::with_capacity(6 * self.stations.len());
+            for &s in self.stations {
+                let Twist { linear, angular } = shape.motion(s, caused)?;
+                motions.extend([linear, angular].map(Vec3::to_array).concat());
+            }
+            Some(motions)
+        };
+        let carried = derivatives.carried_with_places(places).ok_or(SolveError::NoDerivatives)?;
+        Ok((derivatives, Some(carried)))
     }
 }
 

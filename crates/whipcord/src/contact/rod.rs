@@ -15,7 +15,7 @@ use crate::error::{Obstruction, SolveError};
 use crate::parameter::Parameter;
 use crate::robot::{Cable, Robot};
 use crate::shape::{NoStability, Solution, Wrench};
-use crate::statics::friction::{Carried, Standing};
+use crate::statics::friction::Standing;
 use crate::statics::grid::Grid;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::plastic_curvature::PlasticCurvature;
@@ -143,7 +143,8 @@ pub(crate) trait ContactRod: Default {
     /// Where it stands, without keeping it.
     fn here(&self) -> Self::Kept;
 
-    /// The derivatives at an equilibrium that was noted, and what goes on to the next. It stands there then.
+    /// The derivatives at an equilibrium that was noted, which tell how all that its shape is interpolated from at the stations of this
+    /// moves. It stands there then.
     ///
     /// # Errors
     /// [`SolveError::NoDerivatives`] where it is critical.
@@ -152,7 +153,7 @@ pub(crate) trait ContactRod: Default {
         robot: &Robot,
         end: &NotedEnd<'_, Self::Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError>;
+    ) -> Result<Derivatives, SolveError>;
 
     /// Takes a part of Newton's step, with what changes of the pushes do, or less; the part that it has taken.
     fn advance(&mut self, changes: &[[f64; 6]], part: f64) -> f64;
@@ -341,7 +342,8 @@ impl<R: ContactRod> RodAdapter<'_, R> {
                 stations: if place.is_last { &asked } else { &noted.next },
                 is_last: place.is_last,
             };
-            let found = self.found.differentiate_noted(self.robot, &end, parameters)?;
+            let derivatives = self.found.differentiate_noted(self.robot, &end, parameters)?;
+            let found = end.found(derivatives, self.found.shape(), |s| self.found.node(s))?;
             if place.is_last && bends {
                 let grid = self.found.grid().ok_or(SolveError::NoDerivatives)?;
                 of_bends.note(step, found.0.plastic_left(self.robot, grid).1);

@@ -13,9 +13,7 @@ use crate::derivatives::{
     Varying, plastic_left,
 };
 use crate::error::SolveError;
-use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::robot::Robot;
 use crate::section::Fault;
 use crate::shape::Wrench;
@@ -129,13 +127,13 @@ impl ContactResponse {
         act(&solved)
     }
 
-    /// The derivatives at an equilibrium that was noted, and what goes on to the next.
+    /// The derivatives at an equilibrium that was noted.
     pub(super) fn differentiate_there(
         &mut self,
         robot: &Robot,
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
+    ) -> Result<Derivatives, SolveError> {
         self.go_back(&end.noted.state);
         self.holes.put(end.standing);
         let contact_grid = self.contact_grid.clone().ok_or(SolveError::NoDerivatives)?;
@@ -157,14 +155,9 @@ impl ContactResponse {
             };
             Some(end.carried?.iter().map(on_grid).collect::<Vec<_>>())
         });
-        let known = model.stations();
-        let nodes = end.stations.iter().map(|s| known.contains(s).then(|| self.node(*s)));
-        let nodes: Option<Vec<usize>> = nodes.collect();
-        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::Cosserat))?;
         let taut = vec![true; end.standing.base.len()];
         let of_end = Some((end, regridded.as_deref().or(end.carried)));
         let of = (robot, end.case, end.history);
-        let derivatives = self.derivatives(&contact_grid, of, &taut, parameters, of_end)?;
-        Ok(end.found(derivatives, nodes))
+        self.derivatives(&contact_grid, of, &taut, parameters, of_end)
     }
 }

@@ -29,7 +29,7 @@ use crate::section::{Fault, step_tolerance};
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
 use crate::statics::elimination::Change;
-use crate::statics::friction::{Carried, CondensedHoles, History, Standing};
+use crate::statics::friction::{CondensedHoles, History, Standing};
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options};
@@ -412,7 +412,7 @@ impl ContactRod for ContactResponse {
         robot: &Robot,
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
+    ) -> Result<Derivatives, SolveError> {
         self.differentiate_there(robot, end, parameters)
     }
 

@@ -14,13 +14,10 @@ use crate::derivatives::{
     StepGap, StraightCables, plastic_left,
 };
 use crate::error::SolveError;
-use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::refusal;
 use crate::robot::Robot;
 use crate::section::BodyWrench;
 use crate::shape::Wrench;
-use crate::statics::friction::Carried;
 use crate::statics::plastic_curvature::PlasticCurvature;
 
 impl ContactResponse {
@@ -179,25 +176,24 @@ impl ContactResponse {
         derivatives.closing(&gaps, &unbalanced, tensions, taut, &slackness)
     }
 
-    /// The derivatives at an equilibrium that was noted, and what goes on to the next.
+    /// The derivatives at an equilibrium that was noted.
     pub(super) fn differentiate_there(
         &mut self,
         robot: &Robot,
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
+    ) -> Result<Derivatives, SolveError> {
         self.go_back(&end.noted.state);
         self.holes.put(end.standing);
         let contact_mesh = self.contact_mesh.clone().ok_or(SolveError::NoDerivatives)?;
         contact_mesh.model.accept(end.case, &contact_mesh.mesh, &mut self.workspace)?;
         self.looked(&contact_mesh, false, None)?;
-        let nodes: Option<Vec<usize>> =
-            end.stations.iter().map(|&s| contact_mesh.known_node(s)).collect();
-        let nodes = nodes.ok_or_else(|| refusal::rubbing_backbone(ModelKind::CosseratDisks))?;
         let taut = self.taut(&contact_mesh);
-        let asked = contact_mesh.asked_nodes();
+        let mut asked = contact_mesh.asked_nodes();
+        asked.extend(end.stations.iter().flat_map(|&s| self.shape.ends_beside(s)));
+        asked.sort_unstable();
+        asked.dedup();
         let (at, of) = ((&taut[..], &asked[..]), (robot, end.case, end.history));
-        let derivatives = self.derivatives(&contact_mesh, of, at, parameters, Some(end))?;
-        Ok(end.found(derivatives, nodes))
+        self.derivatives(&contact_mesh, of, at, parameters, Some(end))
     }
 }

@@ -89,11 +89,6 @@ impl ContactMesh {
         self.mesh.grid.stations[place]
     }
 
-    /// The node of a station or a push; `None` where there is none.
-    pub(super) fn known_node(&self, arc_length: f64) -> Option<usize> {
-        self.model.stations().contains(&arc_length).then(|| self.node(arc_length))
-    }
-
     /// The equations of the chain.
     pub(super) fn task<'a>(&'a self, workspace: &'a Workspace) -> Task<'a> {
         let commands = workspace.commands();

@@ -25,7 +25,7 @@ use crate::robot::Robot;
 use crate::section::Fault;
 use crate::shape::{Solution, Wrench};
 use crate::statics::command::Command;
-use crate::statics::friction::{Carried, CondensedHoles, History, Holes, Passages, Standing};
+use crate::statics::friction::{CondensedHoles, History, Holes, Passages, Standing};
 use crate::statics::grid::Grid;
 use crate::statics::options::{Accuracy, Options};
 use crate::statics::outcome::{Failure, Found};
@@ -348,7 +348,7 @@ impl ContactRod for ContactResponse {
         robot: &Robot,
         end: &NotedEnd<'_, Kept>,
         parameters: &[Parameter],
-    ) -> Result<(Derivatives, Option<Vec<Carried>>), SolveError> {
+    ) -> Result<Derivatives, SolveError> {
         self.differentiate_there(robot, end, parameters)
     }
 

@@ -18,6 +18,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::effect::{Effect, Forcing};
 use super::replay::{AXES, Replay, Spread, Stage, Swing};
+use crate::section::Strain;
 use crate::section::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
 use crate::statics::grid::Step;
 use crate::statics::runge_kutta::STAGES;
@@ -168,6 +169,17 @@ struct Push {
     rate: LaneVec,
 }
 
+impl Push {
+    #[inline(always)]
+    fn set(&mut self, lane: usize, forced: &Forcing) {
+        self.force_balance.set(lane, forced.force_balance);
+        self.moment_balance.set(lane, forced.moment_balance);
+        self.force.set(lane, forced.force);
+        self.torque.set(lane, forced.torque);
+        self.rate.set(lane, forced.rate);
+    }
+}
+
 impl Maps {
     /// Maps of every step by its start, by `pulls` inputs that are tensions, which are the first inputs, and by `more`
     /// inputs, whose `forcing` at a stage is given by step, stage and input.
@@ -231,11 +243,7 @@ impl Maps {
                 } else {
                     continue;
                 };
-                push.force_balance.set(lane, forced.force_balance);
-                push.moment_balance.set(lane, forced.moment_balance);
-                push.force.set(lane, forced.force);
-                push.torque.set(lane, forced.torque);
-                push.rate.set(lane, forced.rate);
+                push.set(lane, &forced);
             }
         }
         Some(pushes)
@@ -293,9 +301,13 @@ impl WithSimd for AllSteps<'_> {
                 let pushes = pushes.as_ref();
                 let ended = match replay.spread(k) {
                     Some(spread) => {
-                        pass(step, replay, k, cables, &start, pushes, Some(spread), &mut lengths)
+                        let acting = (pushes, Some(spread));
+                        pass(step, replay, (k, cables), &start, acting, &mut lengths, |_, _| {})
                     }
-                    None => pass(step, replay, k, cables, &start, pushes, None, &mut lengths),
+                    None => {
+                        let acting = (pushes, None);
+                        pass(step, replay, (k, cables), &start, acting, &mut lengths, |_, _| {})
+                    }
                 };
                 for lane in 0..LANES.min(columns - first) {
                     let c = first + lane;
@@ -349,19 +361,49 @@ fn start(replay: &Replay, k: usize, first: usize) -> Pass {
     pass
 }
 
-/// One step of a few columns; `lengths` gathers what they add to the cables, `spread` is what
-/// followers do along it.
-#[expect(clippy::too_many_arguments, reason = "a step and all that acts on it")]
+/// How the strains at the stages of step `k` change, whose start changes by turn, moment and force so, and in whose stages this acts
+/// more; a step has so many outputs.
+pub(super) fn stage_strains(
+    step: &Step,
+    replay: &Replay,
+    (k, rows): (usize, usize),
+    [turn, moment, force]: [Vec3; 3],
+    forcing: impl Fn(usize) -> Forcing,
+) -> [Strain; STAGES] {
+    let mut start = Pass::default();
+    for (axis, column) in replay.ends[k].start_by_turn.iter().enumerate() {
+        for (q, value) in start.quaternion.iter_mut().zip(column) {
+            q.0[0] += turn[axis] * value;
+        }
+    }
+    start.moment.set(0, moment);
+    start.force.set(0, force);
+    let mut pushes = [Push::default(); STAGES];
+    for (i, push) in pushes.iter_mut().enumerate() {
+        push.set(0, &forcing(i));
+    }
+    let acting = (Some(&pushes), replay.spread(k));
+    let mut strains = [Strain::default(); STAGES];
+    let see = |i: usize, slopes: &Slopes| {
+        let (linear, angular) = (slopes.strain.get(0), slopes.curvature.get(0));
+        strains[i] = Strain { linear, angular };
+    };
+    // Of the outputs nothing is asked here.
+    pass(step, replay, (k, 0), &start, acting, &mut vec![Lane::default(); rows], see);
+    strains
+}
+
+/// Step `k` of a few columns on which `pushes` act, and of which followers spread along it make `spread`; `lengths` gathers what they
+/// add to the cables, and `see` is shown what each stage returns.
 #[inline(always)]
 fn pass(
     step: &Step,
     replay: &Replay,
-    k: usize,
-    cables: usize,
+    (k, cables): (usize, usize),
     start: &Pass,
-    pushes: Option<&[Push; STAGES]>,
-    spread: Option<&[Spread; STAGES]>,
+    (pushes, spread): (Option<&[Push; STAGES]>, Option<&[Spread; STAGES]>),
     lengths: &mut [Lane],
+    mut see: impl FnMut(usize, &Slopes),
 ) -> Ended {
     let table = &BUTCHER_5;
     let h = step.length;
@@ -406,6 +448,7 @@ fn pass(
             end.force += (h * table.b[i]) * rates[i];
         }
         (spins[i], torques[i]) = (slopes.spin, slopes.torque);
+        see(i, &slopes);
         for turn in replay.turns_at(k, i) {
             let by = &turn.by;
             lengths[turn.row] += slopes.strain.dot(by.strain)

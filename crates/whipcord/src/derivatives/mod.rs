@@ -6,7 +6,7 @@
 //! (`lanes`); without load the sections of the `quadrature` do, through the steps of `magnus`; `linear`
 //! is the choice between them. `elimination` solves the linear problem between base and tip; `partials`
 //! says where a parameter enters, with `mass_change` and `spread_change`; `touching` adds what the contacts of an answer push; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
-//! what one source changes, `change` is what comes out, `at_place` what is said of one place, put together in `local`. `rod` is what is kept of an
+//! what one source changes, with `along_step` for what lies within a step, `change` is what comes out, `at_place` what is said of one place, put together in `local`. `rod` is what is kept of an
 //! answer and `of_answer` makes it; `cables`, `setting`, `node_change`, `effect` and `column` are data of these. Where cables run straight
 //! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
 //! tensions of their own, which follow from `sliding_holes`, and `hole_source` says where a parameter enters their holes. `coordinates` has the same of
@@ -21,6 +21,7 @@
 //! another integrator, that of the loaded rod.
 
 mod adjoint;
+mod along_step;
 mod at_place;
 mod backward;
 mod cables;
@@ -59,6 +60,7 @@ mod tension_rates;
 mod tip_rates;
 mod touching;
 
+pub(crate) use self::along_step::Caused;
 pub use self::backward::{Cotangent, Gradient};
 pub(crate) use self::cables::{Cables, StraightCables};
 pub use self::change::{Change, Place};

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3, magnus_6};
 
+use super::along_step::Caused;
 use super::cables::Cables;
 use super::change::Places;
 use super::column::{Raw, Source};
@@ -428,30 +429,20 @@ impl Derivatives {
         })
     }
 
-    /// The same, with how the places that touch next move, which are the stations of these derivatives, and the objects.
-    pub(crate) fn carried_with_places(&self) -> Vec<Carried> {
-        let Some(sliding) = &self.sliding else { return Vec::new() };
+    /// The same, with how the places that touch next move, as `places` tells it of what each cause changes, and the objects; `None`
+    /// where it does not tell.
+    pub(crate) fn carried_with_places(
+        &self,
+        places: impl Fn(&Caused<'_>) -> Option<Vec<f64>>,
+    ) -> Option<Vec<Carried>> {
+        let Some(sliding) = &self.sliding else { return Some(Vec::new()) };
         let mut carried = self.carried();
         for (cause, carried) in sliding.causes().zip(&mut carried) {
-            let moved = self.caused(cause);
-            let stations = self.places.stations.iter();
-            carried.places = stations.flat_map(|&node| motion(&moved, node)).collect();
-            carried.places.extend(self.touching.of_objects(&moved));
+            let caused = self.caused(cause);
+            carried.places = places(&caused)?;
+            carried.places.extend(self.touching.of_objects(&caused.changed));
         }
-        carried
-    }
-
-    /// What a cause changes while the commands are held.
-    fn caused(&self, cause: Cause) -> Raw {
-        if let Cause::Parameter(p) = cause {
-            return self.completing(Source::Parameter(p), Hold::Commands, cause).0;
-        }
-        let mut changed = self.remembered(cause);
-        let [tensions, _] = self.tensions(Hold::Commands, &changed.lengths, cause);
-        for (column, &tension) in self.by_tension.iter().zip(&tensions) {
-            changed.add(tension, column);
-        }
-        changed
+        Some(carried)
     }
 
     /// Whether a cable with friction is about to slide in a hole where it sticks, or has only begun to slide: the answer has one-sided derivatives

@@ -45,6 +45,7 @@ macro_rules! for_models_of_sections {
     };
 }
 
+mod backbone_that_rubs;
 mod backward;
 mod bending_friction;
 mod bending_friction_steps;
