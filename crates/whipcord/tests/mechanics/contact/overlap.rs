@@ -717,6 +717,23 @@ fn outcomes_of(models: &[Studied], robots: &str) {
 /// Answers that take longer than this are told, in ms.
 const SLOW: f64 = 1000.0;
 
+/// Robots of the study that come to an answer in small steps of actuation come to one at once: those that lose their equilibrium where none is near, those that
+/// come to rest in contact only from the shape without obstacles, and those whose cables contradict each other where they leave the shape at rest.
+#[test]
+fn what_small_steps_lead_to_is_found_at_once() {
+    let named = |name: &str| MODELS.iter().find(|model| model.name == name).unwrap();
+    for (name, robots) in [
+        ("arcs by tension", &[169, 178, 730][..]),
+        ("rigid bodies by tension", &[217, 310]),
+        ("rigid bodies by length", &[128, 594, 771, 938]),
+    ] {
+        let robots: Vec<Range<usize>> = robots.iter().map(|&n| n..n + 1).collect();
+        let outcomes = Outcomes::of(named(name), &robots, false);
+        assert_eq!(outcomes.solved(), (robots.len(), robots.len()), "{name}: {outcomes:?}");
+        assert!(outcomes.overlap[0] <= 1e-8, "{name}: {outcomes:?}");
+    }
+}
+
 /// A robot of the study that is pulled into a coil, and that has no stable shape on finer steps without obstacles either.
 #[test]
 fn what_has_no_stable_shape_without_obstacles_is_told() {

@@ -36,7 +36,7 @@ for_both_rods!(
 /// What is left, relative to the largest change: as a contact moves, so do the end of a step, whose error counts with one step between each
 /// two places, and the jump of the strains, which derivatives leave out.
 fn left(tested: Tested) -> f64 {
-    if tested == Tested::Continuous { 5e-5 } else { 1e-5 }
+    if tested == Tested::Continuous { 2e-4 } else { 1e-5 }
 }
 
 const PARAMETERS: [(Parameter, f64); 4] = [
