@@ -111,16 +111,8 @@ fn forward_panel(factors: &[f64], n: usize, panel: &mut [f64]) {
         for (b, block) in factors.chunks_exact(BLOCK * n).enumerate() {
             let k = BLOCK * b;
             let [a, b, c, d] = [0, 1, 2, 3].map(|i| &block[i * n + k..(i + 1) * n]);
-            let times = [&mut *x0, &mut *x1, &mut *x2, &mut *x3].map(|x| {
-                let below = &mut x[k..];
-                let first = below[0];
-                below[1] -= a[1] * first;
-                let second = below[1];
-                below[2] = below[2] - a[2] * first - b[2] * second;
-                let third = below[2];
-                below[3] = below[3] - a[3] * first - b[3] * second - c[3] * third;
-                [first, second, third, below[3]]
-            });
+            let times = [&mut *x0, &mut *x1, &mut *x2, &mut *x3]
+                .map(|x| substitute_block([a, b, c], &mut x[k..]));
             let [a, b, c, d] = [a, b, c, d].map(|factors| factors[BLOCK..].as_chunks::<ROWS>());
             let below = k + BLOCK;
             let [x0, x1, x2, x3] = [&mut *x0, &mut *x1, &mut *x2, &mut *x3]
@@ -145,6 +137,19 @@ fn forward_panel(factors: &[f64], n: usize, panel: &mut [f64]) {
     }
 }
 
+/// Forward substitution of a column within a block of [`BLOCK`] columns of factors, from the first row of the block on: how many times it
+/// takes each of them.
+#[inline(always)]
+fn substitute_block([a, b, c]: [&[f64]; 3], below: &mut [f64]) -> [f64; BLOCK] {
+    let first = below[0];
+    below[1] -= a[1] * first;
+    let second = below[1];
+    below[2] = below[2] - a[2] * first - b[2] * second;
+    let third = below[2];
+    below[3] = below[3] - a[3] * first - b[3] * second - c[3] * third;
+    [first, second, third, below[3]]
+}
+
 /// Some rows of a column, less so many times those of four columns of factors.
 #[inline(always)]
 fn four_times(
@@ -165,13 +170,7 @@ fn forward(factors: &[f64], n: usize, mut k: usize, column: &mut [f64]) {
     for block in &mut blocks {
         let [a, b, c, d] = [0, 1, 2, 3].map(|i| &block[i * n + k..(i + 1) * n]);
         let below = &mut column[k..];
-        let first = below[0];
-        below[1] -= a[1] * first;
-        let second = below[1];
-        below[2] = below[2] - a[2] * first - b[2] * second;
-        let third = below[2];
-        below[3] = below[3] - a[3] * first - b[3] * second - c[3] * third;
-        let fourth = below[3];
+        let [first, second, third, fourth] = substitute_block([a, b, c], below);
         let [a, b, c, d] = [a, b, c, d].map(|factors| &factors[BLOCK..]);
         for ((((x, a), b), c), d) in below[BLOCK..].iter_mut().zip(a).zip(b).zip(c).zip(d) {
             *x = *x - a * first - b * second - c * third - d * fourth;
