@@ -11,7 +11,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::chain::{Chain, Task};
 use super::contact_grid::{ContactGrid, carried, near};
 use super::friction::{Friction, ResponseScratch};
-use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
+use super::loaded::{Target, Trajectory};
 use super::prepared::{Cosserat, Workspace};
 use super::scratch::Scratch;
 use super::stability::Equilibrium;
@@ -38,7 +38,7 @@ use crate::statics::outcome::Found;
 use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::plastic_steps::PlasticRod as _;
 use crate::statics::refinement::Coarse;
-use crate::statics::runge_kutta::STAGES;
+use crate::statics::runge_kutta::{SAMPLED_STAGES, STAGES};
 use crate::statics::scales::Scales;
 
 /// No cross-section turns by more in one step, in rad.

@@ -24,11 +24,9 @@ use crate::shape::Wrench;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
-use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES, State, pack, unpack};
+use crate::statics::runge_kutta::{NODE_OF_STAGE, SAMPLED_STAGES, STAGES, State, pack, unpack};
 use whipcord_numerics::weighted_sum;
 
-/// Stages at the start, in the middle and at the end of a step.
-pub(super) const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 /// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] the samples sit at.
 pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
 

@@ -1,6 +1,6 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
-use super::loaded::{SAMPLED_STAGES, Target, Trajectory};
+use super::loaded::{Target, Trajectory};
 use super::newton::{Point, residual};
 use super::problem::Problem;
 use super::scratch::Scratch;
@@ -9,6 +9,7 @@ use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Found;
+use crate::statics::runge_kutta::SAMPLED_STAGES;
 use crate::statics::scales::Scales;
 
 const MAX_ITERATIONS: usize = 40;

@@ -10,10 +10,7 @@ use super::rod::Derivatives;
 use super::sliding_holes::Cause;
 use crate::section::Strain;
 use crate::statics::hold::Hold;
-use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
-
-/// The stages of a step at its start, in its middle and at its end.
-const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
+use crate::statics::runge_kutta::{NODE_OF_STAGE, SAMPLED_STAGES, STAGES};
 
 /// What a cause changes while the commands are held.
 pub(crate) struct Caused<'a> {

@@ -6,6 +6,8 @@ use whipcord_numerics::{UnitQuaternion, Vec3};
 pub(crate) const STAGES: usize = 6;
 /// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] each stage uses.
 pub(crate) const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
+/// Stages at the start, in the middle and at the end of a step.
+pub(crate) const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 
 /// Quaternion (w, x, y, z), position and moment, all in one frame; or their derivatives.
 pub(crate) type State = [f64; 10];
