@@ -19,7 +19,7 @@ use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
 use super::strain_guess::Guess;
 use crate::section::Fault;
-use crate::section::{BodyWrench, Strain, Tangent, equilibrium_within, is_iterated};
+use crate::section::{BodyWrench, Strain, Tangent, equilibrium_within, is_iterated, one_cable};
 use crate::shape::Wrench;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
@@ -282,6 +282,31 @@ impl Trajectory {
         k: usize,
         follower_force: &mut Vec3,
         state: &mut State,
+        guess: Option<&mut Guess>,
+    ) -> Result<(), Fault> {
+        let active = grid.steps[k].active;
+        let is_iterated = |node| {
+            let (node, crossings) = grid.shooting.at(k, node, active);
+            is_iterated(&node.section, crossings)
+        };
+        if loads.line(k).is_none() && active == 1 && !(0..SHOOTING_NODES.len()).any(is_iterated) {
+            self.step_of::<false, true>(grid, loads, target, k, follower_force, state, None)
+        } else {
+            self.step_of::<true, false>(grid, loads, target, k, follower_force, state, guess)
+        }
+    }
+
+    /// [`Self::step`]. `LINE`: whether loads may be spread along the step. `ONE`: whether one cable crosses its sections, which are not iterated.
+    #[expect(clippy::too_many_arguments, reason = "the state of one sweep, passed step by step")]
+    #[inline(always)]
+    fn step_of<const LINE: bool, const ONE: bool>(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        target: &Target<'_>,
+        k: usize,
+        follower_force: &mut Vec3,
+        state: &mut State,
         mut guess: Option<&mut Guess>,
     ) -> Result<(), Fault> {
         let table = &BUTCHER_5;
@@ -291,7 +316,7 @@ impl Trajectory {
         let mut stages = [*state; STAGES];
         let (mut stage, mut end) = (*state, *state);
         // What follows the sections and is spread along the step, stage by stage.
-        let line = loads.line(k);
+        let line = if LINE { loads.line(k) } else { None };
         let mut pushes = [Vec3::ZERO; STAGES];
         for i in 0..STAGES {
             let (node, crossings) = grid.shooting.at(k, NODE_OF_STAGE[i], step.active);
@@ -320,8 +345,13 @@ impl Trajectory {
                 *slot = guess.at(arc_length).unwrap_or_else(|| section.rest_strain());
             }
             let cables = (crossings, grid.shooting.groups(k, NODE_OF_STAGE[i], step.active));
-            equilibrium_within(target.step_tolerance, section, cables, tensions, wrench, slot)
-                .map_err(fault)?;
+            if ONE {
+                let one = one_cable::equilibrium(section, &crossings[0], tensions[0], wrench);
+                *slot = one.map_err(fault)?.strain;
+            } else {
+                equilibrium_within(target.step_tolerance, section, cables, tensions, wrench, slot)
+                    .map_err(fault)?;
+            }
             let strain = *slot;
             if let Some(guess) = guess {
                 guess.learn(arc_length, strain);

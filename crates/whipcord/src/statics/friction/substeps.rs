@@ -31,6 +31,10 @@ const SLIGHT: [f64; 2] = [1e-2, 1e-4];
 const UNKNOWN: f64 = 1.0 / 16.0;
 /// The substep after one, of its length, at most.
 const GROWTH: f64 = 3.0;
+/// A substep that is longer than this part of what is left takes all of it.
+const SHORTER: f64 = 0.75;
+/// Lengths of substeps are powers of this.
+const LENGTH_RATIO: f64 = 0.8;
 /// A substep that finds no answer is shortened to no less than this.
 const LEAST: f64 = 1.0 / 4096.0;
 /// Of substeps whose only fault is their error, the shortest.
@@ -41,6 +45,16 @@ const LEAPS: [f64; 4] = [1.0 / 16.0, 0.25, 0.5, 1.0];
 const AFTER_LEAP: f64 = 1.0 / 64.0;
 const STUCK: &str =
     "the cables find no state of sticking and sliding: go there in smaller steps of actuation";
+
+/// The nearest power of [`LENGTH_RATIO`] that is not greater than `most`. The division of a step then stays as it is while what it depends on
+/// changes a little: the answer is as smooth as one division makes it, and changes with commands and parameters as its derivatives say.
+fn nearest_length(length: f64, most: f64) -> f64 {
+    let mut nearest = 1.0;
+    while nearest > most || nearest * LENGTH_RATIO.sqrt() > length {
+        nearest *= LENGTH_RATIO;
+    }
+    nearest
+}
 
 /// How a step of actuation was taken on one mesh, for the finer ones.
 #[derive(Clone, Debug)]
@@ -363,7 +377,7 @@ impl Way<'_> {
             let left = 1.0 - at;
             if let Some(next) = given.iter().find(|&&next| next > at) {
                 length = f64::min(length, next - at);
-            } else if length > 0.75 * left {
+            } else if length > SHORTER * left {
                 length = left;
             }
             self.set_commands(history, length, left);
@@ -385,11 +399,12 @@ impl Way<'_> {
                         Some(error) => (0.8 / error.sqrt()).clamp(0.2, GROWTH),
                         None => 1.0,
                     };
+                    length = nearest_length(length, 1.0);
                 }
                 Ok((_, error)) => {
                     self.stands = false;
                     let factor = error.map_or(0.25, |error| (0.8 / error.sqrt()).clamp(0.1, 0.7));
-                    length = (length * factor).max(shortest(error));
+                    length = nearest_length(length * factor, SHORTER * left).max(shortest(error));
                 }
                 Err(open) => {
                     self.stands = false;

@@ -431,7 +431,49 @@ fn random_steps(tested: Tested, count: usize) {
     let at = |part: f64| all[((all.len() - 1) as f64 * part) as usize];
     let at = [0.5, 0.7, 0.8, 0.9, 0.95, 1.0].map(at);
     println!("{} derivatives are off by {at:?}", all.len());
-    assert!(at[0] < 1e-8 && at[3] < 5e-2, "{at:?}");
+    assert!(at[0] < 1e-8 && at[2] < 2e-4 && at[4] < 2e-3, "{at:?}");
+}
+
+/// Holes of three cables come to rest at many places within a step. Its division into substeps stays as it is while a command changes a little: the
+/// derivatives are those of the answer, but for where the division changes, or a hole begins to slide at the end of the step.
+#[test]
+fn derivatives_are_exact_where_holes_come_to_rest_within_a_step() {
+    const COUNT: usize = 60;
+    let cables = vec![
+        rubbing(helix(0.0, 0.2), 0.2),
+        rubbing(straight(120.0), 0.25),
+        rubbing(straight(240.0), 0.1),
+    ];
+    let robot = robot(cables);
+    let model =
+        Model::new(ModelKind::PiecewiseConstantCurvature, Stations::Disks, Actuation::Natural);
+    let at = |tension: f64| {
+        let case = in_steps(&[&[2.0, 0.5, 1.0], &[0.5, tension, 1.5]], &tip_loads());
+        let mut prepared = model.prepare(&robot, &case.loads).unwrap();
+        let mut found = None;
+        prepared
+            .solve_steps_with_derivatives(
+                &case,
+                &[],
+                |_| true,
+                |solution, of| {
+                    let change = of.unwrap().command(1).twist(Place::Tip).linear;
+                    found = Some((solution.disks.tip().position, change));
+                },
+            )
+            .unwrap();
+        found.unwrap()
+    };
+    let off = |k: usize| {
+        let (tension, by) = (1.54 + 5e-4 * k as f64, 1e-5);
+        let [before, after] = [tension - by, tension + by].map(|tension| at(tension).0);
+        let difference = (after - before) * (0.5 / by);
+        (at(tension).1 - difference).norm() / difference.norm()
+    };
+    let mut off: Vec<f64> = (0..COUNT).map(off).collect();
+    off.sort_by(f64::total_cmp);
+    let [median, most] = [COUNT / 2, 4 * COUNT / 5].map(|n| off[n]);
+    assert!(median < 1e-6 && most < 1e-4, "{median:e} {most:e}");
 }
 
 /// Three drives lead the robot about. In some of the steps holes come to rest where they would slide as well: the state there is that of the
