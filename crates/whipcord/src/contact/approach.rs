@@ -38,14 +38,12 @@ impl<M: Noting> PathTracker<'_, M> {
             return Err(lost);
         }
         let reached = self.reached;
-        let beyond = [Some(reached), self.lost_at.filter(|&at| at + BEYOND < reached)]
-            .map(|lost_at| lost_at.map(|lost_at| lost_at + BEYOND));
-        self.renew_budget();
-        for (attempt, way) in [Some(1.0)].into_iter().chain(beyond).flatten().enumerate() {
-            if way > 1.0 {
-                continue;
-            }
-            if attempt == 1 {
+        let lost_at = self.lost_at.filter(|&at| at + BEYOND < reached);
+        let beyond = [Some(reached), lost_at].into_iter().flatten().map(|at| at + BEYOND);
+        let ways = core::iter::once(1.0).chain(beyond.filter(|&way| way < 1.0));
+        for (attempt, way) in ways.enumerate() {
+            // Those that begin beyond where the way was lost share what they may spend.
+            if attempt < 2 {
                 self.renew_budget();
             }
             let between = |part: f64| if part == 1.0 { 1.0 } else { way + part * (1.0 - way) };

@@ -87,7 +87,9 @@ impl<M: Compliant> PathTracker<'_, M> {
                 return self.arrived();
             }
             if self.residual < 0.5 * least {
-                (least, since) = (self.residual, 0);
+                // What the change of the case leaves to do, little where that is short, is no mark for what the steps leave.
+                least = if has_stepped { self.residual } else { f64::INFINITY };
+                since = 0;
             } else {
                 since += 1;
             }

@@ -30,6 +30,8 @@ pub(super) struct Pair {
     pub grip: Option<Grip>,
     /// How it moves along the backbone; `None` where it keeps its place.
     pub slide: Option<Slide>,
+    /// How far it has moved along the backbone in the last step of a search for an equilibrium, in m; infinite before.
+    pub moved: f64,
     /// Whether it keeps its place along the backbone from now on.
     pub is_placed: bool,
 }
@@ -45,6 +47,7 @@ impl Pair {
             given: [0.0; 6],
             grip: None,
             slide: None,
+            moved: f64::INFINITY,
             is_placed: false,
         }
     }

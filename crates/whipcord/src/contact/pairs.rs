@@ -58,6 +58,7 @@ impl Pairs {
     /// An equilibrium is looked for anew.
     pub fn begin_search(&mut self) {
         self.added.clear();
+        self.near.iter_mut().for_each(|pair| pair.moved = f64::INFINITY);
     }
 
     /// The most pairs that memory and time allow.
@@ -88,7 +89,7 @@ impl Pairs {
                 && !pair.is_placed
                 && pair.member.part == Part::Backbone
                 && obstacle.movable.is_none();
-            let place = (pair.member.arc_length, rounding);
+            let place = (pair.member.arc_length, rounding, pair.moved);
             pair.slide = if slides { Slide::of(model, obstacle, place, self.length) } else { None };
         }
         self.merge();

@@ -9,8 +9,8 @@ use crate::obstacle::Obstacle;
 const FLAT: f64 = 0.1;
 /// Differences along the normal, relative to the radius of the backbone.
 const STEP: f64 = 1e-4;
-/// Distance at which the bend is measured, as a part of that between watched places.
-const BESIDE: f64 = 0.25;
+/// Distances at which the bend is measured, as parts of that between watched places: at first, and at least.
+const BESIDE: [f64; 2] = [0.25, 1e-3];
 /// No contact moves farther at once, as a part of that distance.
 const FARTHEST: f64 = 0.5;
 /// A contact that is nearer than this to its place, as a part of the length, stays.
@@ -30,11 +30,12 @@ pub(super) struct Slide {
 }
 
 impl Slide {
-    /// Of a ball of the backbone at an arc length; `None` where it keeps its place.
+    /// Of a ball of the backbone at an arc length to which it has come by a way of `moved` m; `None` where it keeps its place. The bend is
+    /// that as far around as it has moved: beside an edge it jumps, and a mean value across the jump would lead to and fro.
     pub fn of(
         model: &impl Compliant,
         obstacle: &Obstacle,
-        (s, radius): (f64, f64),
+        (s, radius, moved): (f64, f64, f64),
         length: f64,
     ) -> Option<Self> {
         let watched = model.watched();
@@ -56,31 +57,40 @@ impl Slide {
         ];
         // The base is clamped.
         let ends = [ends[0].max(0.5 * watched[1]), ends[1].min(watched[last])];
-        let slope_at = |pose: &Pose| {
-            let tangent = pose.rotation.rotate(Vec3::Z);
-            obstacle.surface(pose.position).normal.dot(tangent)
-        };
-        let beside = BESIDE * spacing;
-        let [before, after] = [(s - beside).max(ends[0]), (s + beside).min(ends[1])];
+        let [widest, least] = BESIDE.map(|part| part * spacing);
+        let at = s.max(ends[0]).min(ends[1]);
+        let around = |beside: f64| [(at - beside).max(ends[0]), (at + beside).min(ends[1])];
+        let [before, after] = around(least);
         if before >= after {
-            return None;
-        }
-        let slopes = [before, after].map(|s| slope_at(&model.pose(s)));
-        let bend = (slopes[1] - slopes[0]) / (after - before);
-        if !(bend.is_finite() && bend * length > FLAT) {
             return None;
         }
         let pose = model.pose(s);
         let tangent = pose.rotation.rotate(Vec3::Z);
+        // An arc whose chord keeps its length is longer than its arc length says.
+        let [behind, ahead] = [before, after].map(|s| model.pose(s).position);
+        let stretch = (ahead - behind).dot(tangent) / (after - before);
+        let slope_at = |pose: &Pose| {
+            let tangent = pose.rotation.rotate(Vec3::Z);
+            obstacle.surface(pose.position).normal.dot(tangent) * stretch
+        };
+        let bend_within = |beside: f64| {
+            let [before, after] = around(beside);
+            let slopes = [before, after].map(|s| slope_at(&model.pose(s)));
+            let bend = (slopes[1] - slopes[0]) / (after - before);
+            (bend.is_finite() && bend * length > FLAT).then_some(bend)
+        };
+        let bend = bend_within(widest)?;
+        let near = moved.max(least);
+        let bend = if near < widest { bend_within(near).unwrap_or(bend) } else { bend };
         let normal = |h: f64| obstacle.surface(pose.position + tangent * h).normal;
         let h = STEP * radius;
-        let turns = (normal(h) - normal(-h)) * (0.5 / h);
+        let turns = (normal(h) - normal(-h)) * (0.5 * stretch / h);
         let here = normal(0.0);
-        let across = tangent.cross(here);
+        let across = tangent.cross(here) * stretch;
         let along = [turns.x, turns.y, turns.z, across.x, across.y, across.z];
         let farthest = FARTHEST * spacing;
         let limits = [(ends[0] - s).clamp(-farthest, 0.0), (ends[1] - s).clamp(0.0, farthest)];
-        let slide = Self { slope: here.dot(tangent), bend, along, limits };
+        let slide = Self { slope: here.dot(tangent) * stretch, bend, along, limits };
         let way = -slide.slope / bend;
         let is_at_end = way < 0.0 && limits[0] == 0.0 || way > 0.0 && limits[1] == 0.0;
         (!is_at_end).then_some(slide)

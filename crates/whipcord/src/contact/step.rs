@@ -234,6 +234,9 @@ impl Scratch {
                 *given += part * change;
             }
             let way = pair.slide.map_or(0.0, |slide| part * slide.way(&motion[6 * j..6 * j + 6]));
+            if pair.slide.is_some() {
+                pair.moved = way.abs();
+            }
             if !Slide::is_negligible(way, length) {
                 slid.push((j, pair.member.arc_length + way));
                 // That of the force on a ball about the centre of its cross-section, wherever that is.
