@@ -529,6 +529,8 @@ struct Outcomes {
     overlap: [f64; 2],
     /// Refusals that another way does not confirm.
     unconfirmed: usize,
+    /// Of those that were given up, those that another way leads to an answer: that they are out of reach is not claimed.
+    reached_otherwise: usize,
 }
 
 impl Outcomes {
@@ -572,12 +574,17 @@ impl Outcomes {
                     Err(SolveError::ObstacleInTheWay { .. }) => {}
                     Err(error) => {
                         let (robot, case) = studied.given(&scenario.robot, &case);
-                        let way = way_to_answer(studied.kind, &robot, &case);
-                        outcomes.unconfirmed += usize::from(way.is_some());
-                        let confirmed = way.map_or_else(
-                            || "confirmed".to_owned(),
-                            |way| format!("NOT CONFIRMED: {way}"),
-                        );
+                        let confirmed = match way_to_answer(studied.kind, &robot, &case) {
+                            None => "confirmed".to_owned(),
+                            Some(way) if came_to == "given up" => {
+                                outcomes.reached_otherwise += 1;
+                                format!("reached {way}")
+                            }
+                            Some(way) => {
+                                outcomes.unconfirmed += 1;
+                                format!("NOT CONFIRMED: {way}")
+                            }
+                        };
                         println!("{number} {name} {time:.0} ms: {error} — {confirmed}");
                     }
                     Ok(_) if time > SLOW => println!("{number} {name} {time:.0} ms: {came_to}"),
@@ -605,12 +612,13 @@ impl Outcomes {
         let (solved, possible) = self.solved();
         let [watched, along] = self.overlap;
         println!(
-            "{name}: {solved} of {possible} solved ({:.1} %), p50 {:.1} ms, p99 {:.0} ms, worst {:.0} ms, overlap {watched:.0e} and {along:.0e}, {} refusals not confirmed, {:?}",
+            "{name}: {solved} of {possible} solved ({:.1} %), p50 {:.1} ms, p99 {:.0} ms, worst {:.0} ms, overlap {watched:.0e} and {along:.0e}, {} refusals not confirmed, {} given up and reached otherwise, {:?}",
             100.0 * solved as f64 / possible as f64,
             part(50),
             part(99),
             part(100),
             self.unconfirmed,
+            self.reached_otherwise,
             self.counts
         );
     }
@@ -644,7 +652,8 @@ const MODELS: [Studied; 9] = {
 /// Of every model: how many of 1,000 robots have an answer, why the others have none, and how long they take.
 /// `cargo test --release -p whipcord --test mechanics contact::overlap::study_of_outcomes -- --ignored --nocapture`
 ///
-/// Each refusal is confirmed where a finer mesh and smaller steps of actuation find no answer either.
+/// Each refusal is confirmed where a finer mesh and smaller steps of actuation find no answer either; where the solve was given up, that they find none is
+/// not claimed.
 ///
 /// The environment variables `ROBOTS=0..250,301` and `MODEL=arcs` choose a part of them.
 #[test]
