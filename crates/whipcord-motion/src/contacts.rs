@@ -74,7 +74,7 @@ impl Contacts {
         base: Pose,
         strains: &[Twist],
         within: f64,
-        (known, world): (&[whipcord::shape::Contact], Pose),
+        (known, world): (&[whipcord::solution::Contact], Pose),
     ) {
         let Some(surroundings) = &self.surroundings else { return };
         self.start_base = base;
@@ -365,13 +365,13 @@ impl Contacts {
     }
 
     /// The contacts that push, in a world in which the base stands at `world` when the motion starts.
-    pub fn report(&self, world: Pose, rod: &Rod, out: &mut Vec<whipcord::shape::Contact>) {
+    pub fn report(&self, world: Pose, rod: &Rod, out: &mut Vec<whipcord::solution::Contact>) {
         out.clear();
         let shape = Posed { rod, strains: &self.strains, poses: &self.poses };
         for contact in self.list.iter().filter(|contact| contact.force > 0.0) {
             let centre = shape.at(contact.station).position;
             let lever = contact.nearest.lever(contact.member.body.rounding);
-            out.push(whipcord::shape::Contact {
+            out.push(whipcord::solution::Contact {
                 obstacle: contact.obstacle,
                 part: contact.member.part,
                 arc_length: contact.member.arc_length,
@@ -393,7 +393,7 @@ pub(crate) fn add_push(
     rod: &Rod,
     world: Pose,
     poses: &[Pose],
-    contact: &whipcord::shape::Contact,
+    contact: &whipcord::solution::Contact,
     loads: &mut [NodeLoad],
 ) {
     let station = Station::at(rod, contact.arc_length);

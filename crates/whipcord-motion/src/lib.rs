@@ -40,6 +40,7 @@ mod linear;
 mod loads;
 mod mesh;
 mod modes;
+mod node_loads;
 mod one_stage;
 mod options;
 mod part;

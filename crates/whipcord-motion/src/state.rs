@@ -139,7 +139,7 @@ pub struct State {
     /// The cables.
     pub cables: Vec<CableMotion>,
     /// Where the robot touches the obstacles of its case, from the base on.
-    pub contacts: Vec<whipcord::shape::Contact>,
+    pub contacts: Vec<whipcord::solution::Contact>,
     /// The passages of cables with friction; empty where no cable has any.
     pub holes: HoleMemory,
     /// Motion of the spool or drive of each motor, behind gear and backlash, in rad or m.

@@ -2,7 +2,7 @@
 
 use whipcord::contact::body::{Nearest, Rim};
 use whipcord::contact::member::Member;
-use whipcord::shape::Part;
+use whipcord::solution::Part;
 use whipcord::{Case, Obstacle, Robot};
 use whipcord_numerics::{Pose, Twist, Vec3, golden_section};
 

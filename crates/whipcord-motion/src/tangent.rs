@@ -3,10 +3,7 @@
 
 use whipcord_numerics::{DenseLu, Twist, Vec3};
 
-use crate::adjoint::{
-    Factors, MOST_CORRECTIONS, NotSolved, add_forces, dead_load, inertia_and_weight, is_settled,
-    linearise, load_rates,
-};
+use crate::adjoint::{Factors, MOST_CORRECTIONS, NotSolved, is_settled, linearise};
 use crate::block::{Block, add, dot, sum, transposed_bracket};
 use crate::cable_work::CableWork;
 use crate::conserving::Conserving;
@@ -14,6 +11,7 @@ use crate::contact_rows::ContactRow;
 use crate::element::{POINTS, add_to_nodes};
 use crate::hole_rows::HoleRows;
 use crate::iteration::{Mechanics, Solver};
+use crate::node_loads::{add_forces, dead_load, inertia_and_weight, load_rates};
 use crate::pose;
 use crate::pull::Pull;
 use crate::rod::Rod;

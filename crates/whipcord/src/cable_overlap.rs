@@ -5,7 +5,8 @@ use whipcord_numerics::Vec3;
 use crate::kind::ModelKind;
 use crate::obstacle::{Obstacle, Surface};
 use crate::robot::Robot;
-use crate::shape::{CableState, Shape, Solution};
+use crate::shape::Shape;
+use crate::solution::{CableState, Solution};
 
 /// Overlap in m that is told of, as a part of the length of the backbone: a cable between two disks that touch a wall may lie in
 /// it but for what the contacts overlap.

@@ -7,7 +7,8 @@ use crate::case::Case;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
-use crate::shape::{Shape, Solution, Wrench};
+use crate::shape::{Shape, Wrench};
+use crate::solution::Solution;
 use crate::statics::Statics;
 
 /// How a solution changes with one number.

@@ -8,7 +8,7 @@ use crate::format::{Round, millimetres, newtons, share, significant};
 use crate::kind::ModelKind;
 use crate::length_miss::LengthMiss;
 use crate::robot::{RobotError, in_words};
-use crate::shape::Part;
+use crate::solution::Part;
 
 /// Why a model gives no answer.
 #[derive(Clone, Debug, PartialEq, Error)]

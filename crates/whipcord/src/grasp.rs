@@ -3,7 +3,8 @@
 use whipcord_numerics::Vec3;
 
 use crate::obstacle::Obstacle;
-use crate::shape::{Contact, Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::{Contact, Solution};
 
 /// All contacts with one obstacle together.
 ///

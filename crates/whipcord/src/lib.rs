@@ -37,12 +37,14 @@ pub mod obstacle;
 pub mod over_determined;
 pub mod parameter;
 pub mod piecewise_constant_curvature;
+pub mod prepared;
 pub mod presets;
 pub mod pseudo_rigid_body;
 mod refusal;
 pub mod robot;
 pub mod section;
 pub mod shape;
+pub mod solution;
 mod statics;
 pub mod stations;
 mod warm_start;
@@ -60,19 +62,21 @@ pub use grasp::Grasp;
 pub use kind::{CommandDerivatives, ModelKind};
 pub use length_miss::LengthMiss;
 pub use linearization::Linearization;
-pub use model::{Differentiable, Model, Prepared, at_rest};
+pub use model::{Differentiable, Model, at_rest};
 pub use motor_state::MotorState;
 pub use obstacle::{Form, MovableBody, Obstacle};
 pub use parameter::{Parameter, StiffnessPart, UnknownParameter};
+pub use prepared::Prepared;
 pub use presets::ModelPreset;
 pub use robot::{
     Along, Backbone, Cable, Disks, Drive, HoleOffset, Interpolation, Material, Motor, MotorCable,
     MotorDynamics, MotorLimits, Problem, RestCurvature, Robot, RobotError, Routing, Section,
     Stiffness,
 };
-pub use shape::{
-    CableState, Contact, Diagnostics, NoStability, ObjectContact, ObjectState, Part, Shape,
-    SlipState, Solution, Wrench,
+pub use shape::{Shape, Wrench};
+pub use solution::{
+    CableState, Contact, Diagnostics, NoStability, ObjectContact, ObjectState, Part, SlipState,
+    Solution,
 };
 pub use statics::Statics;
 pub use statics::friction::{HoleEquation, HoleFriction, HoleMemory, HoleResponse};

@@ -10,10 +10,11 @@ use crate::error::SolveError;
 use crate::four_bar;
 use crate::kind::ModelKind;
 use crate::kinematics::{ComplianceUnknown, Local, Matrix6, OneSided};
-use crate::model::{Model, Prepared};
+use crate::model::Model;
 use crate::parameter::Parameter;
+use crate::prepared::Prepared;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::plastic_steps::PlasticRod as _;
 

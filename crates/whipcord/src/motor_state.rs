@@ -1,7 +1,7 @@
 //! What the motors of a robot give in an answer.
 
 use crate::robot::{Motor, Robot};
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// A motor in an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]

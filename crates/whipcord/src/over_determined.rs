@@ -22,7 +22,7 @@ use crate::length_miss::LengthMiss;
 use crate::model::Model;
 use crate::robot::Robot;
 use crate::section::section_stiffness;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::command::Command;
 
 /// What the cables give, relative to what the backbone does by bending: at first, and by which factor it falls.
@@ -204,7 +204,7 @@ fn without_compliance(known: &[(f64, Vec<f64>)]) -> Vec<f64> {
 
 /// How much in m each cable that does not stretch is longer than prescribed; `None` where a cable has no command.
 fn misses(model: &Model, robot: &Robot, case: &Case, solution: &Solution) -> Option<Vec<f64>> {
-    let of = |(i, state): (usize, &crate::shape::CableState)| {
+    let of = |(i, state): (usize, &crate::solution::CableState)| {
         let initial = state.initial_length;
         let command = Command::of(model.kind(), robot, i, case, model.actuation(), initial).ok()?;
         Some(match command {

@@ -1,6 +1,6 @@
 //! Where a solve into given memory starts, and how it ended.
 
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// Where [`Prepared::solve_into`](crate::Prepared::solve_into) starts.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,8 +6,20 @@ use std::path::Path;
 use super::{rust_files, workspace_root};
 
 /// Robot, case and solution: what every model takes and gives.
-const DATA: [&str; 9] =
-    ["cancel", "case", "error", "kind", "obstacle", "parameter", "robot", "shape", "stations"];
+const DATA: [&str; 10] = [
+    "cancel",
+    "case",
+    "error",
+    "kind",
+    "obstacle",
+    "parameter",
+    "robot",
+    "shape",
+    "solution",
+    "stations",
+];
+/// The choice between the models.
+const CHOICE: [&str; 2] = ["model", "prepared"];
 /// One folder each; none may import another.
 const MODELS: [&str; 6] = [
     "constant_curvature",
@@ -258,7 +270,8 @@ fn data_import_no_model() {
     let imports = mechanics();
     for file in imports.files.values().filter(|file| DATA.contains(&folder(file))) {
         let reached = imports.reachable(file);
-        let model = reached.iter().find(|to| MODELS.contains(&folder(to)) || folder(to) == "model");
+        let is_model = |of: &str| MODELS.contains(&of) || CHOICE.contains(&of);
+        let model = reached.iter().find(|to| is_model(folder(to)));
         assert_eq!(model, None, "{file} imports a model, itself or through others");
     }
 }

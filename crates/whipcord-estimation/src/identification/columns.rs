@@ -13,7 +13,7 @@ use whipcord::Linearization;
 use whipcord::case::Shortening;
 use whipcord::derivatives::{Change, Hold, Place};
 use whipcord::parameter::Parameter;
-use whipcord::shape::Solution;
+use whipcord::solution::Solution;
 
 /// Step of the differences, as a part of what matters.
 const STEP: f64 = 1e-3;

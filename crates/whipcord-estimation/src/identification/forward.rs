@@ -19,7 +19,7 @@ use whipcord::kind::ModelKind;
 use whipcord::model::Model;
 use whipcord::parameter::Parameter;
 use whipcord::robot::{Robot, RobotError};
-use whipcord::shape::Solution;
+use whipcord::solution::Solution;
 use whipcord::stations::Stations;
 
 /// The experiments, and how a model says what would be seen in them.

@@ -10,7 +10,7 @@ use super::solver::Solver;
 use whipcord::jobs::share;
 use whipcord::over_determined;
 use whipcord::robot::{Cable, Robot};
-use whipcord::shape::Solution;
+use whipcord::solution::Solution;
 
 /// Whether answers depend on the steps before them.
 pub(super) fn has_history(forward: &Forward<'_>, experiment: usize) -> bool {

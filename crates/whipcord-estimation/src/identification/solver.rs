@@ -7,10 +7,11 @@ use super::outcome::Unstable;
 use super::pieces::Piece;
 use super::quantity::Quantity;
 use whipcord::case::Case;
-use whipcord::model::{Model, Prepared};
+use whipcord::model::Model;
 use whipcord::over_determined::{Relaxed, relaxed};
+use whipcord::prepared::Prepared;
 use whipcord::robot::Robot;
-use whipcord::shape::Solution;
+use whipcord::solution::Solution;
 
 /// The model for the robot of the last numbers.
 pub(super) struct Solver<'f, 'a> {

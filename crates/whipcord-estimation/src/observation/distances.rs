@@ -11,7 +11,7 @@ use whipcord::case::Case;
 use whipcord::error::SolveError;
 use whipcord::kind::ModelKind;
 use whipcord::robot::{Disks, Robot};
-use whipcord::shape::Solution;
+use whipcord::solution::Solution;
 
 /// The answers to all steps of a case beside what was measured in space.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,7 +11,8 @@ use whipcord::case::Case;
 use whipcord::error::SolveError;
 use whipcord::model::Model;
 use whipcord::robot::Robot;
-use whipcord::shape::{Shape, Solution};
+use whipcord::shape::Shape;
+use whipcord::solution::Solution;
 use whipcord::stations::Stations;
 
 /// A marker in a photograph.

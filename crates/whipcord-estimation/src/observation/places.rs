@@ -8,7 +8,8 @@ use whipcord::error::SolveError;
 use whipcord::kind::ModelKind;
 use whipcord::model::Model;
 use whipcord::robot::Robot;
-use whipcord::shape::{Shape, Solution};
+use whipcord::shape::Shape;
+use whipcord::solution::Solution;
 use whipcord::stations::Stations;
 
 /// The places in m, in the world, at which an answer of the model, at the disks, has the markers. For those

@@ -1,6 +1,6 @@
 //! Gradients over motions with friction of cables against central differences of the same steps.
 
-use whipcord::shape::SlipState;
+use whipcord::solution::SlipState;
 use whipcord::{Cable, Case, ModelKind, Motor, MotorDynamics};
 use whipcord_motion::{
     CableDrive, Commands, Course, Damping, Initial, Method, MotionOptions, Record,

@@ -1,6 +1,6 @@
 use super::error::BatchError;
 use crate::error::SolveError;
-use crate::shape::{Diagnostics, Solution};
+use crate::solution::{Diagnostics, Solution};
 
 /// Where the numbers of a batch go, each array row after row. A row without an answer holds NaN, and its error.
 #[derive(Debug)]

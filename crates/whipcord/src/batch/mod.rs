@@ -60,9 +60,10 @@ pub use whipcord_numerics::lanes::Width;
 
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::model::{Model, Prepared};
+use crate::model::Model;
+use crate::prepared::Prepared;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use piece::solve_rows;
 use run::run;
 

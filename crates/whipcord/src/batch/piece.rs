@@ -8,9 +8,10 @@ use super::run::{Tally, run};
 use crate::case::{CableCommand, Case};
 use crate::cosserat::UnloadedLanes;
 use crate::error::SolveError;
-use crate::model::{Model, Prepared};
+use crate::model::Model;
+use crate::prepared::Prepared;
 use crate::robot::limits;
-use crate::shape::{Diagnostics, NoStability, Solution, Verdict};
+use crate::solution::{Diagnostics, NoStability, Solution, Verdict};
 
 /// Rows that one thread takes at a time in lanes, where one takes less than a microsecond, and row by
 /// row: few enough that no thread waits long for the last one. No number depends on the threads.

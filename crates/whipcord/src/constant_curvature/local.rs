@@ -8,7 +8,7 @@ use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::kinematics::{ComplianceUnknown, Local};
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::local::{Column, local_of};
 
 /// Pieces of a quadrature that leaves rounding alone for arcs of a few turns.

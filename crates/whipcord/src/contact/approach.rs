@@ -11,7 +11,7 @@ use super::path::{Acting, MET, PathTracker, Stop};
 use super::scene::{Present, is_pipe};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// Clearance at the beginning, as a part of the length.
 const MARGIN: f64 = 1e-3;

@@ -10,7 +10,7 @@ use super::pairs::{BETWEEN, NEAR, Pairs};
 use super::rim_places::{RimPlaces, is_all_around};
 use super::scene::{DistanceBound, Scene};
 use crate::obstacle::Obstacle;
-use crate::shape::Part;
+use crate::solution::Part;
 
 /// So often a contact is added at one place of the backbone while one equilibrium is looked for.
 const ATTEMPTS: usize = 2;

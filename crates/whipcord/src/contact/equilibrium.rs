@@ -12,7 +12,8 @@ use super::step::{NoStep, Scratch, turned};
 use super::step_length::{STRIDE, StepLength};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
-use crate::shape::{Part, Wrench};
+use crate::shape::Wrench;
+use crate::solution::Part;
 
 /// On the way to the answer, where disks without friction are all that touches, of a robot whose cables do not rub: nothing remembers such a
 /// place.

@@ -10,7 +10,7 @@ use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// The most shapes on the way that are looked at.
 const MOST_SHAPES: usize = 32;

@@ -34,7 +34,7 @@ use super::pair::{OVERLAP, Pair};
 use super::pairs::Pairs;
 use super::scene::Scene;
 use crate::derivatives::ContactGain;
-use crate::shape::Part;
+use crate::solution::Part;
 use crate::statics::hold::Critical;
 
 /// Contacts of the backbone with one obstacle that are no farther apart than this part of the length are one.

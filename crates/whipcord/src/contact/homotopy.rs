@@ -1,7 +1,7 @@
 //! From a case whose answer is known to another.
 
 use crate::case::{CableCommand, Case, Loads, Profile, Shortening};
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// The cases between two.
 #[derive(Clone, Debug)]
@@ -34,12 +34,13 @@ impl<'a> Homotopy<'a> {
 
     /// From the answer to a case with the same loads.
     pub fn from_answer(answer: &Solution, to: &'a Case) -> Self {
-        let before = |(command, cable): (&CableCommand, &crate::shape::CableState)| CableCommand {
-            tension: command.tension.map(|there| cable.tension.unwrap_or(there)),
-            shortening: command
-                .shortening
-                .map(|_| Shortening::Length(cable.initial_length - cable.length)),
-        };
+        let before =
+            |(command, cable): (&CableCommand, &crate::solution::CableState)| CableCommand {
+                tension: command.tension.map(|there| cable.tension.unwrap_or(there)),
+                shortening: command
+                    .shortening
+                    .map(|_| Shortening::Length(cable.initial_length - cable.length)),
+            };
         let from = to.commands.iter().zip(&answer.cables).map(before).collect();
         Self::loaded(from, to)
     }

@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use crate::robot::Robot;
-use crate::shape::Part;
+use crate::solution::Part;
 
 /// A part of the robot that can touch.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `model` | the interface to a model |
 //! | `loaded_places` | the cross-sections that are pushed, and their compliance |
-//! | `rod`, `rod_response`, `rod_solves`, `refinement`, `dense_output` | what both Cosserat rods have of it |
+//! | `contact_rod`, `rod`, `rod_response`, `rod_solves`, `refinement`, `dense_output` | what both Cosserat rods have of it |
 //! | `member` | the parts of the robot that can touch |
 //! | `scene`, `body` | the obstacles; distances of a part of the robot from one |
 //! | `pairs` | the parts of the robot that are near an obstacle |
@@ -30,6 +30,7 @@ mod approach;
 pub mod body;
 mod carried;
 pub mod complementarity;
+mod contact_rod;
 mod dampers;
 mod dense_output;
 mod differences;
@@ -68,6 +69,7 @@ mod step_length;
 mod steps;
 mod two_bodies;
 
+pub(crate) use contact_rod::ContactRod;
 pub(crate) use dense_output::DenseOutput;
 pub(crate) use free_path::{Unobstructed, last_of, or_none_alone, rubbing_or_free, solve_free};
 pub(crate) use holding::Holding;
@@ -78,7 +80,7 @@ pub(crate) use noted::{
     with_derivatives_or_free,
 };
 pub(crate) use refinement::{Refinement, centres};
-pub(crate) use rod::{ContactRod, RodAdapter, watched};
+pub(crate) use rod::{RodAdapter, watched};
 pub(crate) use rod_response::{Linearised, RodHoles, RodResponse};
 pub(crate) use rod_solves::RodSolves;
 pub(crate) use steps::{solve, solve_holding, solve_rubbing};

@@ -5,7 +5,8 @@ use whipcord_numerics::{Pose, Vec3};
 use crate::cancel::Cancel;
 use crate::case::{Case, PointLoad};
 use crate::error::SolveError;
-use crate::shape::{Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::Solution;
 
 /// A dead wrench on one cross-section, base frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

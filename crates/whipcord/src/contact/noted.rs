@@ -10,7 +10,7 @@ use crate::case::{CableCommand, Case, Shortening};
 use crate::derivatives::{AnswerContacts, AnswerOnWay, Caused, ContactGain, Derivatives};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::friction::{Carried, Standing, SubstepEnd, Trail};
 use crate::statics::hold::Critical;
 use crate::statics::plastic_curvature::PlasticCurvature;

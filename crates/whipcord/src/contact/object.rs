@@ -12,7 +12,8 @@ use super::pair::Pair;
 use super::pairs::Pairs;
 use super::scene::Scene;
 use crate::case::Case;
-use crate::shape::{ObjectState, Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::{ObjectState, Solution};
 
 /// All movable objects of a scene, and their contacts with obstacles and with one another.
 #[derive(Clone, Debug, Default)]

@@ -8,7 +8,7 @@ use super::object::{Object, Objects};
 use super::object_pair::{NEAR, ObjectPair};
 use super::pair::OVERLAP;
 use super::scene::Scene;
-use crate::shape::{ObjectContact, Solution};
+use crate::solution::{ObjectContact, Solution};
 
 /// Contacts that are no farther apart than this part of the length of the robot are one.
 const ONE: f64 = 1e-6;

@@ -8,7 +8,7 @@ use super::pair::OVERLAP;
 use super::pairs::Pairs;
 use super::scene::Scene;
 use crate::obstacle::{Obstacle, Surface};
-use crate::shape::Part;
+use crate::solution::Part;
 
 impl Pairs {
     /// How far the robot is from an obstacle that it has no pair with, no more than that; infinitely where it has one.

@@ -11,7 +11,8 @@ use super::rim_places::is_all_around;
 use super::scene::Scene;
 use super::sliding::Slide;
 use crate::robot::Robot;
-use crate::shape::{Contact, Part, Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::{Contact, Part, Solution};
 
 /// All pairs that are near, and where to look for more.
 #[derive(Clone, Debug)]

@@ -15,7 +15,8 @@ use super::step::Scratch;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::{Cable, Robot};
-use crate::shape::{Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::Solution;
 
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
 pub(super) const MET: f64 = 1e-9;

@@ -1,15 +1,16 @@
 //! The solves of both Cosserat rods among obstacles.
 
+use super::contact_rod::ContactRod;
 use super::free_path::{last_of, or_none_alone, rubbing_or_free};
 use super::noted::{last_with_derivatives, with_derivatives_or_free};
-use super::rod::{ContactRod, RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
+use super::rod::{RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
 use super::steps::{solve, solve_holding};
 use crate::case::Case;
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Cable;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::options::Accuracy;
 use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::plastic_steps::{Differentiated, PlasticRod};

@@ -9,7 +9,7 @@ use super::path::{Acting, PathTracker};
 use super::scene::Present;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
-use crate::shape::{Part, Solution};
+use crate::solution::{Part, Solution};
 
 /// A known answer is where the model stands if no disk is farther from it than this part of the length.
 const FOUND_AGAIN: f64 = 1e-9;

@@ -10,7 +10,7 @@ use crate::case::{CableCommand, Case};
 use crate::error::SolveError;
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
-use crate::shape::{Diagnostics, NoStability, Solution};
+use crate::solution::{Diagnostics, NoStability, Solution};
 
 /// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
 pub(crate) fn solve(

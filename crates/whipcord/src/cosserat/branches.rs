@@ -9,7 +9,7 @@ use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::options::{Accuracy, Options};
 use crate::statics::outcome::Found;
 use crate::statics::path::branches::{BranchOptions, Branches, follow};

@@ -10,7 +10,7 @@ use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::options::Accuracy;
 use crate::statics::plastic_curvature::PlasticCurvature;
 

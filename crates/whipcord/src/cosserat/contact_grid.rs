@@ -10,7 +10,7 @@ use crate::case::Case;
 use crate::error::SolveError;
 use crate::robot::Robot;
 use crate::section::step_tolerance;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::grid::Grid;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};

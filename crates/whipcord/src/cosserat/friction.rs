@@ -17,7 +17,8 @@ use super::without_load::start_without_load;
 use crate::budget::Meter;
 use crate::robot::Robot;
 use crate::section::Fault;
-use crate::shape::{SlipState, Wrench};
+use crate::shape::Wrench;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Size};
 use crate::statics::friction::{

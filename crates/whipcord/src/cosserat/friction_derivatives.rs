@@ -15,7 +15,8 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::shape::{Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::Solution;
 use crate::statics::friction::{Carried, PassageResponse as _, Passages, Place, SubstepEnd};
 use crate::statics::grid::Grid;
 use crate::statics::plastic_curvature::PlasticCurvature;

@@ -13,7 +13,7 @@ use crate::contact::RodSolves as _;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Cable;
-use crate::shape::{NoStability, SlipState, Solution, Verdict};
+use crate::solution::{NoStability, SlipState, Solution, Verdict};
 use crate::statics::friction::{self, Course, History, Holes, PassageResponse as _};
 use crate::statics::grid::Grid;
 use crate::statics::options::Accuracy;

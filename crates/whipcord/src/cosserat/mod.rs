@@ -5,6 +5,7 @@
 //! | module | content |
 //! |---|---|
 //! | `model`, `prepared` | the interface: robot, loads and options to solutions; the model of one robot, and its memory |
+//! | `answer` | what a solve leaves, as a solution |
 //! | `problem`, `scratch` | what is to be solved on one grid, and memory |
 //! | `unloaded`, `loaded` | the rod without load; the rod integrated from its base under loads |
 //! | `strain_guess` | where the iteration of a section starts |
@@ -14,7 +15,7 @@
 //! | `shooting`, `newton` | single shooting on eq. (7), and its Newton step |
 //! | `chain` | multiple shooting |
 //! | `redundant_cables` | antagonistic cables under load |
-//! | `continuation` | load continuation by multiple shooting |
+//! | `continuation`, `perturbed` | load continuation by multiple shooting, and on to a branch by small moments |
 //! | `path`, `state` | the rod as an equilibrium path, and its states |
 //! | `branches` | all equilibria that are connected to the unloaded shape |
 //! | `search` | equilibria from many base moments |
@@ -23,11 +24,13 @@
 //! | `tension_nodes`, `friction`, `friction_steps` | friction of cables: where their tension is given, the rod's answer to it, and steps of actuation |
 //! | `contact`, `contact_response` | contact with obstacles: the adapter, and the response to contact forces |
 //! | `contact_grid`, `contact_derivatives` | its nodes under contact forces, and its derivatives there |
-//! | `derivatives` | exact derivatives |
+//! | `friction_derivatives` | exact derivatives where cables rub |
+//! | `bending_friction` | friction of the backbone against bending |
 //! | `command_changes` | derivatives by commands alone, for trials of inverse problems |
 //! | `lanes` | many unloaded rods at once |
 //! | `trace` | solves with a record of the iterations |
 
+mod answer;
 mod bending_friction;
 mod branches;
 mod chain;

@@ -5,7 +5,7 @@ use whipcord_numerics::UnitQuaternion;
 use super::stability::Equilibrium;
 use crate::budget::Meter;
 use crate::case::Loads;
-use crate::shape::Diagnostics;
+use crate::solution::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::convexity;
 use crate::statics::grid::Grid;

@@ -13,7 +13,7 @@ use super::solve;
 use super::verdict;
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::command::Command;
 use crate::statics::grid::Grid;
 use crate::statics::options::StabilityAnalysis;

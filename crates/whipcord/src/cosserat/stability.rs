@@ -36,7 +36,7 @@ use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
 
 use super::loaded::SAMPLED_NODES;
 use super::sensitivity::work;
-use crate::shape::{Diagnostics, NoStability, Verdict};
+use crate::solution::{Diagnostics, NoStability, Verdict};
 use crate::statics::command::Command;
 use crate::statics::eigenvalue::{
     FAR, INSENSITIVE, NEUTRAL, REGULARISATION, TOLERANCE, bisect, falling_zero, plausible,

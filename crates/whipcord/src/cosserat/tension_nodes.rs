@@ -11,7 +11,7 @@ use whipcord_numerics::Vec3;
 use super::loaded::Trajectory;
 use crate::derivatives::{PLACES, Share};
 use crate::section::Strain;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
 use whipcord_numerics::BUTCHER_5;

@@ -3,7 +3,7 @@
 use super::prepared::{Cosserat, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::trace::TraceEvent;
 
 impl Cosserat {

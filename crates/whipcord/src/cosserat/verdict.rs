@@ -3,7 +3,7 @@
 use super::problem::{Problem, StabilityCheck};
 use super::scratch::Scratch;
 use super::shooting::sample;
-use crate::shape::{NoStability, Verdict};
+use crate::solution::{NoStability, Verdict};
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
 

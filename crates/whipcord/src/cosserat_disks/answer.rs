@@ -10,7 +10,7 @@ use super::workspace::Workspace;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::shape::{CableState, NoStability, Solution};
+use crate::solution::{CableState, NoStability, Solution};
 use crate::statics::command::Command;
 use crate::statics::outcome::Found;
 

@@ -13,7 +13,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::plastic_steps::{Differentiated, PlasticRod};
 

@@ -11,7 +11,7 @@ use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::options::Accuracy;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::path::EquilibriumPath as _;

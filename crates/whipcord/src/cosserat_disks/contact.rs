@@ -10,7 +10,7 @@ use crate::contact::{self, RodAdapter, RodSolves, Unobstructed};
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::options::Accuracy;
 use crate::statics::plastic_curvature::PlasticCurvature;
 

@@ -13,7 +13,7 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::friction::{Carried, Holes, Place, SubstepEnd};
 use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::plastic_steps::Remembering;

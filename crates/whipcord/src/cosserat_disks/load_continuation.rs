@@ -13,7 +13,7 @@ use super::scratch::Scratch;
 use super::scratch::finish;
 use super::tensions::Rod;
 use super::{stability_check, unloaded};
-use crate::shape::Diagnostics;
+use crate::solution::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};

@@ -15,7 +15,7 @@ use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::refusal;
 use crate::robot::{Cable, Problem as Mistake, Robot, RobotError};
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::command::Command;
 use crate::statics::friction::Holes;
 use crate::statics::grid::steps_for_twist;

@@ -27,7 +27,7 @@ use super::chord::Chord;
 use super::layout::{Frame, Mesh};
 use super::span_form::{Border, Carried, Form, Step, Tie, put, step};
 use super::variation::Sample;
-use crate::shape::{Diagnostics, NoStability};
+use crate::solution::{Diagnostics, NoStability};
 use crate::statics::eigenvalue::{
     FAR, INSENSITIVE, REGULARISATION, bisect, falling_zero, plausible,
 };

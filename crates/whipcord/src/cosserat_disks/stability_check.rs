@@ -10,7 +10,7 @@ use super::scratch::Scratch;
 use super::stability::{Equilibrium, Locked, Stability};
 use super::workspace::Workspace;
 use crate::section::BodyWrench;
-use crate::shape::{Diagnostics, NoStability, Verdict};
+use crate::solution::{Diagnostics, NoStability, Verdict};
 use crate::statics::command::Command;
 use crate::statics::friction::{Holes, Slides};
 use crate::statics::options::StabilityAnalysis;

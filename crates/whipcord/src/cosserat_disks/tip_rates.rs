@@ -8,7 +8,7 @@ use crate::case::Case;
 use crate::derivatives::{Answer, Driven, DrivenCables, TipRatesMemory};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 impl CosseratDisks {
     /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case without friction and obstacles: as

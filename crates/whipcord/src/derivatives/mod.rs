@@ -8,7 +8,7 @@
 //! says where a parameter enters, with `mass_change` and `spread_change`; `touching` adds what the contacts of an answer push; `adjoint` is the way back through a step and `backward` all of it. `columns` puts together
 //! what one source changes, with `along_step` for what lies within a step, `change` is what comes out, `at_place` what is said of one place, put together in `local`. `rod` is what is kept of an
 //! answer and `of_answer` makes it; `cables`, `setting`, `node_change`, `effect` and `column` are data of these. Where cables run straight
-//! from disk to disk, `spans` makes one map of the steps between two disks and of the cables. Where cables rub, `strands` are the pieces of them that have
+//! from disk to disk, `spans` makes one map of the steps between two disks and of the cables, each of which is a `chord`. Where cables rub, `strands` are the pieces of them that have
 //! tensions of their own, which follow from `sliding_holes`, and `hole_source` says where a parameter enters their holes. `coordinates` has the same of
 //! models that have generalised coordinates for a rod, from their `linear_system`. `command_changes` are
 //! the changes with commands alone, of a rod, at a fraction of the cost of all derivatives, without load by `tension_motions`; `tip_rates` those of the tip, from its `tension_rates`, in memory that is
@@ -26,6 +26,7 @@ mod at_place;
 mod backward;
 mod cables;
 mod change;
+mod chord;
 mod column;
 mod columns;
 mod command_changes;
@@ -54,6 +55,7 @@ mod sliding_holes;
 mod spans;
 mod spread_change;
 mod step_ends;
+mod stiffness_change;
 mod strands;
 mod tension_motions;
 mod tension_rates;

@@ -16,14 +16,16 @@
 //! which the map of the steps in between takes in. With these
 //! eliminated a span has a map of the form that a step has, and [`super::elimination`] does not see the difference.
 
+mod at_nodes;
+
 use core::ops::Range;
 
 use whipcord_numerics::{Mat3, Vec3};
 
+use super::chord::{Chord, ChordChange, Pull, Pulls};
 use super::effect::{Effect, Forcing};
 use super::elimination::invert;
 use super::forward::{Maps, StepMap, set_column};
-use super::node_change::NodeChange;
 use super::replay::{AXES, Answer, Replay};
 use super::strands::Strands;
 use crate::section::Fault;
@@ -42,82 +44,6 @@ pub(crate) struct StraightSpan<'a> {
     pub anchors: &'a [Anchor],
     /// Tensions of the passages, where cables rub in their holes; else they are those of the cables.
     pub tensions: Option<&'a [f64]>,
-}
-
-/// A cable between two disks at the answer, base frame.
-#[derive(Clone, Copy, Debug)]
-struct Chord {
-    cable: usize,
-    tension: f64,
-    length: f64,
-    /// The kept node of its span where it ends, and whether it is anchored there.
-    end: usize,
-    is_anchored: bool,
-    /// `t`, `a` and `b`.
-    along: Vec3,
-    near: Vec3,
-    far: Vec3,
-    /// How the angles in the near and in the far hole change with the direction, where cables rub there.
-    turns: [Vec3; 2],
-}
-
-/// What a chord adds to the outputs of its span: to the length of its cable, and to the angles in its near and far hole.
-#[derive(Clone, Copy, Debug, Default)]
-struct Stretched {
-    length: f64,
-    turns: [f64; 2],
-}
-
-impl Stretched {
-    /// Adds it to the outputs of a span with so many cables; to those that are asked for.
-    fn add_to(&self, cable: usize, cables: usize, outputs: &mut [f64]) {
-        let [near, far] = self.turns;
-        for (row, by) in [self.length, near, far].into_iter().enumerate() {
-            if let Some(output) = outputs.get_mut(row * cables + cable) {
-                *output += by;
-            }
-        }
-    }
-}
-
-/// Changes that what acts on a chord's ends and in it makes at constant direction.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ChordChange {
-    pub tension: f64,
-    /// Of the holes, base frame.
-    pub near: Vec3,
-    pub far: Vec3,
-}
-
-/// What a chord exerts: force, and moments at its ends.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pull {
-    force: Vec3,
-    near: Vec3,
-    far: Vec3,
-}
-
-/// What the chords of a span exert at the near and at the far disk: force and moment.
-#[derive(Clone, Copy, Debug, Default)]
-struct Pulls {
-    near: [Vec3; 2],
-    far: [Vec3; 2],
-}
-
-impl Chord {
-    /// The change of what it exerts once its end has moved so against the near disk, (d6), and that of its length.
-    fn respond(&self, near_turn: Vec3, end: &Effect, change: ChordChange) -> (Pull, Stretched) {
-        let Self { along: t, near: a, far: b, tension, .. } = *self;
-        let (da, db) = (near_turn.cross(a) + change.near, end.turn.cross(b) + change.far);
-        let way = end.shift + db - da;
-        let longer = t.dot(way);
-        let turned = way - t * longer;
-        let force = change.tension * t + turned * (tension / self.length);
-        let near = a.cross(force) + tension * da.cross(t);
-        let turns = self.turns.map(|slope| slope.dot(turned) / self.length);
-        let stretched = Stretched { length: longer, turns };
-        (Pull { force, near, far: b.cross(force) + tension * db.cross(t) }, stretched)
-    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -581,78 +507,6 @@ impl Spans {
     fn span_behind(&self, node: usize) -> usize {
         let span = self.spans.partition_point(|span| span.steps.end <= node);
         span.min(self.spans.len() - 1)
-    }
-
-    /// The effects of an input at the kept nodes of each span.
-    pub fn input(&self, input: usize) -> impl Fn(usize, usize) -> Effect {
-        move |k, node| self.inside_effects[(self.spans[k].first + node) * self.inputs + input]
-    }
-
-    /// How a kept node of a span moves with its start.
-    pub fn inside(&self, k: usize, node: usize) -> &StepMap {
-        &self.inside[self.spans[k].first + node]
-    }
-
-    /// The changes at the nodes of the grid, of those that are kept, from the changes of the disks and what acts inside the
-    /// spans, by span and kept node. What acts at a node is that in the rod just behind it, at the tip in front of it.
-    pub fn expand(
-        &self,
-        disks: &[NodeChange],
-        acting: impl Fn(usize, usize) -> Effect,
-        nodes: &mut Vec<NodeChange>,
-    ) {
-        nodes.clear();
-        let count = self.spans.last().map_or(0, |span| span.steps.end + 1);
-        nodes.resize(count, NodeChange::default());
-        for (k, span) in self.spans.iter().enumerate() {
-            let NodeChange { turn, position, moment, force } = disks[k];
-            // The far disk is the near one of the next span, which comes later.
-            for (i, (node, map)) in span.kept.iter().zip(&self.inside[span.nodes()]).enumerate() {
-                let Effect { turn, moment, shift, force } =
-                    map.apply([turn, moment, force]).plus(&acting(k, i));
-                let at = &mut nodes[span.steps.start + node];
-                *at = NodeChange { turn, position: position + shift, moment, force };
-            }
-        }
-    }
-
-    /// The transpose of [`Self::expand`]: sensitivities to the disks, and to the starts of the spans as
-    /// [`super::elimination::Elimination::pull_back`] takes them.
-    pub fn gather(&self, nodes: &[NodeChange]) -> (Vec<NodeChange>, Vec<[Vec3; 3]>) {
-        let mut disks = vec![NodeChange::default(); self.spans.len() + 1];
-        let mut starts = vec![[Vec3::ZERO; 3]; self.spans.len()];
-        for (k, span) in self.spans.iter().enumerate() {
-            for (i, &node) in span.kept.iter().enumerate().skip(1) {
-                let NodeChange { turn, position, .. } = nodes[span.steps.start + node];
-                if node == span.steps.len() {
-                    disks[k + 1].turn += turn;
-                    disks[k + 1].position += position;
-                    continue;
-                }
-                disks[k].position += position;
-                let map = &self.inside[span.first + i];
-                for (to, (by_turn, by_shift)) in
-                    starts[k].iter_mut().zip(map.turn.iter().zip(&map.shift))
-                {
-                    *to += by_turn.transpose_mul(turn) + by_shift.transpose_mul(position);
-                }
-            }
-        }
-        (disks, starts)
-    }
-
-    /// What effects inside the spans, by span and kept node, are worth at the nodes of the grid but the disks.
-    pub fn worth(&self, nodes: &[NodeChange], acting: impl Fn(usize, usize) -> Effect) -> f64 {
-        let of_span = |(k, span): (usize, &Span)| -> f64 {
-            let of_node = |(i, node): (usize, &usize)| {
-                let NodeChange { turn, position, .. } = nodes[span.steps.start + node];
-                let Effect { turn: by_turn, shift, .. } = acting(k, i);
-                turn.dot(by_turn) + position.dot(shift)
-            };
-            let last = span.kept.len() - 1;
-            span.kept[..last].iter().enumerate().skip(1).map(of_node).sum()
-        };
-        self.spans.iter().enumerate().map(of_span).sum()
     }
 
     /// Changes of the lengths of the strands, on a rod at rest that bears nothing, by an input.

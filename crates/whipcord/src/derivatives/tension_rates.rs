@@ -4,7 +4,7 @@
 use whipcord_numerics::Twist;
 
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::command::Command;
 use crate::statics::hold::{Critical, HeldCables, Hold, HoldScratch};
 

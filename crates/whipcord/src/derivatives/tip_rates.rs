@@ -14,7 +14,8 @@ use super::replay::{Answer, Replay};
 use super::rod::NoDerivatives;
 use super::spans::{Spans, StraightSpan};
 use super::tension_rates::{DrivenCables, TensionRates};
-use crate::shape::{Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::Solution;
 use crate::statics::hold::Critical;
 
 /// An answer of a rod without friction and contacts, and what drives its cables, in the order of the grid.

@@ -10,7 +10,7 @@ use crate::kind::ModelKind;
 #[cfg(doc)]
 use crate::linkage::Linkage;
 use crate::parameter::Parameter;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::warm_start::{Status, WarmStart};
 
 impl FourBar {

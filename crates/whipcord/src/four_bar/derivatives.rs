@@ -12,7 +12,7 @@ use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::refusal;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// How an answer of the four-bar model changes with how much each cable is shortened.
 ///

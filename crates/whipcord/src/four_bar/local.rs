@@ -10,7 +10,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::kinematics::{ComplianceUnknown, DerivativeMethod, DrivenBy, Local, OneSided};
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::stations::Stations;
 
 /// The answer, and how the place at an arc length in m moves.

@@ -16,7 +16,7 @@ use super::workspace::{Found, LOOSE, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
-use crate::shape::{CableState, Diagnostics, NoStability, Solution};
+use crate::solution::{CableState, Diagnostics, NoStability, Solution};
 use crate::stations::Stations;
 
 /// What the diagnostics report.

@@ -8,7 +8,8 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::linkage::{self, Linkage};
 use crate::refusal;
-use crate::shape::{Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::Solution;
 use crate::statics::path::branches::{BranchOptions, Branches};
 
 impl FourBar {

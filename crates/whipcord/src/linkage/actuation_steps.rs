@@ -7,7 +7,7 @@ use super::task::Task;
 use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::shape::{NoStability, Solution, Verdict};
+use crate::solution::{NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::friction::{Course, History, Slides, step};
 use crate::statics::loads::check as check_loads;

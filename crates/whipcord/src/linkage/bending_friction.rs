@@ -5,7 +5,7 @@ use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::section::BENDING_AXES;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::loads::check as check_loads;
 
 impl Linkage {

@@ -12,7 +12,7 @@ use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::refusal;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::friction::Carrying;
 use crate::statics::loads::check as check_loads;
 

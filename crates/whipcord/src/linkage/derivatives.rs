@@ -22,7 +22,8 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::parameter::{Parameter, StiffnessPart};
 use crate::robot::Robot;
-use crate::shape::{Solution, Wrench};
+use crate::shape::Wrench;
+use crate::solution::Solution;
 
 impl Linkage {
     /// [`Self::solve`], with the derivatives of the answer: by tensions or lengths, by loads at any place, and by these

@@ -16,7 +16,7 @@ use crate::derivatives::{
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::friction::{Carried, Carrying, History, HoleSource, Standing};
 use crate::statics::loads::check as check_loads;
 use crate::warm_start::WarmStart;

@@ -18,7 +18,7 @@ use crate::derivatives::Place;
 use crate::error::SolveError;
 use crate::kinematics::Local;
 use crate::refusal;
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::command::Command;
 use crate::statics::local::{Column, local_of};
 

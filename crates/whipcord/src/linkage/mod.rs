@@ -46,7 +46,7 @@ use crate::derivatives::TensionRatesMemory;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Robot;
-use crate::shape::{CableState, Diagnostics, NoStability, Solution, Verdict};
+use crate::solution::{CableState, Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Given, LengthScratch};
 use crate::statics::loads::check as check_loads;

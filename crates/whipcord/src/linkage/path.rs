@@ -10,7 +10,7 @@ use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::refusal;
-use crate::shape::Diagnostics;
+use crate::solution::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::outcome::Failure;
 use crate::statics::path::branches::{BranchOptions, Branches, follow};

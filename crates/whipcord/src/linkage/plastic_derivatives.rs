@@ -11,7 +11,7 @@ use crate::derivatives::{CoordinateDerivatives, ParameterChange};
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::section::{BENDING_AXES, BendingFriction};
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::statics::friction::{Carrying, History};
 use crate::statics::loads::check as check_loads;
 

@@ -13,7 +13,7 @@ use super::pivots::positive_pivots;
 use super::statics::Scratch;
 use super::task::{Asked, DeadMoments, Elimination, Task};
 use crate::case::Case;
-use crate::shape::{Diagnostics, NoStability, Solution, Verdict};
+use crate::solution::{Diagnostics, NoStability, Solution, Verdict};
 use crate::statics::command::Command;
 use crate::statics::eigenvalue::{FAR, INSENSITIVE, REGULARISATION};
 use crate::statics::options::StabilityAnalysis;

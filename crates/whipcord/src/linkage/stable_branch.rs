@@ -9,7 +9,7 @@ use super::statics::Effort;
 use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::error::SolveError;
-use crate::shape::{NoStability, Solution, Verdict};
+use crate::solution::{NoStability, Solution, Verdict};
 use crate::statics::continuation::{FIRST_LOAD_STEP, SHORT_ITERATION, load_steps};
 use crate::statics::lengths;
 use crate::statics::path::EquilibriumPath as _;

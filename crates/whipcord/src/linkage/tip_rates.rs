@@ -8,7 +8,7 @@ use super::{Linkage, Workspace};
 use crate::case::Case;
 use crate::derivatives::{DrivenCables, TensionRatesMemory};
 use crate::error::SolveError;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 impl Linkage {
     /// The motion of the tip, base frame, with the command of each cable of the robot at an answer to a case without friction and obstacles: as

@@ -4,7 +4,7 @@ use crate::case::{Actuation, Case};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::robot::Robot;
-use crate::shape::CableState;
+use crate::solution::CableState;
 
 /// Of a cable's own compliance: keeps a Newton step defined where more cables are taut than lengths are independent.
 pub(crate) const LENGTH_REGULARISATION: f64 = 1e-8;

@@ -1,7 +1,7 @@
 //! The least eigenvalue of a quadratic form, by counting or following pivots.
 
 use super::quadratic_form::{Element, symmetric};
-use crate::shape::{Diagnostics, NoStability};
+use crate::solution::{Diagnostics, NoStability};
 
 /// An eigenvalue this close to zero counts as zero.
 pub(crate) const NEUTRAL: f64 = Diagnostics::NEUTRAL;

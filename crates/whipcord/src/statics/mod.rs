@@ -66,7 +66,7 @@ pub(crate) mod trace;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// Solves one case of one robot from cold. To solve many cases of a robot, build the model once
 /// ([`Model::prepare`](crate::Model::prepare)).

@@ -6,7 +6,7 @@ use super::command::Command;
 use crate::error::SolveError;
 use crate::length_miss::LengthMiss;
 use crate::section::{Fault, SectionFault};
-use crate::shape::Diagnostics;
+use crate::solution::Diagnostics;
 
 /// How an answer was found.
 #[derive(Clone, Copy, Debug, Default)]

@@ -12,7 +12,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// Derivatives of a step, the plastic curvature that it leaves, and how this changes with each parameter.
 pub(crate) type Differentiated<D> = (D, PlasticCurvature, Vec<PlasticCurvature>);

@@ -9,7 +9,8 @@ use crate::cable_overlap::CableOverlap;
 use crate::case::Case;
 use crate::motor_state::MotorState;
 use crate::robot::{Motor, Robot};
-use crate::shape::{Diagnostics, Shape, Solution};
+use crate::shape::Shape;
+use crate::solution::{Diagnostics, Solution};
 use whipcord_numerics::{Pose, Twist, Vec3};
 
 /// Warnings about an answer of this robot to this case.

@@ -5,7 +5,8 @@ use core::f64::consts::PI;
 use super::kinds::{Place, Warning};
 use super::span;
 use crate::robot::Robot;
-use crate::shape::{Shape, Solution};
+use crate::shape::Shape;
+use crate::solution::Solution;
 use whipcord_numerics::{Pose, Vec3};
 
 /// Pieces of the backbone that are compared, at most; so many comparisons take a millisecond.

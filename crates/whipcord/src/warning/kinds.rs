@@ -1,7 +1,7 @@
 //! The kinds of warnings and their limits.
 
 use crate::robot::Drive;
-use crate::shape::Diagnostics;
+use crate::solution::Diagnostics;
 
 /// Shortest and longest backbone in m without a warning.
 pub const USUAL_LENGTHS: [f64; 2] = [1e-3, 10.0];

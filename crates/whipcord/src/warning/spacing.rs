@@ -6,7 +6,7 @@ use crate::case::{Case, PointMass};
 use crate::kind::ModelKind;
 use crate::model::Model;
 use crate::robot::{Cable, Disks, Robot, Routing};
-use crate::shape::Solution;
+use crate::solution::Solution;
 use crate::stations::Stations;
 
 /// Robots with more disks are not looked at: a solve would take long, and the spacing is fine.

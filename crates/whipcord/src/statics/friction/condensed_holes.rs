@@ -13,7 +13,7 @@ use super::newton::FrictionScratch;
 use super::response::{Passages, Response};
 use super::trail::Standing;
 use super::way::SLIDES;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 
 /// What the holes leave counts so many times as much as what contacts do: tensions are to be known more nearly.

@@ -12,7 +12,7 @@ use super::linear_problem::LinearProblem;
 use super::response::Response;
 use super::trail::Trigger;
 use crate::budget::Meter;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 
 /// How often all holes that must change their modes at one event at once, and then one after the other, this often for each hole.

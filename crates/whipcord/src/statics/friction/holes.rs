@@ -2,7 +2,7 @@
 
 use super::trail::Trail;
 use crate::robot::Robot;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 
 /// Drives whose motion is computed elsewhere, beside the holes.

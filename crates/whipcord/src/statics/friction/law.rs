@@ -19,7 +19,7 @@
 //! the one at the base.
 
 use super::holes::Holes;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 
 /// The equations of the holes in one substep.

@@ -7,7 +7,7 @@ use super::holes::Holes;
 use super::law::Row;
 use super::response::{Passages, Response};
 use crate::robot::Robot;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 
 /// The cables of a robot in its holes: the tensions of all passages, each the piece of a cable from one hole to the next, for a motion in time steps.

@@ -10,7 +10,7 @@ use super::events::{Events, Station};
 use super::law::{Iterate, Law, Mode};
 use super::linear_problem::LinearProblem;
 use super::response::{PassageResponse, Passages, Response};
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Open;
 

@@ -4,7 +4,7 @@ use super::holes::{History, Holes};
 use super::law::Mode;
 use super::newton::FrictionScratch;
 use super::trail::{Standing, SubstepEnd};
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 
 /// A cable that is so near to sliding, of its grip, or has slid by so little, as a part of what its tension would shorten it by,

@@ -12,7 +12,7 @@ use super::newton::FrictionScratch;
 use super::response::PassageResponse;
 use super::way::{Way, between};
 use crate::budget::Meter;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::{Failure, Found, Open};

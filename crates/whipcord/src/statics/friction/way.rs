@@ -6,7 +6,7 @@ use super::law::{Law, Mode};
 use super::newton::FrictionScratch;
 use super::response::PassageResponse;
 use crate::section::Fault;
-use crate::shape::SlipState;
+use crate::solution::SlipState;
 use crate::statics::command::Command;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::{Failure, Open};

@@ -7,7 +7,7 @@ use super::state::{Part, State};
 use super::switch::{BranchStart, other_branch};
 use super::{DirectionOf, EquilibriumPath, StateOf};
 use crate::error::SolveError;
-use crate::shape::Solution;
+use crate::solution::Solution;
 
 /// How far [`Prepared::branches`](crate::Prepared::branches) goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
