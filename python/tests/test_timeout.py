@@ -124,7 +124,7 @@ def test_enough_time_changes_nothing() -> None:
 def test_ctrl_c_leaves_no_thread_at_work(function: str) -> None:
     case = whipcord.load("examples/table1/case-3.toml").replace(loads=whipcord.Loads(tip_force=[0, 0.05, 0]))
     # A solve of seconds.
-    rod = whipcord.models.Cosserat(steps=300_000)
+    rod = whipcord.models.Cosserat(steps=100_000)
     photo = np.full((480, 640), 180, dtype=np.uint8)
     camera = whipcord.Camera.orthographic(scale=200, centre=(320, 100), size=(640, 480))
     # The limits are long enough to fail here if the signal does not end it.
