@@ -57,7 +57,7 @@ impl Cosserat {
             found.diagnostics(grid.len(), discretization_error).with_stability(verdict);
     }
 
-    /// Writes the answer that the workspace holds, but not how it was found.
+    /// Writes the answer or iterate that the workspace holds, but not how it was found.
     pub(super) fn write_shape(
         &self,
         grid: &Grid,
@@ -105,8 +105,8 @@ impl Cosserat {
         solution: &mut Solution,
     ) -> Result<bool, SolveError> {
         let Workspace { scratch, commands, coarse, from_coarser, progress, .. } = workspace;
-        let (stations, disks) = (self.layout.stations(), &self.robot.disks().arc_lengths);
         let (found, steps) = if let Some(found) = progress.coarser {
+            let (stations, disks) = (self.layout.stations(), &self.robot.disks().arc_lengths);
             let poses = coarse.poses();
             let (at_disks, at_stations) = poses.split_at(disks.len());
             solution.shape.set(stations, at_stations.iter().copied(), case.base);
@@ -116,11 +116,7 @@ impl Cosserat {
             (found, self.grid(progress.level.saturating_sub(1))?.len())
         } else if let Some(effort) = scratch.open {
             let grid = self.grid(progress.level)?;
-            let at = |k: &usize| scratch.poses[*k];
-            solution.shape.set(stations, grid.stations.iter().map(at), case.base);
-            solution.disks.set(disks, grid.disks.iter().map(at), case.base);
-            self.write_cables(commands, &scratch.tensions, &scratch.lengths, solution);
-            solution.base_wrench = Some(scratch.base_wrench);
+            self.write_shape(&grid, case, workspace, solution);
             (Found::with(effort), grid.len())
         } else {
             return Ok(false);

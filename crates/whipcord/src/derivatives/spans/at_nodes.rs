@@ -1,10 +1,11 @@
 //! Changes at the nodes of the grid that are kept, from those at the disks, and back.
 
+use whipcord_numerics::Vec3;
+
 use super::super::effect::Effect;
 use super::super::forward::StepMap;
 use super::super::node_change::NodeChange;
 use super::{Span, Spans};
-use whipcord_numerics::Vec3;
 
 impl Spans {
     /// The effects of an input at the kept nodes of each span.
