@@ -67,25 +67,26 @@ fn differences(
     })
 }
 
-/// The largest difference, relative to the largest motion.
+/// The largest difference, relative to the largest motion by any cable: the differences of an answer that changes much with one cable are as
+/// uncertain by the others.
 fn error(exact: &Derivatives, by: usize, found: &Differences) -> f64 {
     let mut worst = [0.0_f64; 3];
-    let mut size = [0.0_f64; 3];
-    let mut count = |kind: usize, difference: f64, value: f64| {
-        worst[kind] = worst[kind].max(difference);
-        size[kind] = size[kind].max(value);
-    };
+    // What a slack cable moves: nothing.
+    let mut size = [1.0, 10.0, 1.0_f64];
     for (k, [linear, angular]) in found.motions.iter().enumerate() {
         let twist = exact.station(k)[by];
-        count(0, (twist.linear - *linear).norm(), linear.norm());
-        count(1, (twist.angular - *angular).norm(), angular.norm());
+        worst[0] = worst[0].max((twist.linear - *linear).norm());
+        worst[1] = worst[1].max((twist.angular - *angular).norm());
+        for twist in exact.station(k) {
+            size[0] = size[0].max(twist.linear.norm());
+            size[1] = size[1].max(twist.angular.norm());
+        }
     }
     for (i, &length) in found.lengths.iter().enumerate() {
-        count(2, (exact.length(i)[by] - length).abs(), 1.0);
+        worst[2] = worst[2].max((exact.length(i)[by] - length).abs());
+        size[2] = exact.length(i).iter().fold(size[2], |size, of| size.max(of.abs()));
     }
-    // What a cable that pulls moves: a slack one moves nothing.
-    let least = [1.0, 10.0, 1.0];
-    (0..3).map(|kind| worst[kind] / size[kind].max(least[kind])).fold(0.0, f64::max)
+    (0..3).map(|kind| worst[kind] / size[kind]).fold(0.0, f64::max)
 }
 
 fn options(rule: u8, strain: bool, arc: bool) -> Options {
