@@ -13,8 +13,9 @@
 //! a row writes half a kilobyte. The three sections do not wait for one another, so that it is the
 //! throughput of the arithmetic that should count, divisions and square roots first, and neither memory nor
 //! a chain of dependencies. With AVX2 callgrind counts 1640 instructions for a step of four rows. With
-//! several cables Newton's method takes two or three 6×6 systems to a section, each about 170 operations
-//! and 60 more for every cable; what does not fit the registers goes to the first-level cache and back.
+//! several cables Newton's method takes one 6×6 system to a section and one more step by its factors; a quarter
+//! of the time goes by in divisions and square roots, and what does not fit the registers goes to the first-level
+//! cache and back.
 //! A loaded row is one solve of `benches/cosserat.rs`.
 //!
 //! Processor time for a row in µs, on two cores of a Zen server that a dozen other programs ran on at the

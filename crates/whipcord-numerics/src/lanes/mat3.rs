@@ -93,6 +93,8 @@ impl<S: Simd> LaneSym3<S> {
     #[must_use]
     pub fn least_relative(&self, metric: &Self, simd: S) -> Lanes<S> {
         const STEPS: usize = 5;
+        // After a step of this part of the root its error is the third power of that.
+        const LAST: f64 = 1e-6;
         let (zero, three) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 3.0));
         let (own, of_metric) = (self.adjugate(), metric.adjugate());
         // p(μ) = c₀ − c₁ μ + c₂ μ² − c₃ μ³; tr(a adj a) = 3 det a.
@@ -102,6 +104,7 @@ impl<S: Simd> LaneSym3<S> {
         let c2 = self.trace_with(&of_metric);
         let c3 = metric.trace_with(&of_metric) * third;
         let mut root = zero;
+        let mut running = zero.at_most(three);
         for _ in 0..STEPS {
             let value = c0 - root * (c1 - root * (c2 - root * c3));
             let fall = c1 - root * (c2 * 2.0 - root * c3 * three);
@@ -109,7 +112,12 @@ impl<S: Simd> LaneSym3<S> {
             let under_root = (fall * fall * 2.0 - value * bend * three) * 2.0;
             let step = value * three / (fall + under_root.at_least(0.0).sqrt());
             // At the root rounding alone decides the sign; 0/0 is no step either.
-            root = root + zero.below(value).and(zero.below(step)).select(step, zero);
+            running = running.and(zero.below(value)).and(zero.below(step));
+            root = root + running.select(step, zero);
+            running = running.and((root * LAST).below(step));
+            if !running.any() {
+                break;
+            }
         }
         root
     }

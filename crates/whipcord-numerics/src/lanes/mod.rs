@@ -149,6 +149,14 @@ impl<S: Simd> LaneMask<S> {
         Self { simd: self.simd, value: self.simd.or_m64s(self.value, b.value) }
     }
 
+    /// The lanes of this choice that are not of the other.
+    #[inline(always)]
+    #[must_use]
+    pub fn without(self, b: Self) -> Self {
+        let either = self.simd.xor_m64s(self.value, b.value);
+        Self { simd: self.simd, value: self.simd.and_m64s(self.value, either) }
+    }
+
     /// `then` in the lanes of the choice, `otherwise` in the others.
     #[inline(always)]
     #[must_use]

@@ -27,6 +27,8 @@ pub(crate) struct Unloaded {
     pulls: Vec<BodyWrench>,
     /// `‖pᵢ′‖` at each node of a run of sections, by nodes, then cables.
     stretches: Vec<f64>,
+    /// Of the sections of runs from their responses to the tensions.
+    departures: Vec<Strain>,
 }
 
 /// [`Unloaded::sweep`] with the instructions that the processor has, to the same bits.
@@ -127,9 +129,10 @@ impl Unloaded {
         self.length_by_tension.resize(cables * cables, 0.0);
         self.pulls.resize(cables, BodyWrench::default());
         self.stretches.resize(nodes * cables, 0.0);
+        self.departures.resize(nodes, Strain::default());
         for run in grid.gauss.runs.iter() {
-            let (strains, stretches) = (&mut self.strains, &mut self.stretches);
-            let mut known = Known { strains, stretches, cables };
+            let Self { strains, departures, stretches, .. } = self;
+            let mut known = Known { strains, departures, stretches, cables };
             solve_run(simd, run, &grid.gauss, &tensions[..run.sections.cables], warm, &mut known)
                 .map_err(|(node, kind)| {
                 let step = &grid.steps[node / 3];

@@ -59,8 +59,9 @@ impl CableGroup {
         })
     }
 
+    /// The unit vector along each cable, and `1/‖p′‖`.
     #[inline(always)]
-    fn sums(&self, tension: Lane, strain: &Strain) -> LaneSums {
+    fn directions(&self, tension: Lane, strain: &Strain) -> (LaneVec, Lane) {
         let Self { offset: [x, y], slope } = *self;
         let (v, u) = (strain.linear, strain.angular);
         let tangent = LaneVec {
@@ -74,7 +75,33 @@ impl CableGroup {
             true => 0.0,
             false => 1.0 / of,
         });
-        let t = tangent.scaled(per_stretch);
+        (tangent.scaled(per_stretch), per_stretch)
+    }
+
+    /// What a force along each cable exerts.
+    #[inline(always)]
+    fn wrenches(&self, pull: LaneVec) -> [LaneVec; 2] {
+        let [x, y] = self.offset;
+        [pull, LaneVec { x: y * pull.z, y: -(x * pull.z), z: x * pull.y - y * pull.x }]
+    }
+
+    /// What all cables exert.
+    #[inline(always)]
+    pub fn wrench(groups: &[Self], tensions: &[f64], strain: &Strain) -> BodyWrench {
+        let [mut linear, mut angular] = [LaneVec::default(); 2];
+        for (group, tensions) in groups.iter().zip(tensions.chunks(LANES)) {
+            let tension = in_lanes(tensions);
+            let [f, m] = group.wrenches(group.directions(tension, strain).0.scaled(tension));
+            linear += f;
+            angular += m;
+        }
+        BodyWrench { linear: linear.sum(), angular: angular.sum() }
+    }
+
+    #[inline(always)]
+    fn sums(&self, tension: Lane, strain: &Strain) -> LaneSums {
+        let (t, per_stretch) = self.directions(tension, strain);
+        let [x, y] = self.offset;
         let k = tension * per_stretch;
         let kt = t.scaled(k);
         let (xx, xy, xz) = (k - kt.x * t.x, -(kt.x * t.y), -(kt.x * t.z));
@@ -82,10 +109,8 @@ impl CableGroup {
         let last = LaneVec { x: xz, y: yz, z: zz };
         let turned = LaneVec { x: x * xy - y * xx, y: x * yy - y * xy, z: x * yz - y * xz };
         let yzz = y * zz;
-        let pull = t.scaled(tension);
-        let moment = LaneVec { x: y * pull.z, y: -(x * pull.z), z: x * pull.y - y * pull.x };
         LaneSums {
-            wrench: [pull, moment],
+            wrench: self.wrenches(t.scaled(tension)),
             force: [xx, xy, xz, yy, yz, zz],
             mixed: [last.scaled(y), last.scaled(-x), turned],
             moment: [
@@ -97,6 +122,17 @@ impl CableGroup {
                 x * turned.y - y * turned.x,
             ],
         }
+    }
+}
+
+/// The tensions of a group's cables.
+#[inline(always)]
+fn in_lanes(tensions: &[f64]) -> Lane {
+    match *tensions {
+        [a, b, c, d] => Lane([a, b, c, d]),
+        [a, b, c] => Lane([a, b, c, 0.0]),
+        [a, b] => Lane([a, b, 0.0, 0.0]),
+        _ => Lane([tensions.first().copied().unwrap_or(0.0), 0.0, 0.0, 0.0]),
     }
 }
 
@@ -116,13 +152,7 @@ impl CableSums {
     pub fn at(groups: &[CableGroup], tensions: &[f64], strain: &Strain) -> Self {
         let mut sums = LaneSums::default();
         for (group, tensions) in groups.iter().zip(tensions.chunks(LANES)) {
-            let tension = match *tensions {
-                [a, b, c, d] => Lane([a, b, c, d]),
-                [a, b, c] => Lane([a, b, c, 0.0]),
-                [a, b] => Lane([a, b, 0.0, 0.0]),
-                _ => Lane([tensions.first().copied().unwrap_or(0.0), 0.0, 0.0, 0.0]),
-            };
-            sums.add(&group.sums(tension, strain));
+            sums.add(&group.sums(in_lanes(tensions), strain));
         }
         let LaneSums { wrench: [linear, angular], force, mixed, moment } = sums;
         let rows = |[xx, xy, xz, yy, yz, zz]: [Lane; 6]| {
@@ -175,6 +205,7 @@ mod tests {
                 let sums = CableSums::at(&groups, &tensions, &strain).wrench;
                 assert!((sums.linear - wrench.linear).norm() <= 1e-13);
                 assert!((sums.angular - wrench.angular).norm() <= 1e-15);
+                assert_eq!(CableGroup::wrench(&groups, &tensions, &strain), sums);
             }
             let one = Tangent::at(&section, &crossings, &tensions, &strain).unwrap();
             let tangent = Tangent::by_groups(&section, (&crossings, &groups), &tensions, &strain);

@@ -41,14 +41,27 @@ impl Crossing {
         Vec3::new(v.x - u.z * r.y, v.y + u.z * r.x, v.z + (u.x * r.y - u.y * r.x)) + self.slope
     }
 
+    /// Unit tangent `t`, and `1/‖p′‖`.
+    #[inline]
+    pub fn direction(&self, strain: &Strain) -> (Vec3, f64) {
+        let tangent = self.tangent(strain);
+        let per_stretch = 1.0 / tangent.norm();
+        (tangent * per_stretch, per_stretch)
+    }
+
+    /// What a force along the cable exerts on the section: itself, and its moment.
+    #[inline]
+    pub fn wrench(&self, force: Vec3) -> BodyWrench {
+        let (f, r) = (force, self.offset);
+        let angular = Vec3::new(r.y * f.z, -(r.x * f.z), r.x * f.y - r.y * f.x);
+        BodyWrench { linear: force, angular }
+    }
+
     /// Unit tangent `t`, moment `r × t` and stretch `‖p′‖`: what a unit tension exerts.
     #[inline]
     pub fn pull(&self, strain: &Strain) -> (BodyWrench, f64) {
         let tangent = self.tangent(strain);
         let stretch = tangent.norm();
-        let unit = tangent * (1.0 / stretch);
-        let (t, r) = (unit, self.offset);
-        let angular = Vec3::new(r.y * t.z, -(r.x * t.z), r.x * t.y - r.y * t.x);
-        (BodyWrench { linear: unit, angular }, stretch)
+        (self.wrench(tangent * (1.0 / stretch)), stretch)
     }
 }

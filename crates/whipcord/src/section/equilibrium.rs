@@ -7,7 +7,7 @@ use super::crossing::{BodyWrench, Crossing, Strain};
 use super::fault::{FOLDED, SectionFault};
 use super::one_cable;
 use super::properties::Section;
-use super::tangent::Hessian;
+use super::tangent::{Hessian, Tangent};
 
 /// A Newton step this small, as a strain, leaves an error of its square.
 pub(crate) const STEP_TOLERANCE: f64 = 2e-7;
@@ -16,8 +16,12 @@ const PART_OF_RESIDUAL: f64 = 2e-3;
 const MAX_ITERATIONS: usize = 200;
 /// Halvings of a step.
 const BACKTRACKS: usize = 40;
-/// Undamped steps that are tried before the potential is watched.
-pub(crate) const UNDAMPED: usize = 5;
+/// Tangents of undamped steps before the potential is watched.
+pub(crate) const UNDAMPED: usize = 4;
+/// What a step by an older tangent may leave, of the square of the tolerance: it meets its bound, where Newton's mostly leaves far less.
+pub(crate) const PART_OF_SQUARE: f64 = 0.05;
+/// Steps by a tangent after the first.
+pub(crate) const MORE_STEPS: usize = 4;
 
 /// Finds the strain of a section, starting from `strain`; `tensions` and `crossings` belong to the
 /// same cables.
@@ -77,6 +81,7 @@ pub(crate) fn newton_equilibrium(
     newton_within(STEP_TOLERANCE, section, (crossings, &[]), tensions, wrench, strain)
 }
 
+/// Each tangent serves Newton's step and then others with the same factors, which cost no Hessian, as long as they promise to lead there.
 #[inline(always)]
 fn newton_within(
     tolerance: f64,
@@ -87,21 +92,52 @@ fn newton_within(
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
     let reach = reach(crossings);
+    let cables = (crossings, groups);
     for _ in 0..UNDAMPED {
-        let Some(step) = newton_step(section, (crossings, groups), tensions, wrench, strain) else {
+        let Some((tangent, out)) = linearized(section, cables, tensions, wrench, strain) else {
             break;
         };
+        let step = tangent.solve(out);
         *strain = *strain + step;
-        let size = step.linear.max_abs().max(reach * step.angular.max_abs());
-        if size <= tolerance {
+        let first = step_size(&step, reach);
+        if first <= tolerance {
             return Ok(());
         }
-        if size.is_nan() || size > 1.0 {
+        if first.is_nan() || first > 1.0 {
             break;
+        }
+        let mut last = first;
+        for _ in 0..MORE_STEPS {
+            let out = imbalance(section, cables, tensions, wrench, strain);
+            let step = tangent.solve(out);
+            *strain = *strain + step;
+            let size = step_size(&step, reach);
+            let square = PART_OF_SQUARE * (tolerance * tolerance);
+            if has_met(square, first, last, size) {
+                return Ok(());
+            }
+            if size.is_nan() || size > first || !promises(square, last, size) {
+                break;
+            }
+            last = size;
         }
     }
     *strain = damped_equilibrium(section, crossings, tensions, wrench, reach)?;
     Ok(())
+}
+
+/// Whether what is left behind a step by an older tangent is below this square: of the third order in the first step by this tangent, and
+/// less than this step by the rate at which they get smaller.
+#[inline(always)]
+fn has_met(square: f64, first: f64, last: f64, size: f64) -> bool {
+    first * size <= square && size * size <= square * last
+}
+
+/// Whether two more steps that get smaller at the rate of the last two meet it.
+#[inline(always)]
+fn promises(square: f64, last: f64, size: f64) -> bool {
+    let (again, before) = (size * size, last * last);
+    again * again <= square * (before * last)
 }
 
 /// Distance at which a curvature counts as a strain.
@@ -111,36 +147,58 @@ pub(crate) fn reach(crossings: &[Crossing]) -> f64 {
     crossings.iter().fold(1e-8, widest).sqrt()
 }
 
-/// The Newton step; `None` where the potential is not smooth.
+/// The size of a step as a strain.
 #[inline(always)]
-fn newton_step(
+fn step_size(step: &Strain, reach: f64) -> f64 {
+    step.linear.max_abs().max(reach * step.angular.max_abs())
+}
+
+/// The tangent, and the wrench that is not borne; `None` where the potential is not smooth.
+#[inline(always)]
+fn linearized(
     section: &Section,
     (crossings, groups): (&[Crossing], &[CableGroup]),
     tensions: &[f64],
     wrench: BodyWrench,
     strain: &Strain,
-) -> Option<Strain> {
-    let borne = section.wrench(strain);
-    let mut force = wrench.linear - borne.linear;
-    let mut moment = wrench.angular - borne.angular;
+) -> Option<(Tangent, BodyWrench)> {
+    let mut out = wrench - section.wrench(strain);
     let mut hessian = Hessian::at(section, strain);
     if !groups.is_empty() {
         let pulls = CableSums::at(groups, tensions, strain);
-        force -= pulls.wrench.linear;
-        moment -= pulls.wrench.angular;
         hessian.add_all(&pulls);
-        return Some(hessian.factor()?.solve(BodyWrench { linear: force, angular: moment }));
+        return Some((hessian.factor()?, out - pulls.wrench));
     }
     for (crossing, &tension) in crossings.iter().zip(tensions) {
         if tension == 0.0 {
             continue;
         }
-        let (pull, stretch) = crossing.pull(strain);
-        force -= tension * pull.linear;
-        moment -= tension * pull.angular;
-        hessian.add(crossing.offset, &pull, tension / stretch);
+        let (unit, per_stretch) = crossing.direction(strain);
+        out = out - crossing.wrench(unit * tension);
+        hessian.add(crossing.offset, unit, tension * per_stretch);
     }
-    Some(hessian.factor()?.solve(BodyWrench { linear: force, angular: moment }))
+    Some((hessian.factor()?, out))
+}
+
+/// The wrench that neither the section nor its cables bear.
+#[inline(always)]
+fn imbalance(
+    section: &Section,
+    (crossings, groups): (&[Crossing], &[CableGroup]),
+    tensions: &[f64],
+    wrench: BodyWrench,
+    strain: &Strain,
+) -> BodyWrench {
+    let mut out = wrench - section.wrench(strain);
+    if !groups.is_empty() {
+        return out - CableGroup::wrench(groups, tensions, strain);
+    }
+    for (crossing, &tension) in crossings.iter().zip(tensions) {
+        if tension != 0.0 {
+            out = out - crossing.wrench(crossing.direction(strain).0 * tension);
+        }
+    }
+    out
 }
 
 /// Newton's method with backtracking on the potential, from the section at rest: it converges
@@ -174,8 +232,11 @@ pub(crate) fn damped_equilibrium(
     if !value.is_finite() {
         return Err(SectionFault::Diverged);
     }
-    let newton = |x: &Strain| newton_step(section, (crossings, &[]), tensions, wrench, x);
-    let size = |step: &Strain| step.linear.max_abs().max(reach * step.angular.max_abs());
+    let newton = |x: &Strain| {
+        let (tangent, out) = linearized(section, (crossings, &[]), tensions, wrench, x)?;
+        Some(tangent.solve(out))
+    };
+    let size = |step: &Strain| step_size(step, reach);
     let mut next = newton(&x);
     for _ in 0..MAX_ITERATIONS {
         let Some(step) = next else { break };

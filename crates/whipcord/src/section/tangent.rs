@@ -34,8 +34,8 @@ impl Tangent {
         let mut hessian = Hessian::at(section, strain);
         for (crossing, &tension) in crossings.iter().zip(tensions) {
             if tension != 0.0 {
-                let (pull, stretch) = crossing.pull(strain);
-                hessian.add(crossing.offset, &pull, tension / stretch);
+                let (unit, per_stretch) = crossing.direction(strain);
+                hessian.add(crossing.offset, unit, tension * per_stretch);
             }
         }
         hessian.factor().ok_or(SectionFault::Diverged)
@@ -145,37 +145,39 @@ impl Hessian {
         hessian
     }
 
-    /// Adds a cable with `k = τ/‖p′‖`: `k (I − ttᵀ)`, `−k (r̂ + t mᵀ)` and
-    /// `k (|r|² I − rrᵀ − mmᵀ)`, where `m = r × t`.
+    /// Adds a cable along the unit vector `t` with `k = τ/‖p′‖`: `W = k (I − ttᵀ)`, `−W r̂` and `r̂ᵀ W r̂`. The offset `r` has no z component.
     #[inline(always)]
-    pub fn add(&mut self, r: Vec3, pull: &BodyWrench, k: f64) {
-        let (t, m) = (pull.linear, pull.angular);
-        let (kt, km, kr) = (k * t, k * m, k * r);
+    pub fn add(&mut self, r: Vec3, t: Vec3, k: f64) {
+        let kt = k * t;
+        let (xx, yx, yy) = (k - kt.x * t.x, kt.y * t.x, k - kt.y * t.y);
+        let (zx, zy, zz) = (kt.z * t.x, kt.z * t.y, k - kt.z * t.z);
         let [a0, a1, a2] = &mut self.a.rows;
-        a0.x += k - kt.x * t.x;
-        a1.x -= kt.y * t.x;
-        a1.y += k - kt.y * t.y;
-        a2.x -= kt.z * t.x;
-        a2.y -= kt.z * t.y;
-        a2.z += k - kt.z * t.z;
+        a0.x += xx;
+        a1.x -= yx;
+        a1.y += yy;
+        a2.x -= zx;
+        a2.y -= zy;
+        a2.z += zz;
+        // The last column of `−W r̂`, its first entry negated.
+        let turned = Vec3::new(r.x * yx + r.y * xx, r.x * yy + r.y * yx, r.y * zx - r.x * zy);
         let [b0, b1, b2] = &mut self.b.rows;
-        b0.x -= kt.x * m.x;
-        b0.y -= kt.x * m.y;
-        b0.z -= kr.y + kt.x * m.z;
-        b1.x -= kt.y * m.x;
-        b1.y -= kt.y * m.y;
-        b1.z += kr.x - kt.y * m.z;
-        b2.x += kr.y - kt.z * m.x;
-        b2.y -= kr.x + kt.z * m.y;
-        b2.z -= kt.z * m.z;
-        let rr = kr.x * r.x + kr.y * r.y;
+        let (xzz, yzz) = (r.x * zz, r.y * zz);
+        b0.x -= r.y * zx;
+        b0.y += r.x * zx;
+        b0.z -= turned.x;
+        b1.x -= r.y * zy;
+        b1.y += r.x * zy;
+        b1.z += turned.y;
+        b2.x += yzz;
+        b2.y -= xzz;
+        b2.z += turned.z;
         let [c0, c1, c2] = &mut self.c.rows;
-        c0.x += rr - kr.x * r.x - km.x * m.x;
-        c1.x -= kr.y * r.x + km.y * m.x;
-        c1.y += rr - kr.y * r.y - km.y * m.y;
-        c2.x -= km.z * m.x;
-        c2.y -= km.z * m.y;
-        c2.z += rr - km.z * m.z;
+        c0.x += r.y * yzz;
+        c1.x -= r.x * yzz;
+        c1.y += r.x * xzz;
+        c2.x += r.y * turned.z;
+        c2.y -= r.x * turned.z;
+        c2.z += r.x * turned.y + r.y * turned.x;
     }
 
     /// Adds all cables of a section.

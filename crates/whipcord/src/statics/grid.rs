@@ -132,12 +132,6 @@ impl Nodes {
         &self.groups[first..first + CableGroup::count(active)]
     }
 
-    /// A node by its number.
-    #[inline]
-    pub fn node(&self, node: usize) -> &Node {
-        &self.nodes[node]
-    }
-
     /// The section of a node by its number, and how the first `active` cables cross it.
     #[inline]
     pub fn crossed(&self, node: usize, active: usize) -> (&Section, &[Crossing]) {

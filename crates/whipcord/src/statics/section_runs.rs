@@ -1,10 +1,13 @@
 //! Sections that follow one another and all differ: each is solved by itself, so that several are solved at once.
 //!
-//! First those of a few nodes that are spread over the run, from the section at rest; then those in the middle between two that are known, from
-//! the cubic through the four nearest of these; and last all that are left. The same order, and the same start of each section, hold for a
-//! single robot, whose sections are side by side in the lanes of the processor, and for a batch, whose robots are.
+//! Each starts from its response at rest to the tensions, to the second order. First those of a few nodes that are spread over the run; then those
+//! in the middle between two that are known, with what these depart from their responses: on the cubic through the four nearest; and last all that
+//! are left. The same order, and the same start of each section, hold for a single robot, whose sections are side by side in the lanes of the
+//! processor, and for a batch, whose robots are.
 
 use core::ops::Range;
+
+use whipcord_numerics::Vec3;
 
 use crate::section::{Crossing, Section, reach};
 
@@ -43,9 +46,9 @@ pub(crate) type Row = [f64; WIDTH];
 /// Rows of [`WIDTH`] neighbouring slots.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rows<'a> {
-    /// Shear x, y, z, bending x, y, z, pivots x, y, z, rest curvature x, y, z, reach.
+    /// Shear x, y, z, bending x, y, z, pivots x, y, z, rest curvature x, y, z, the compliances of shear and bending likewise, reach.
     pub section: &'a [Row; OF_SECTION],
-    /// Of each cable offset x, y, slope x, y, z.
+    /// Of each cable offset x, y, slope x, y, z, and at rest the unit tangent x, y, z and `1/‖p′‖`.
     pub cables: &'a [[Row; OF_CABLE]],
 }
 
@@ -56,16 +59,16 @@ pub(crate) struct Wave {
     pub slots: Range<usize>,
     /// The node of the grid in each slot.
     pub nodes: Vec<usize>,
-    /// From which strains each starts.
+    /// From which departures from its response each starts.
     pub starts: Vec<WaveStart>,
 }
 
-/// Where Newton's method starts.
+/// Where Newton's method starts, beside the response of the section at rest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum WaveStart {
-    /// At rest.
-    Rest,
-    /// On the cubic through the strains at four nodes of the grid, of which the last three have these weights, less what the first has.
+    /// There.
+    Response,
+    /// On the cubic through the departures at four nodes of the grid, of which the last three have these weights, less what the first has.
     Between { nodes: [usize; 4], weights: [f64; 3] },
 }
 
@@ -76,8 +79,8 @@ const FIRST: usize = 8;
 /// The last wave begins where no more than so many neighbours are left together.
 const LEFT: usize = 3;
 /// Rows of a section, and of each cable beside these.
-const OF_SECTION: usize = 13;
-const OF_CABLE: usize = 5;
+const OF_SECTION: usize = 19;
+const OF_CABLE: usize = 9;
 
 impl SectionRun {
     /// The runs of a grid, from its nodes in order: the place of each, or `None` where it is solved otherwise.
@@ -109,7 +112,7 @@ impl SectionRun {
         }
         let mut known: Vec<usize> = (0..FIRST).map(|i| i * (count - 1) / (FIRST - 1)).collect();
         known.dedup();
-        let mut waves = vec![(known.clone(), vec![WaveStart::Rest; known.len()])];
+        let mut waves = vec![(known.clone(), vec![WaveStart::Response; known.len()])];
         while known.len() < count {
             let gaps = || known.windows(2).map(|pair| pair[0] + 1..pair[1]);
             let is_last = gaps().all(|gap| gap.len() <= LEFT);
@@ -185,13 +188,16 @@ fn numbers_of<'a>(Place { section, crossings, .. }: &Place<'a>) -> impl Iterator
         section.stiffness.bending,
         section.pivots(),
         section.rest_curvature,
+        section.compliance.shear,
+        section.compliance.bending,
     ];
     let numbers = vectors.into_iter().flat_map(|of| of.to_array()).chain([reach(crossings)]);
-    numbers.chain(
-        crossings.iter().flat_map(|Crossing { offset, slope, .. }| {
-            [offset.x, offset.y, slope.x, slope.y, slope.z]
-        }),
-    )
+    let rest = section.rest_strain();
+    numbers.chain(crossings.iter().flat_map(move |crossing| {
+        let (Vec3 { x, y, .. }, [p, q, r]) = (crossing.offset, crossing.slope.to_array());
+        let (unit, per_stretch) = crossing.direction(&rest);
+        [x, y, p, q, r, unit.x, unit.y, unit.z, per_stretch]
+    }))
 }
 
 /// The start of a place between known ones, all of them counted from the first node of the run.

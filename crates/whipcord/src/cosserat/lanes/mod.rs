@@ -288,6 +288,8 @@ struct Sweep<S: Simd> {
     stretches: Vec<Lanes<S>>,
     /// Three to each step.
     strains: Vec<LaneTwist<S>>,
+    /// From their responses to the tensions, of the sections in runs.
+    departures: Vec<LaneTwist<S>>,
     /// Not positive where the lane's answer is one.
     bad: Lanes<S>,
 }
@@ -301,6 +303,7 @@ impl<S: Simd> Sweep<S> {
             lengths: Vec::new(),
             stretches: Vec::new(),
             strains: Vec::new(),
+            departures: Vec::new(),
             bad: Lanes::splat(simd, 0.0),
         }
     }
@@ -308,7 +311,7 @@ impl<S: Simd> Sweep<S> {
     /// Sections and frames; the frames at the kept places are left as numbers × lanes for each place.
     #[inline(always)]
     fn run(&mut self, grid: &LaneGrid, frames: &mut [f64]) {
-        let Self { simd, tensions, lengths, stretches, strains, .. } = self;
+        let Self { simd, tensions, lengths, stretches, strains, departures, .. } = self;
         let simd = *simd;
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         lengths.clear();
@@ -317,13 +320,14 @@ impl<S: Simd> Sweep<S> {
         let null = LaneVec3::new(zero, zero, zero);
         let mut before = [LaneTwist { linear: null, angular: null }; 3];
         let mut last = before[0];
-        strains.clear();
+        // Each is set before it is looked at.
         strains.resize(grid.nodes.len(), last);
+        departures.resize(if grid.first.is_empty() { 0 } else { grid.nodes.len() }, last);
         for &at in &grid.first {
             if let LaneSection::Several(section) = &grid.nodes[at].section {
-                let (strain, solved) = section.solve(simd, &before, strains, tensions);
-                bad = bad.max(solved.select(zero, one));
-                strains[at] = strain;
+                let solved = section.solve(simd, &before, departures, tensions);
+                bad = bad.max(solved.is_solved.select(zero, one));
+                (strains[at], departures[at]) = (solved.strain, solved.departure);
             }
         }
         let mut pose = LanePose::identity(simd);
@@ -354,9 +358,9 @@ impl<S: Simd> Sweep<S> {
                             if node.is_first {
                                 last = strains[3 * k + j];
                             } else {
-                                let solved;
-                                (last, solved) = at.solve(simd, &before, &[], tensions);
-                                bad = bad.max(solved.select(zero, one));
+                                let solved = at.solve(simd, &before, &[], tensions);
+                                last = solved.strain;
+                                bad = bad.max(solved.is_solved.select(zero, one));
                             }
                             at.add_stretches(simd, tensions, &last, stretches);
                         }

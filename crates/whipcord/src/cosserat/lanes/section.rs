@@ -7,7 +7,9 @@ use whipcord_numerics::lanes::{LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 use crate::section::one_cable::{self, MET, Reduced};
 use crate::section::reach;
 use crate::section::{Crossing, FOLDED, Section, Stiffness};
-use crate::statics::lanes::section::{InLanes, LaneBare, LaneCrossing, equilibrium, reduced};
+use crate::statics::lanes::section::{
+    InLanes, LaneBare, LaneCrossing, equilibrium, reduced, response_at_rest,
+};
 use crate::statics::section_runs::WaveStart;
 
 /// A section of many robots that any number of cables cross: [`crate::section`] in lanes.
@@ -16,7 +18,10 @@ pub(super) struct Several {
     stiffness: Stiffness,
     pivots: Vec3,
     rest_curvature: Vec3,
+    compliance: Stiffness,
     crossings: Vec<Crossing>,
+    /// Unit tangent of each cable at rest, and `1/‖p′‖`.
+    at_rest: Vec<(Vec3, f64)>,
     reach: f64,
     guess: Guess,
 }
@@ -30,7 +35,7 @@ pub(super) enum Guess {
     Last,
     /// Beyond the three before, of which the first two have these weights, see [`super::super::strain_guess::extrapolation`].
     Beyond([f64; 2]),
-    /// Between sections of its run.
+    /// At its response to the tensions, and at what other sections of its run depart from theirs.
     InRun(WaveStart),
 }
 
@@ -71,26 +76,27 @@ impl<S: Simd> InLanes<S> for Pulled<'_, S> {
         let crossing = LaneCrossing { offset, slope: LaneVec3::splat(simd, *slope) };
         (crossing, self.tensions[cable])
     }
+
+    #[inline(always)]
+    fn compliances(&self, simd: S) -> [LaneVec3<S>; 2] {
+        let Stiffness { shear, bending } = self.section.compliance;
+        [LaneVec3::splat(simd, shear), LaneVec3::splat(simd, bending)]
+    }
+
+    #[inline(always)]
+    fn direction_at_rest(&self, simd: S, cable: usize) -> (LaneVec3<S>, Lanes<S>) {
+        let (unit, per_stretch) = self.section.at_rest[cable];
+        (LaneVec3::splat(simd, unit), Lanes::splat(simd, per_stretch))
+    }
 }
 
-/// The linear combination of strains that a section of a run starts from.
-#[inline(always)]
-fn between<S: Simd>(
-    simd: S,
-    start: &WaveStart,
-    rest_curvature: Vec3,
-    strain: impl Fn(usize) -> LaneTwist<S>,
-) -> LaneTwist<S> {
-    match *start {
-        WaveStart::Rest => LaneTwist {
-            linear: LaneVec3::splat(simd, Vec3::Z),
-            angular: LaneVec3::splat(simd, rest_curvature),
-        },
-        WaveStart::Between { nodes: [a, b, c, d], weights: [wb, wc, wd] } => {
-            let a = strain(a);
-            a + (strain(b) - a) * wb + (strain(c) - a) * wc + (strain(d) - a) * wd
-        }
-    }
+/// A section that was solved.
+pub(super) struct Solved<S: Simd> {
+    pub strain: LaneTwist<S>,
+    /// From its response to the tensions, where it started there.
+    pub departure: LaneTwist<S>,
+    /// In which lanes there is a strain.
+    pub is_solved: LaneMask<S>,
 }
 
 impl Several {
@@ -103,7 +109,9 @@ impl Several {
             stiffness: section.stiffness,
             pivots: section.pivots(),
             rest_curvature: section.rest_curvature,
+            compliance: section.compliance,
             crossings: crossings.to_vec(),
+            at_rest: crossings.iter().map(|at| at.direction(&section.rest_strain())).collect(),
             reach: reach(crossings),
             guess,
         })
@@ -119,23 +127,39 @@ impl Several {
         self.stiffness.bending
     }
 
-    /// The strain from those of the sections before, the last three and all of its run, and in which lanes there is one.
+    /// The strain from those of the last three sections before, and from the departures of those of its run.
     #[inline(always)]
     pub fn solve<S: Simd>(
         &self,
         simd: S,
         before: &[LaneTwist<S>; 3],
-        strains: &[LaneTwist<S>],
+        departures: &[LaneTwist<S>],
         tensions: &[Lanes<S>],
-    ) -> (LaneTwist<S>, LaneMask<S>) {
+    ) -> Solved<S> {
         let [a, b, c] = *before;
+        let pulled = Pulled { section: self, tensions };
+        let mut response = c;
         let start = match &self.guess {
-            Guess::Rest => between(simd, &WaveStart::Rest, self.rest_curvature, |_| c),
+            Guess::Rest => LaneTwist {
+                linear: LaneVec3::splat(simd, Vec3::Z),
+                angular: LaneVec3::splat(simd, self.rest_curvature),
+            },
             Guess::Last => c,
             Guess::Beyond([wa, wb]) => c + (a - c) * *wa + (b - c) * *wb,
-            Guess::InRun(start) => between(simd, start, self.rest_curvature, |at| strains[at]),
+            Guess::InRun(start) => {
+                response = response_at_rest(&pulled, simd);
+                match *start {
+                    WaveStart::Response => response,
+                    WaveStart::Between { nodes: [a, b, c, d], weights: [wb, wc, wd] } => {
+                        let (of, a) = (departures, departures[a]);
+                        let beside = (of[b] - a) * wb + (of[c] - a) * wc + (of[d] - a) * wd;
+                        response + (a + beside)
+                    }
+                }
+            }
         };
-        equilibrium(&Pulled { section: self, tensions }, simd, start)
+        let (strain, is_solved) = equilibrium(&pulled, simd, start);
+        Solved { strain, departure: strain - response, is_solved }
     }
 
     /// Adds the stretches of the cables at a strain.

@@ -4,7 +4,9 @@ use pulp::Simd;
 use whipcord_numerics::lanes::{LaneSym3, LaneTwist, LaneVec3, Lanes};
 use whipcord_numerics::{Mat3, Vec3};
 
-use super::section::{InLanes, LaneBare, LaneCrossing, LanePull, equilibrium, linearize, reduced};
+use super::section::{
+    InLanes, LaneBare, LaneCrossing, LanePull, equilibrium, linearize, reduced, response_at_rest,
+};
 use crate::section::{BodyWrench, SectionFault, Strain, equilibrium as of_section};
 use crate::statics::grid::Nodes;
 use crate::statics::section_runs::{Rows, SectionRun, SectionTable, WIDTH, Wave, WaveStart};
@@ -13,6 +15,8 @@ use crate::statics::section_runs::{Rows, SectionRun, SectionTable, WIDTH, Wave, 
 pub(crate) struct Known<'a> {
     /// Of each node.
     pub strains: &'a mut [Strain],
+    /// Of each node from its response to the tensions.
+    pub departures: &'a mut [Strain],
     /// `‖pᵢ′‖` at each node, of its first cables.
     pub stretches: &'a mut [f64],
     /// Cables of a row of these.
@@ -59,7 +63,7 @@ impl<S: Simd> InLanes<S> for Slots<'_> {
             bending: self.vector(simd, 3),
             pivots: self.vector(simd, 6),
             rest_curvature: self.vector(simd, 9),
-            reach: Lanes::load(simd, &self.rows.section[12], self.first),
+            reach: Lanes::load(simd, &self.rows.section[18], self.first),
         }
     }
 
@@ -70,6 +74,18 @@ impl<S: Simd> InLanes<S> for Slots<'_> {
         let slope = LaneVec3::new(load(2), load(3), load(4));
         let crossing = LaneCrossing { offset: [load(0), load(1)], slope };
         (crossing, Lanes::splat(simd, self.tensions[cable]))
+    }
+
+    #[inline(always)]
+    fn compliances(&self, simd: S) -> [LaneVec3<S>; 2] {
+        [self.vector(simd, 12), self.vector(simd, 15)]
+    }
+
+    #[inline(always)]
+    fn direction_at_rest(&self, simd: S, cable: usize) -> (LaneVec3<S>, Lanes<S>) {
+        let of = &self.rows.cables[cable];
+        let load = |row: usize| Lanes::load(simd, &of[row], self.first);
+        (LaneVec3::new(load(5), load(6), load(7)), load(8))
     }
 }
 
@@ -94,32 +110,38 @@ pub(crate) fn solve_run<S: Simd>(
         for (number, (group, starts)) in groups.enumerate() {
             let slot = slots.start + number * lanes;
             let Some(of) = Slots::from(&run.sections, slot, tensions) else { break };
+            let response = match warm {
+                true => of_columns(simd, &[[0.0; WIDTH]; 6]),
+                false => response_at_rest(&of, simd),
+            };
             let mut columns = [[0.0; WIDTH]; 6];
-            let mut strain = Strain::default();
+            let mut from = Strain::default();
             for lane in 0..lanes.min(WIDTH) {
                 // Lanes without a node repeat the last one.
                 if let (Some(&node), Some(start)) = (group.get(lane), starts.get(lane)) {
-                    strain = match (warm, start) {
+                    from = match (warm, start) {
                         (true, _) => known.strains[node],
-                        (false, WaveStart::Rest) => nodes.node(node).section.rest_strain(),
+                        (false, WaveStart::Response) => Strain::default(),
                         (false, WaveStart::Between { nodes: [a, b, c, d], weights }) => {
-                            let (of, [wb, wc, wd]) = (&*known.strains, *weights);
+                            let (of, [wb, wc, wd]) = (&*known.departures, *weights);
                             let a = of[*a];
-                            a + (of[*b] - a) * wb + (of[*c] - a) * wc + (of[*d] - a) * wd
+                            a + ((of[*b] - a) * wb + (of[*c] - a) * wc + (of[*d] - a) * wd)
                         }
                     };
                 }
-                let [x, y, z] = strain.linear.to_array();
-                let [p, q, r] = strain.angular.to_array();
+                let [x, y, z] = from.linear.to_array();
+                let [p, q, r] = from.angular.to_array();
                 for (column, number) in columns.iter_mut().zip([x, y, z, p, q, r]) {
                     column[lane] = number;
                 }
             }
-            let start = of_columns(simd, &columns);
+            let start = response + of_columns(simd, &columns);
             let (found, met) = equilibrium(&of, simd, start);
             let met = met.select(Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0));
+            let departure = found - response;
             for (lane, &node) in group.iter().enumerate() {
                 known.strains[node] = strain_of(&found, lane);
+                known.departures[node] = strain_of(&departure, lane);
             }
             for cable in 0..cables {
                 let stretch = of.crossing(simd, cable).0.stretch(&found);
@@ -148,6 +170,7 @@ pub(crate) fn solve_run<S: Simd>(
                         }
                     }
                 }
+                known.departures[node] = strain - strain_of(&response, lane);
                 known.strains[node] = strain;
             }
         }

@@ -4,7 +4,7 @@ use pulp::Simd;
 use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneLdlt3, LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
-use crate::section::equilibrium::{STEP_TOLERANCE, UNDAMPED};
+use crate::section::equilibrium::{MORE_STEPS, PART_OF_SQUARE, STEP_TOLERANCE, UNDAMPED};
 
 /// Sections in lanes, and what crosses them: one of many robots, or those of a run of one robot.
 pub(crate) trait InLanes<S: Simd> {
@@ -16,6 +16,10 @@ pub(crate) trait InLanes<S: Simd> {
     fn is_slack(&self, cable: usize) -> bool;
     /// How a cable crosses, and its tension.
     fn crossing(&self, simd: S, cable: usize) -> (LaneCrossing<S>, Lanes<S>);
+    /// Inverse of the diagonals of the stiffness, for forces and for moments.
+    fn compliances(&self, simd: S) -> [LaneVec3<S>; 2];
+    /// How a cable runs at rest: its unit tangent, and `1/‖p′‖`.
+    fn direction_at_rest(&self, simd: S, cable: usize) -> (LaneVec3<S>, Lanes<S>);
 }
 
 /// A section without cables in each lane, with a diagonal stiffness.
@@ -65,19 +69,38 @@ pub(crate) struct LanePull<S: Simd> {
 impl<S: Simd> LaneCrossing<S> {
     #[inline(always)]
     fn tangent(&self, strain: &LaneTwist<S>) -> LaneVec3<S> {
+        self.moved(strain) + self.slope
+    }
+
+    /// What a strain adds to the tangent, `v + u × r`.
+    #[inline(always)]
+    fn moved(&self, strain: &LaneTwist<S>) -> LaneVec3<S> {
         let [x, y] = self.offset;
         let (v, u) = (strain.linear, strain.angular);
-        LaneVec3::new(v.x - u.z * y, v.y + u.z * x, v.z + (u.x * y - u.y * x)) + self.slope
+        LaneVec3::new(v.x - u.z * y, v.y + u.z * x, v.z + (u.x * y - u.y * x))
+    }
+
+    /// Unit tangent, and `1/‖p′‖`.
+    #[inline(always)]
+    fn direction(&self, simd: S, strain: &LaneTwist<S>) -> (LaneVec3<S>, Lanes<S>) {
+        let tangent = self.tangent(strain);
+        let per_stretch = Lanes::splat(simd, 1.0) / tangent.norm();
+        (tangent * per_stretch, per_stretch)
+    }
+
+    /// The moment of a force along the cable.
+    #[inline(always)]
+    fn moment(&self, f: LaneVec3<S>) -> LaneVec3<S> {
+        let [x, y] = self.offset;
+        LaneVec3::new(f.z * y, -(f.z * x), f.y * x - f.x * y)
     }
 
     #[inline(always)]
     pub fn pull(&self, simd: S, strain: &LaneTwist<S>) -> LanePull<S> {
         let tangent = self.tangent(strain);
         let stretch = tangent.norm();
-        let t = tangent * (Lanes::splat(simd, 1.0) / stretch);
-        let [x, y] = self.offset;
-        let angular = LaneVec3::new(t.z * y, -(t.z * x), t.y * x - t.x * y);
-        LanePull { linear: t, angular, stretch }
+        let linear = tangent * (Lanes::splat(simd, 1.0) / stretch);
+        LanePull { linear, angular: self.moment(linear), stretch }
     }
 
     /// `‖p′‖`.
@@ -97,27 +120,40 @@ pub(crate) fn equilibrium<S: Simd>(
     let bare = of.bare(simd);
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let tolerance = Lanes::splat(simd, STEP_TOLERANCE);
+    let square = Lanes::splat(simd, PART_OF_SQUARE * (STEP_TOLERANCE * STEP_TOLERANCE));
     let mut running = zero.at_most(one);
     let mut met = one.at_most(zero);
     for _ in 0..UNDAMPED {
-        let (step, definite) = newton_step(of, &bare, simd, &strain);
-        let moved = strain + step;
-        let select = |to: LaneVec3<S>, from: LaneVec3<S>| {
-            LaneVec3::new(
-                running.select(to.x, from.x),
-                running.select(to.y, from.y),
-                running.select(to.z, from.z),
-            )
-        };
-        // Lanes that are there stay where they are.
-        strain = LaneTwist {
-            linear: select(moved.linear, strain.linear),
-            angular: select(moved.angular, strain.angular),
-        };
-        let size = step.linear.max_abs().max(step.angular.max_abs() * bare.reach);
-        running = running.and(definite);
-        met = met.or(running.and(size.at_most(tolerance)));
-        running = running.and(tolerance.below(size)).and(size.at_most(one));
+        let (tangent, force, moment) = linearized(of, &bare, simd, &strain);
+        let step = tangent.solve(force, moment);
+        strain = moved(running, &strain, &step);
+        let first = step_size(&step, bare.reach);
+        running = running.and(tangent.definite);
+        met = met.or(running.and(first.at_most(tolerance)));
+        running = running.and(tolerance.below(first)).and(first.at_most(one));
+        if !running.any() {
+            break;
+        }
+        // The lanes that go on by this tangent; the others wait for the next.
+        let mut by_this = running;
+        let mut last = first;
+        for _ in 0..MORE_STEPS {
+            let (force, moment) = imbalance(of, &bare, simd, &strain);
+            let step = tangent.solve(force, moment);
+            strain = moved(by_this, &strain, &step);
+            let size = step_size(&step, bare.reach);
+            let again = size * size;
+            let is_met = (first * size).at_most(square).and(again.at_most(square * last));
+            met = met.or(by_this.and(is_met));
+            running = running.without(by_this.and(is_met));
+            let before = last * last;
+            let promises = (again * again).at_most(square * (before * last));
+            by_this = by_this.and(running).and(size.at_most(first)).and(promises);
+            if !by_this.any() {
+                break;
+            }
+            last = size;
+        }
         if !running.any() {
             break;
         }
@@ -125,32 +161,129 @@ pub(crate) fn equilibrium<S: Simd>(
     (strain, met)
 }
 
+/// Strains at rest that the tensions change by more than this do not start from their response to these.
+const MOST_OF_SERIES: f64 = 0.25;
+
+/// The response of sections at rest to the tensions, to the second order in these: `x₁` and `x₂` of `K x₁ = −g`, `K x₂ = −(∂g/∂x) x₁`, where `g` is what the
+/// cables exert. Sections whose cables are far from straight within it are left at rest.
 #[inline(always)]
-fn newton_step<S: Simd>(
-    of: &impl InLanes<S>,
+pub(crate) fn response_at_rest<S: Simd>(of: &impl InLanes<S>, simd: S) -> LaneTwist<S> {
+    let bare = of.bare(simd);
+    let zero = Lanes::splat(simd, 0.0);
+    let null = LaneVec3::new(zero, zero, zero);
+    let [shear, bending] = of.compliances(simd);
+    let rest = LaneTwist { linear: LaneVec3::splat(simd, Vec3::Z), angular: bare.rest_curvature };
+    let (mut force, mut moment) = (null, null);
+    for cable in 0..of.cables() {
+        if of.is_slack(cable) {
+            continue;
+        }
+        let (crossing, tension) = of.crossing(simd, cable);
+        let pull = of.direction_at_rest(simd, cable).0 * tension;
+        force = force - pull;
+        moment = moment - crossing.moment(pull);
+    }
+    let first = LaneTwist { linear: shear.scale(force), angular: bending.scale(moment) };
+    (force, moment) = (null, null);
+    for cable in 0..of.cables() {
+        if of.is_slack(cable) {
+            continue;
+        }
+        let (crossing, tension) = of.crossing(simd, cable);
+        let (unit, per_stretch) = of.direction_at_rest(simd, cable);
+        let moved = crossing.moved(&first);
+        let turned = (moved - unit * unit.dot(moved)) * (tension * per_stretch);
+        force = force - turned;
+        moment = moment - crossing.moment(turned);
+    }
+    let second = LaneTwist { linear: shear.scale(force), angular: bending.scale(moment) };
+    let is_small = step_size(&first, bare.reach).at_most(Lanes::splat(simd, MOST_OF_SERIES));
+    moved(is_small, &rest, &(first + second))
+}
+
+/// Where a step leads; lanes that are not running stay where they are.
+#[inline(always)]
+fn moved<S: Simd>(
+    running: LaneMask<S>,
+    strain: &LaneTwist<S>,
+    step: &LaneTwist<S>,
+) -> LaneTwist<S> {
+    let select = |from: LaneVec3<S>, step: LaneVec3<S>| {
+        let to = from + step;
+        LaneVec3::new(
+            running.select(to.x, from.x),
+            running.select(to.y, from.y),
+            running.select(to.z, from.z),
+        )
+    };
+    LaneTwist {
+        linear: select(strain.linear, step.linear),
+        angular: select(strain.angular, step.angular),
+    }
+}
+
+#[inline(always)]
+fn step_size<S: Simd>(step: &LaneTwist<S>, reach: Lanes<S>) -> Lanes<S> {
+    step.linear.max_abs().max(step.angular.max_abs() * reach)
+}
+
+/// What the sections alone do not bear: force and moment.
+#[inline(always)]
+fn beside_bare<S: Simd>(
     bare: &LaneBare<S>,
     simd: S,
     strain: &LaneTwist<S>,
-) -> (LaneTwist<S>, LaneMask<S>) {
+) -> (LaneVec3<S>, LaneVec3<S>) {
     let zero = Lanes::splat(simd, 0.0);
     let null = LaneVec3::new(zero, zero, zero);
     let dv = strain.linear - LaneVec3::splat(simd, Vec3::Z);
     let du = strain.angular - bare.rest_curvature;
-    let mut force = null - bare.shear.scale(dv);
-    let mut moment = null - bare.bending.scale(du);
+    (null - bare.shear.scale(dv), null - bare.bending.scale(du))
+}
+
+/// The tangent, and the force and moment that are not borne.
+#[inline(always)]
+fn linearized<S: Simd>(
+    of: &impl InLanes<S>,
+    bare: &LaneBare<S>,
+    simd: S,
+    strain: &LaneTwist<S>,
+) -> (LaneTangent<S>, LaneVec3<S>, LaneVec3<S>) {
+    let (mut force, mut moment) = beside_bare(bare, simd, strain);
     let mut hessian = LaneHessian::of(simd, bare);
     for cable in 0..of.cables() {
         if of.is_slack(cable) {
             continue;
         }
         let (crossing, tension) = of.crossing(simd, cable);
-        let pull = crossing.pull(simd, strain);
-        force = force - pull.linear * tension;
-        moment = moment - pull.angular * tension;
-        hessian.add(crossing.offset, &pull, tension / pull.stretch);
+        let (unit, per_stretch) = crossing.direction(simd, strain);
+        let pull = unit * tension;
+        force = force - pull;
+        moment = moment - crossing.moment(pull);
+        hessian.add(crossing.offset, unit, tension * per_stretch);
     }
-    let tangent = hessian.factor(simd);
-    (tangent.solve(force, moment), tangent.definite)
+    (hessian.factor(simd), force, moment)
+}
+
+/// The force and moment that neither the sections nor their cables bear.
+#[inline(always)]
+fn imbalance<S: Simd>(
+    of: &impl InLanes<S>,
+    bare: &LaneBare<S>,
+    simd: S,
+    strain: &LaneTwist<S>,
+) -> (LaneVec3<S>, LaneVec3<S>) {
+    let (mut force, mut moment) = beside_bare(bare, simd, strain);
+    for cable in 0..of.cables() {
+        if of.is_slack(cable) {
+            continue;
+        }
+        let (crossing, tension) = of.crossing(simd, cable);
+        let pull = crossing.direction(simd, strain).0 * tension;
+        force = force - pull;
+        moment = moment - crossing.moment(pull);
+    }
+    (force, moment)
 }
 
 /// The factors of [`crate::section::Tangent`] at a strain, and what each cable exerts there, which `take` is given with its number.
@@ -166,7 +299,8 @@ pub(crate) fn linearize<S: Simd>(
         let (crossing, tension) = of.crossing(simd, cable);
         let pull = crossing.pull(simd, strain);
         if !of.is_slack(cable) {
-            hessian.add(crossing.offset, &pull, tension / pull.stretch);
+            let per_stretch = Lanes::splat(simd, 1.0) / pull.stretch;
+            hessian.add(crossing.offset, pull.linear, tension * per_stretch);
         }
         take(cable, &pull);
     }
@@ -195,35 +329,30 @@ impl<S: Simd> LaneHessian<S> {
     }
 
     #[inline(always)]
-    fn add(&mut self, [rx, ry]: [Lanes<S>; 2], pull: &LanePull<S>, k: Lanes<S>) {
-        let (t, m) = (pull.linear, pull.angular);
-        let (kt, km) = (t * k, m * k);
-        let (krx, kry) = (k * rx, k * ry);
+    fn add(&mut self, [rx, ry]: [Lanes<S>; 2], t: LaneVec3<S>, k: Lanes<S>) {
+        let kt = t * k;
+        let (xx, yx, yy) = (k - kt.x * t.x, kt.y * t.x, k - kt.y * t.y);
+        let (zx, zy, zz) = (kt.z * t.x, kt.z * t.y, k - kt.z * t.z);
         let a = &mut self.a;
-        a.xx = a.xx + (k - kt.x * t.x);
-        a.yx = a.yx - kt.y * t.x;
-        a.yy = a.yy + (k - kt.y * t.y);
-        a.zx = a.zx - kt.z * t.x;
-        a.zy = a.zy - kt.z * t.y;
-        a.zz = a.zz + (k - kt.z * t.z);
+        a.xx = a.xx + xx;
+        a.yx = a.yx - yx;
+        a.yy = a.yy + yy;
+        a.zx = a.zx - zx;
+        a.zy = a.zy - zy;
+        a.zz = a.zz + zz;
+        let turned = LaneVec3::new(rx * yx + ry * xx, rx * yy + ry * yx, ry * zx - rx * zy);
         let [b0, b1, b2] = &mut self.b;
-        b0.x = b0.x - kt.x * m.x;
-        b1.x = b1.x - kt.x * m.y;
-        b2.x = b2.x - (kry + kt.x * m.z);
-        b0.y = b0.y - kt.y * m.x;
-        b1.y = b1.y - kt.y * m.y;
-        b2.y = b2.y + (krx - kt.y * m.z);
-        b0.z = b0.z + (kry - kt.z * m.x);
-        b1.z = b1.z - (krx + kt.z * m.y);
-        b2.z = b2.z - kt.z * m.z;
-        let rr = krx * rx + kry * ry;
+        let (xzz, yzz) = (rx * zz, ry * zz);
+        *b0 = LaneVec3::new(b0.x - ry * zx, b0.y - ry * zy, b0.z + yzz);
+        *b1 = LaneVec3::new(b1.x + rx * zx, b1.y + rx * zy, b1.z - xzz);
+        *b2 = LaneVec3::new(b2.x - turned.x, b2.y + turned.y, b2.z + turned.z);
         let c = &mut self.c;
-        c.xx = c.xx + (rr - krx * rx - km.x * m.x);
-        c.yx = c.yx - (kry * rx + km.y * m.x);
-        c.yy = c.yy + (rr - kry * ry - km.y * m.y);
-        c.zx = c.zx - km.z * m.x;
-        c.zy = c.zy - km.z * m.y;
-        c.zz = c.zz + (rr - km.z * m.z);
+        c.xx = c.xx + ry * yzz;
+        c.yx = c.yx - rx * yzz;
+        c.yy = c.yy + rx * xzz;
+        c.zx = c.zx + ry * turned.z;
+        c.zy = c.zy - rx * turned.z;
+        c.zz = c.zz + (rx * turned.y + ry * turned.x);
     }
 
     #[inline(always)]
