@@ -21,7 +21,7 @@ use crate::solution::Solution;
 /// Conditions of contact that are met to this, relative to length and force scale, are met.
 pub(super) const MET: f64 = 1e-9;
 /// A nudge, relative to the force scale.
-const NUDGE: f64 = 2e-2;
+pub(super) const NUDGE: f64 = 2e-2;
 /// The longest step on the way of a robot that touches, where eq. (20) counts all directions that turn unstable in one.
 const COUNTED_STEP: f64 = 0.5;
 /// The same where eq. (6) misses two of them.

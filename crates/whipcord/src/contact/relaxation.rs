@@ -4,7 +4,7 @@
 use whipcord_numerics::Vec3;
 
 use super::model::Compliant;
-use super::path::{PathTracker, Stop};
+use super::path::{NUDGE, PathTracker, Stop};
 use crate::case::Case;
 
 /// Stiffness of the dampers, in units of EI/L³, at first, at least and at most.
@@ -15,6 +15,10 @@ const SHORT: f64 = 0.05;
 const AT_REST: f64 = 2e-3;
 /// After so far a way, as a part of the length, no nudge is needed any more.
 const NUDGED: f64 = 5e-3;
+/// It is at rest where the dampers push with less than this part of the nudge.
+const STILL: f64 = 0.1;
+/// Two places of rest no farther apart than this part of the length are one.
+const SAME_PLACE: f64 = 1e-3;
 /// Steps against dampers.
 const STEPS: usize = 200;
 /// Attempts that bring it no nearer to rest.
@@ -33,10 +37,13 @@ impl<M: Compliant> PathTracker<'_, M> {
         let [mut stiffness, least, most] = STIFFNESS;
         let mut stop = Stop::Slips;
         let (mut attempts, mut far, mut nudged) = (0, 0.0, NUDGED * self.length);
+        // Where it was last at rest without the nudge.
+        let mut rested: Option<Vec<Vec3>> = None;
         for _ in 0..STEPS {
             let kept = self.kept();
             self.odd = None;
-            self.nudge = (far <= nudged).then(|| self.sideways());
+            let is_nudged = far < nudged;
+            self.nudge = is_nudged.then(|| self.sideways());
             self.pairs.begin_step(self.model, &self.scene);
             let before = self.centres();
             self.dampers.anchor(self.model, self.length, stiffness);
@@ -58,6 +65,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.scene.begin_step();
             let moved = self.farthest_from(&before);
             far += moved;
+            // Of the dampers, relative to the force scale.
+            let push = stiffness * moved / self.length;
             let softer = moved / (SHORT * self.length);
             stiffness = (stiffness * softer.clamp(0.25, 1.0)).max(least);
             if moved < AT_REST * self.length {
@@ -66,8 +75,22 @@ impl<M: Compliant> PathTracker<'_, M> {
                     Err(why @ (Stop::Spent(_) | Stop::Cancelled)) => return Err(why),
                     Err(why) => stop = why,
                 }
-                // It may be at rest where it would not stay.
-                nudged = far + NUDGED * self.length;
+                if push < STILL * NUDGE {
+                    if is_nudged {
+                        // It leans against the nudge, and goes on where that is taken away.
+                        nudged = far;
+                    } else {
+                        // It is at rest where it would not stay.
+                        let is_back = rested.is_some_and(|there| {
+                            self.farthest_from(&there) < SAME_PLACE * self.length
+                        });
+                        if is_back {
+                            break;
+                        }
+                        rested = Some(self.centres());
+                        nudged = far + NUDGED * self.length;
+                    }
+                }
                 attempts += 1;
                 if attempts == ATTEMPTS {
                     break;

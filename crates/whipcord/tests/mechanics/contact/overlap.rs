@@ -737,6 +737,7 @@ fn what_small_steps_lead_to_is_found_at_once() {
         ("rigid bodies by tension", &[217, 310]),
         ("rigid bodies by length", &[128, 490, 594, 771, 938]),
         ("four-bar by length", &[256, 279]),
+        ("cosserat-disks by length", &[357]),
     ] {
         let robots: Vec<Range<usize>> = robots.iter().map(|&n| n..n + 1).collect();
         let outcomes = Outcomes::of(named(name), &robots, false);
