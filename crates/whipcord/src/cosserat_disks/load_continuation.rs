@@ -5,8 +5,9 @@
 //! one stable equilibrium to the next, then load and commands together from the robot at rest, and at
 //! last all of it acts on shapes bent every way.
 
+use whipcord_numerics::{ContinuationSteps, Ended, Missed, continuation};
+
 use super::problem::{Neighbour, Problem, Start};
-use super::raise::LOSS_HALVINGS;
 use super::raise::Place;
 use super::raise::Raise;
 use super::scratch::Scratch;
@@ -15,6 +16,7 @@ use super::tensions::Rod;
 use super::{stability_check, unloaded};
 use crate::solution::Diagnostics;
 use crate::statics::command::Command;
+use crate::statics::continuation::SHORT_ITERATION;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::trace::Stage;
@@ -25,6 +27,10 @@ const SHAPES_UNDER_LOAD: usize = 400;
 const SHAPES_TO_STABLE: usize = 100;
 /// The same where the robot was not found without load, and its cables are slack at first.
 const SHAPES_FROM_SLACK: usize = 40;
+
+/// Of the tensions of a robot without load, as a part of them: the first step from nothing, and the least, which tells where they are lost.
+const FIRST_TENSION_STEP: f64 = 1.0 / 16.0;
+const LEAST_TENSION_STEP: f64 = 1.0 / 1_048_576.0;
 
 /// Finds the equilibrium under the loads that `scratch.applied` has gathered; the answer is left in
 /// `scratch`.
@@ -139,33 +145,46 @@ pub(super) fn start_without_load(
     converged.map(|_| ())
 }
 
-/// The fraction of the tensions at which a robot without load loses its stability because its cables buckle
-/// spans, by bisection; `None` where it does not. `scratch` holds the answer at all of the tensions.
-pub(super) fn tensions_lost_at(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<f64> {
+/// Raises the tensions of a robot without load, which leaves the equilibrium at all of them that `scratch` holds because its cables
+/// buckle spans, from nothing through stable equilibria, each from the one before: at more than its spans buckle under the one that is found
+/// from rest need not be the one that the cables lead to. `scratch` then holds the last of them where the tensions are given, else what it held.
+///
+/// # Errors
+/// The fraction of the tensions beyond which there is none near; `scratch` holds what it held.
+pub(super) fn raise_tensions(
+    problem: &Problem<'_>,
+    scratch: &mut Scratch,
+) -> Result<(), Option<f64>> {
     let Problem { frame, mesh, .. } = *problem;
-    if stability_check::is_above_without_load(problem, -Diagnostics::NEUTRAL, scratch)
-        != Some(false)
-    {
-        return None;
-    }
     let all = scratch.tensions.clone();
     let kept = (scratch.unloaded.clone(), scratch.pulled.clone());
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..LOSS_HALVINGS + 8 {
-        let middle = 0.5 * (low + high);
+    let mut here = (unloaded::From::Nothing, scratch.unloaded.clone());
+    let steps = ContinuationSteps {
+        first: FIRST_TENSION_STEP,
+        least: LEAST_TENSION_STEP,
+        after_miss: f64::INFINITY,
+        growth: 2.0,
+    };
+    let raised = continuation(&steps, |part| {
         let Scratch { unloaded, pulled, groups, .. } = &mut *scratch;
         pulled.clear();
-        pulled.extend(groups.iter().map(|&cable| middle * all[cable]));
-        let swept = unloaded.sweep(frame, mesh, pulled, unloaded::From::Nothing, false);
+        pulled.extend(groups.iter().map(|&cable| part * all[cable]));
+        let (from, before) = &here;
+        unloaded.clone_from(before);
+        let swept = unloaded.sweep(frame, mesh, pulled, *from, true);
+        let iterations = unloaded.iterations;
         let bound = -Diagnostics::NEUTRAL;
-        if swept.is_ok()
-            && stability_check::is_above_without_load(problem, bound, scratch) == Some(true)
-        {
-            low = middle;
-        } else {
-            high = middle;
+        let is_stable = swept.is_ok()
+            && stability_check::is_above_without_load(problem, bound, scratch) == Some(true);
+        if !is_stable {
+            return Err(Missed { reason: (), is_last: problem.meter.has_ended() });
         }
+        here = (unloaded::From::Neighbour, scratch.unloaded.clone());
+        Ok(iterations <= SHORT_ITERATION * frame.spans.len())
+    });
+    // At given lengths other tensions hold that equilibrium.
+    if raised.is_err() || problem.by_length() {
+        (scratch.unloaded, scratch.pulled) = kept;
     }
-    (scratch.unloaded, scratch.pulled) = kept;
-    (low > 0.0).then_some(low)
+    raised.map_err(|Ended { reached, .. }| (reached > 0.0).then_some(reached))
 }

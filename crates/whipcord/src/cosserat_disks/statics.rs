@@ -7,8 +7,10 @@ use super::node::State;
 use super::problem::Problem;
 use super::problem::Start;
 use super::scratch::Scratch;
+use super::stability_check;
 use super::tensions::Rod;
-use super::unloaded::{self};
+use super::unloaded;
+use crate::solution::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
@@ -49,7 +51,21 @@ pub(super) fn solve(
     if matches!(start, Start::Coarser) || problem.stability == StabilityAnalysis::Off {
         return Ok(found);
     }
-    Ok(Found { lost_at: load_continuation::tensions_lost_at(problem, scratch), ..found })
+    let bound = -Diagnostics::NEUTRAL;
+    if stability_check::is_above_without_load(problem, bound, scratch) != Some(false) {
+        return Ok(found);
+    }
+    match load_continuation::raise_tensions(problem, scratch) {
+        Ok(()) if !problem.by_length() => {
+            let mut rod = Rod::new(problem, scratch);
+            rod.from = unloaded::From::Neighbour;
+            let mut tensions = rod.scratch.tensions.clone();
+            let effort = rod.converge(&mut tensions)?;
+            Ok(rod.finish(tensions, Found::with(effort)))
+        }
+        Ok(()) => Ok(found),
+        Err(lost_at) => Ok(Found { lost_at, ..found }),
+    }
 }
 
 /// Each passage has the tension of its cable.

@@ -771,6 +771,25 @@ fn what_has_no_stable_shape_without_obstacles_is_told() {
     assert!((lost - lost_at.unwrap()).abs() < 0.02, "{lost}");
 }
 
+/// Robots of the study that are pulled by 13.8 to 15.7 EI/ℓ² in each span of length ℓ, and by 51 and 58. A chain of 40 rigid links in the place of a
+/// span, moved against dampers under tensions that rise slowly, comes to rest under all of them, or its holes meet at this part of them.
+#[test]
+fn free_robots_lose_their_shape_where_the_holes_of_a_cable_meet() {
+    let robots: Vec<Scenario> = samples(scenario(), 250).collect();
+    for (number, lost_at) in
+        [(1, None), (112, None), (249, None), (9, Some(0.338)), (12, Some(0.391))]
+    {
+        let Scenario { robot, case, .. } = &robots[number];
+        let solution = disks_by_tension(robot, case).unwrap();
+        let diagnostics = &solution.diagnostics;
+        assert_eq!(diagnostics.stable, Some(lost_at.is_none()), "{number}");
+        let told: Option<f64> = diagnostics.stability_lost_at;
+        assert_eq!(told.is_some(), lost_at.is_some(), "{number}");
+        let off = told.zip(lost_at).map_or(0.0, |(told, lost_at)| (told - lost_at).abs());
+        assert!(off < 0.03, "{number}: {told:?}");
+    }
+}
+
 /// Robots of the study whose spans bear so much that their verdict takes finer steps, with cables that stick in all of their holes.
 #[test]
 fn cables_that_stick_in_their_holes_count_as_held_in_the_verdict() {

@@ -9,4 +9,5 @@ mod loads;
 mod reference;
 mod stability;
 mod statics;
+mod strong_pull;
 mod study;
