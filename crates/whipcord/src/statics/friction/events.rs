@@ -23,8 +23,11 @@ const MET: f64 = 1e-9;
 const STILL: f64 = 1e-10;
 /// So many times what the linear response misses is a margin.
 const SURE: f64 = 4.0;
-/// Parts of a substep in which the response is that in their middle.
+/// Parts of a substep in which the response is that in their middle, at most.
 const SLOTS: usize = 8;
+/// By how much of the greatest tension the response at the start may miss the tensions at the end, where one part is enough. What the response in
+/// the middle of the parts misses falls with the square of their number.
+const RESOLVED: f64 = 1e-4;
 /// Events of a substep, of the holes, at most.
 const MOST_EVENTS: usize = 8;
 /// Of a substep: a part so short is rounding.
@@ -118,19 +121,22 @@ fn move_commands(commands: &mut [Command], rates: &[f64], part: f64) {
 }
 
 impl Events {
-    /// From the start of a substep to its end, with the response that changes in proportion from that at the start to that at the end,
-    /// where this is known; `false` where the holes do not agree on a mode for each.
+    /// From the start of a substep to its end, with the response that changes in proportion from that at the start to that at the end, where
+    /// this is known, with how much the response at the start misses of the tensions there; `false` where the holes do not agree on a mode for
+    /// each.
     pub fn follow(
         &mut self,
         law: &Law<'_>,
         from: &[Command],
         start: &Station,
-        end: Option<&Station>,
+        end: Option<(&Station, f64)>,
         meter: &Meter,
     ) -> bool {
+        let missed = end.map_or(0.0, |(_, missed)| missed);
+        let end = end.map(|(end, _)| end);
         self.start(law, from, start, end);
         self.count = 0;
-        let slots = if end.is_some() { SLOTS } else { 1 };
+        let slots = ((missed / RESOLVED).sqrt() as usize).clamp(1, SLOTS).next_power_of_two();
         let mut most = MOST_EVENTS * law.holes.count() + 32;
         for slot in 0..slots {
             let at = |slot: f64| slot / slots as f64;
@@ -140,8 +146,11 @@ impl Events {
             if !self.linearise(law, 0.5 * (to - now), end.is_some()) {
                 return false;
             }
+            // Until an event changes the modes the rates stay those that were found last.
+            let mut is_known = false;
             while now < to - ROUNDED {
-                let is_chosen = self.choose(law);
+                let is_chosen = self.choose(law, is_known);
+                is_known = true;
                 self.problem.charge(meter);
                 if !is_chosen || most == 0 || meter.has_ended() {
                     return false;
@@ -161,7 +170,7 @@ impl Events {
             // What happens at the very end shows that the response changed too much.
             (self.now, self.trigger) = (1.0, None);
             self.respond(law, start, end, 1.0);
-            if !self.linearise(law, 0.0, false) || !self.choose(law) {
+            if !self.linearise(law, 0.0, false) || !self.choose(law, false) {
                 return false;
             }
             self.note_margins(law);
@@ -176,7 +185,7 @@ impl Events {
         self.at.turns.clone_from(&self.turns);
         if moves {
             // The rates of the part before serve, where there is one.
-            if self.now == 0.0 && !self.choose(law) {
+            if self.now == 0.0 && !self.choose(law, false) {
                 return false;
             }
             go(&mut self.at.tensions, &self.rates.tensions, later);
@@ -290,11 +299,12 @@ impl Events {
         self.problem.begin(law.holes, &self.response);
     }
 
-    /// The modes that agree with their rates, and the rates.
-    fn choose(&mut self, law: &Law<'_>) -> bool {
+    /// The modes that agree with their rates, and the rates. Those of the modes as they are may be known: the coefficients of the linear
+    /// problem stay as they are from one event to the next.
+    fn choose(&mut self, law: &Law<'_>, is_known: bool) -> bool {
         self.modes_before.clone_from(&self.modes);
         for change in 0..MOST_CHANGES[0] + MOST_CHANGES[1] * self.modes.len() {
-            if !self.solve(law) {
+            if !(is_known && change == 0) && !self.solve(law) {
                 return false;
             }
             if self.agree(law, change >= MOST_CHANGES[0]) {

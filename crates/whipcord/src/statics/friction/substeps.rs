@@ -200,8 +200,9 @@ impl Way<'_> {
         is_known
     }
 
-    /// Where the holes last come to rest in the substep, by the response at its start, or at both ends; `false` where this does not tell.
-    fn follow<S>(&mut self, history: &History<S>, to_end: bool, meter: &Meter) -> bool {
+    /// Where the holes last come to rest in the substep, by the response at its start, or at both ends, where it is known how much of the
+    /// tensions the one at the start misses; `false` where this does not tell.
+    fn follow<S>(&mut self, history: &History<S>, missed: Option<f64>, meter: &Meter) -> bool {
         let from: Vec<Command> = between(history, self.holes, &self.commands, 0.0).collect();
         let law = Law {
             holes: self.holes,
@@ -210,7 +211,8 @@ impl Way<'_> {
             modes: None,
         };
         let FrictionScratch { start, end, events, .. } = &mut *self.scratch;
-        let followed = events.follow(&law, &from, start, to_end.then_some(end), meter);
+        let end = missed.map(|missed| (&*end, missed));
+        let followed = events.follow(&law, &from, start, end, meter);
         events.problem.charge(meter);
         followed
     }
@@ -255,7 +257,7 @@ impl Way<'_> {
         let is_known = self.stands || self.stand(model, history);
         self.stands = false;
         self.scratch.events.keeps_stops = history.trail.is_some();
-        let is_followed = is_known && self.follow(history, false, model.meter());
+        let is_followed = is_known && self.follow(history, None, model.meter());
         let no_event = self.scratch.events.count == 0;
         rest.clear();
         rest.extend_from_slice(if is_followed {
@@ -268,7 +270,12 @@ impl Way<'_> {
             self.stops.clone_from(&self.scratch.events.stops);
         }
         let mut effort = self.find(model, history, near, is_followed, rest)?;
-        let follows = is_known && self.end(model) && self.follow(history, true, model.meter());
+        let missed = match is_followed {
+            true => self.tensions_apart(history, &self.scratch.events.tensions),
+            false => f64::INFINITY,
+        };
+        let follows =
+            is_known && self.end(model) && self.follow(history, Some(missed), model.meter());
         if !follows {
             return Ok((effort, None));
         }
