@@ -382,27 +382,29 @@ impl Way<'_> {
         let shortest = |error: Option<f64>| if error.is_some() { LEAST_ACCURATE } else { UNKNOWN };
         while at < 1.0 {
             let left = 1.0 - at;
-            if let Some(next) = given.iter().find(|&&next| next > at) {
-                length = f64::min(length, next - at);
-            } else if length > SHORTER * left {
-                length = left;
+            let end = given.iter().copied().find(|&next| next > at).unwrap_or(1.0);
+            let is_to_end = length > SHORTER * (end - at);
+            if is_to_end {
+                length = end - at;
             }
             self.set_commands(history, length, left);
             let near = answer.as_ref().filter(|_| length >= left);
             match self.substep(model, history, near, &mut rest) {
-                // The last substep takes what is left, which is up to a third longer than it would be.
+                // The last substep takes what is left, which is up to a third longer than it would be. One of another mesh is as long as
+                // there, so that the answers differ by what the meshes do, unless its error cannot be told.
                 Ok((effort, error))
-                    if !given.is_empty()
+                    if (!given.is_empty() && error.is_some())
                         || error.is_some_and(|error| error <= 1.0)
                         || 0.75 * length <= shortest(error) =>
                 {
                     self.note_stops(model, history);
                     self.advance(model, history, &rest);
-                    at = if length >= left { 1.0 } else { at + length };
+                    at = if is_to_end { end } else { at + length };
                     residual = effort.residual;
                     course.ends.push(at);
                     length *= match error {
-                        _ if !given.is_empty() => 1e9,
+                        // The next one of that mesh.
+                        _ if is_to_end && !given.is_empty() => 1e9,
                         Some(error) => (0.8 / error.sqrt()).clamp(0.2, GROWTH),
                         None => 1.0,
                     };

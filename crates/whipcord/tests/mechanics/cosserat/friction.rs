@@ -344,6 +344,17 @@ fn what_friction_has_no_answer_to_is_refused() {
     refused(prepared.branches(&case, &BranchOptions::default()).unwrap_err());
 }
 
+#[test]
+fn substeps_that_a_finer_grid_cannot_follow_are_divided_there() {
+    // One of the study: the second step of actuation begins with a substep in which the response tells on the coarse grid alone where the
+    // cables come to rest.
+    let (robot, case) = rubbing_robots(120).nth(112).unwrap();
+    let solution = solve(&model(), &robot, &case);
+    let fine = solve(&with_steps(32).with_budget(Budget::UNLIMITED), &robot, &divided(&case, 4));
+    let difference = apart(&solution, &fine) / robot.backbone().length;
+    assert!(difference < 6e-4, "{difference:e}");
+}
+
 /// Whether the reason of a refusal holds. Of a budget that is spent: ten times as much leads to an answer. Of a tolerance that is not met: finer grids differ by more
 /// than that. Of all others: no way on a fine grid, in small steps of actuation, leads to an answer either.
 fn is_confirmed(error: &SolveError, robot: &Robot, case: &Case) -> bool {
