@@ -1,6 +1,6 @@
 //! The strain of a section in equilibrium: Newton's method on its potential.
 
-use whipcord_numerics::Vec3;
+use whipcord_numerics::{ContinuationSteps, Missed, Vec3, continuation};
 
 use super::cable_sums::{CableGroup, CableSums};
 use super::crossing::{BodyWrench, Crossing, Strain};
@@ -16,6 +16,11 @@ const PART_OF_RESIDUAL: f64 = 2e-3;
 const MAX_ITERATIONS: usize = 200;
 /// Halvings of a step.
 const BACKTRACKS: usize = 40;
+/// Below this stretch a cable may be what stops Newton's method.
+const NEARLY_FOLDED: f64 = 0.05;
+/// Of the tensions, as parts of them.
+const TENSION_STEPS: ContinuationSteps =
+    ContinuationSteps { first: 0.25, least: 1e-3, growth: 2.0, after_miss: f64::INFINITY };
 /// Tangents of undamped steps before the potential is watched.
 pub(crate) const UNDAMPED: usize = 4;
 /// What a step by an older tangent may leave, of the square of the tolerance: it meets its bound, where Newton's mostly leaves far less.
@@ -81,30 +86,46 @@ pub(crate) fn newton_equilibrium(
     newton_within(STEP_TOLERANCE, section, (crossings, &[]), tensions, wrench, strain)
 }
 
-/// Each tangent serves Newton's step and then others with the same factors, which cost no Hessian, as long as they promise to lead there.
 #[inline(always)]
 fn newton_within(
     tolerance: f64,
     section: &Section,
-    (crossings, groups): (&[Crossing], &[CableGroup]),
+    cables: (&[Crossing], &[CableGroup]),
     tensions: &[f64],
     wrench: BodyWrench,
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
-    let reach = reach(crossings);
-    let cables = (crossings, groups);
+    let reach = reach(cables.0);
+    if !undamped(tolerance, section, cables, tensions, wrench, reach, strain) {
+        *strain = damped_equilibrium(section, cables.0, tensions, wrench, reach)?;
+    }
+    Ok(())
+}
+
+/// Newton's method without damping; whether it leads to an equilibrium. Each tangent serves Newton's step and then others with the same factors, which cost no
+/// Hessian, as long as they promise to lead there.
+#[inline(always)]
+fn undamped(
+    tolerance: f64,
+    section: &Section,
+    cables: (&[Crossing], &[CableGroup]),
+    tensions: &[f64],
+    wrench: BodyWrench,
+    reach: f64,
+    strain: &mut Strain,
+) -> bool {
     for _ in 0..UNDAMPED {
         let Some((tangent, out)) = linearized(section, cables, tensions, wrench, strain) else {
-            break;
+            return false;
         };
         let step = tangent.solve(out);
         *strain = *strain + step;
         let first = step_size(&step, reach);
         if first <= tolerance {
-            return Ok(());
+            return true;
         }
         if first.is_nan() || first > 1.0 {
-            break;
+            return false;
         }
         let mut last = first;
         for _ in 0..MORE_STEPS {
@@ -114,7 +135,7 @@ fn newton_within(
             let size = step_size(&step, reach);
             let square = PART_OF_SQUARE * (tolerance * tolerance);
             if has_met(square, first, last, size) {
-                return Ok(());
+                return true;
             }
             if size.is_nan() || size > first || !promises(square, last, size) {
                 break;
@@ -122,8 +143,7 @@ fn newton_within(
             last = size;
         }
     }
-    *strain = damped_equilibrium(section, crossings, tensions, wrench, reach)?;
-    Ok(())
+    false
 }
 
 /// Whether what is left behind a step by an older tangent is below this square: of the third order in the first step by this tangent, and
@@ -265,7 +285,36 @@ pub(crate) fn damped_equilibrium(
         }
     }
     match least_stretch(&x) {
-        Some((cable, stretch)) if stretch < 0.05 => Err(SectionFault::Folded { cable }),
+        Some((cable, stretch)) if stretch < NEARLY_FOLDED => {
+            let found = raise_tensions(section, crossings, tensions, wrench, reach);
+            let is_taut = |x: &Strain| least_stretch(x).is_none_or(|(_, least)| least >= FOLDED);
+            found.filter(is_taut).ok_or(SectionFault::Folded { cable })
+        }
         _ => Err(SectionFault::Diverged),
     }
+}
+
+/// The strain from that without tensions, which are raised to the given ones: where a cable is all but used up, Newton's method from rest ends
+/// at the edge where its stretch is zero, though the minimum lies beside it.
+fn raise_tensions(
+    section: &Section,
+    crossings: &[Crossing],
+    tensions: &[f64],
+    wrench: BodyWrench,
+    reach: f64,
+) -> Option<Strain> {
+    let mut raised = vec![0.0; tensions.len()];
+    let mut found = section.rest_strain();
+    let raise = |part: f64| {
+        raised.iter_mut().zip(tensions).for_each(|(raised, tension)| *raised = part * tension);
+        let mut strain = found;
+        let cables = (crossings, &[][..]);
+        if !undamped(STEP_TOLERANCE, section, cables, &raised, wrench, reach, &mut strain) {
+            return Err(Missed { reason: (), is_last: false });
+        }
+        found = strain;
+        Ok(true)
+    };
+    continuation(&TENSION_STEPS, raise).ok()?;
+    Some(found)
 }

@@ -161,3 +161,37 @@ fn too_much_tension_folds() {
     let fault = equilibrium(&section(), &crossings(), &tensions, BodyWrench::default(), &mut x);
     assert_eq!(fault.unwrap_err(), SectionFault::Folded { cable: 0 });
 }
+
+/// A cable that all but folds its section, and another one: the stretch of the first is that of a separate program, with Newton's method on the potential under
+/// tensions that rise step by step.
+#[test]
+fn a_cable_that_is_all_but_used_up_leaves_a_stretch() {
+    let (shear, axial) = (3060.25, 8653.96);
+    let stiffness = Stiffness {
+        shear: Vec3::new(shear, shear, axial),
+        bending: Vec3::new(2.032663e-3, 2.032663e-3, 1.437599e-3),
+    };
+    let section = Section::new(stiffness, Vec3::ZERO);
+    let crossings = [
+        Crossing::new(
+            Vec3::new(1.431471e-3, -3.497316e-3, 0.0),
+            Vec3::new(0.016294, 0.021441, 0.0),
+        ),
+        Crossing::new(Vec3::new(1.292289e-3, 0.0, 0.0), Vec3::new(0.021699, 0.0, 0.0)),
+    ];
+    let solve = |tension: f64| -> Result<f64, SectionFault> {
+        let mut x = section.rest_strain();
+        let tensions = [tension, 2.0714];
+        equilibrium(&section, &crossings, &tensions, BodyWrench::default(), &mut x)?;
+        let left = residual(&section, &crossings, &tensions, BodyWrench::default(), &x);
+        assert!(left < 1e-8 * tension, "{tension}: {left}");
+        Ok(crossings[0].tangent(&x).norm())
+    };
+    for (tension, stretch) in
+        [(120.0, 0.143_900_764_837_5), (141.0, 0.016_178_863_110_0), (145.0, 0.002_477_722_620_9)]
+    {
+        let found = solve(tension).unwrap();
+        assert!((found - stretch).abs() < 1e-8, "{tension}: {found}");
+    }
+    assert_eq!(solve(150.0).unwrap_err(), SectionFault::Folded { cable: 0 });
+}
