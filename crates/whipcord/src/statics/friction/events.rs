@@ -304,7 +304,8 @@ impl Events {
     fn choose(&mut self, law: &Law<'_>, is_known: bool) -> bool {
         self.modes_before.clone_from(&self.modes);
         for change in 0..MOST_CHANGES[0] + MOST_CHANGES[1] * self.modes.len() {
-            if !(is_known && change == 0) && !self.solve(law) {
+            let has_rates = is_known && change == 0;
+            if !has_rates && !self.solve(law) {
                 return false;
             }
             if self.agree(law, change >= MOST_CHANGES[0]) {
