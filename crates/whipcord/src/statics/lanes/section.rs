@@ -161,11 +161,11 @@ pub(crate) fn equilibrium<S: Simd>(
     (strain, met)
 }
 
-/// Strains at rest that the tensions change by more than this do not start from their response to these.
+/// The greatest first-order part of a response, as a strain, from which Newton's method starts.
 const MOST_OF_SERIES: f64 = 0.25;
 
 /// The response of sections at rest to the tensions, to the second order in these: `x₁` and `x₂` of `K x₁ = −g`, `K x₂ = −(∂g/∂x) x₁`, where `g` is what the
-/// cables exert. Sections whose cables are far from straight within it are left at rest.
+/// cables exert. Where `x₁` is greater than [`MOST_OF_SERIES`] it is the section at rest.
 #[inline(always)]
 pub(crate) fn response_at_rest<S: Simd>(of: &impl InLanes<S>, simd: S) -> LaneTwist<S> {
     let bare = of.bare(simd);
