@@ -120,6 +120,7 @@ def test_wrong_options(case: whipcord.Case) -> None:
     for options, words in (
         ({"model": "cosserats"}, "there is no model `cosserats`: choose"),
         ({"stations": 1}, "stations must be a number from 2"),
+        ({"stations": 10**12}, "stations must be a number from 2"),
         ({"stations": [0.5]}, "arc length of a station"),
         ({"stations": []}, "a list of arc lengths"),
         ({"stations": "5"}, "stations must be a whole number or a list of arc lengths in m"),
@@ -132,6 +133,7 @@ def test_wrong_options(case: whipcord.Case) -> None:
         ({"length": [[1]]}, "length must be a number in m or a text with a unit, but is [1]"),
         ({"actuation": "force"}, "choose tension or shortening"),
         ({"model": whipcord.models.Cosserat(steps=0)}, "greater than zero"),
+        ({"model": whipcord.models.Cosserat(steps=10**12)}, "steps must be at most 100000"),
         ({"model": whipcord.models.FourBar(chord="bow")}, "there is no chord `bow`"),
     ):
         with pytest.raises(InputError) as caught:

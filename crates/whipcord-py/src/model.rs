@@ -210,8 +210,7 @@ pub fn named<T: FromStr<Err: ToString>>(py: Python<'_>, path: &str, name: &str) 
 }
 
 fn stations(given: Option<&Bound<'_, PyAny>>) -> PyResult<Stations> {
-    /// More take minutes and gigabytes, and are a slip of the pen.
-    const MOST: usize = 1_000_000;
+    const MOST: usize = whipcord::robot::limits::MOST_STATIONS;
     let Some(given) = given else { return Ok(Stations::Disks) };
     if let Ok(count) = given.extract::<usize>() {
         if (2..=MOST).contains(&count) {

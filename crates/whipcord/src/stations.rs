@@ -2,7 +2,7 @@
 
 use whipcord_numerics::equally_spaced;
 
-use crate::robot::{Robot, RobotError, check_on_backbone};
+use crate::robot::{Robot, RobotError, check_on_backbone, limits};
 
 /// At which arc lengths a solution gives the shape.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -10,20 +10,26 @@ pub enum Stations {
     /// At the disks.
     #[default]
     Disks,
-    /// At this many equally spaced places, both ends included; at least 2.
+    /// At this many equally spaced places, both ends included; at least 2, at most [`limits::MOST_STATIONS`].
     Equal(usize),
     /// At these arc lengths in m.
     At(Vec<f64>),
 }
 
 impl Stations {
-    /// Refuses a station that is not on the backbone.
+    /// Refuses a station that is not on the backbone, and more of them than anyone can look at.
     pub(crate) fn check(&self, robot: &Robot) -> Result<(), RobotError> {
-        let Self::At(arc_lengths) = self else { return Ok(()) };
-        let length = robot.backbone().length;
-        arc_lengths
-            .iter()
-            .try_for_each(|&s| check_on_backbone("arc length of a station", s, length))
+        match self {
+            Self::Disks => Ok(()),
+            Self::Equal(count) => limits::check_number("stations", *count, limits::MOST_STATIONS),
+            Self::At(arc_lengths) => {
+                limits::check_count("stations", arc_lengths.len(), limits::MOST_STATIONS)?;
+                let length = robot.backbone().length;
+                arc_lengths
+                    .iter()
+                    .try_for_each(|&s| check_on_backbone("arc length of a station", s, length))
+            }
+        }
     }
 
     /// The arc lengths in m for a robot.

@@ -88,6 +88,7 @@ impl CosseratDisks {
     /// [`SolveError::Missing`] when the robot's stiffness or its disks are not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
         refusal::without_disks(ModelKind::CosseratDisks, robot)?;
+        options.check(robot)?;
         let frame = Frame::new(robot, options.stations.arc_lengths(robot), loads)?;
         let steps = match options.accuracy {
             Accuracy::Steps(steps) => steps,

@@ -64,6 +64,7 @@ impl FourBar {
     /// [`SolveError::Missing`] when the strain-energy objective finds no Poisson's ratio.
     pub fn new(robot: &Robot, options: &Options) -> Result<Self, SolveError> {
         refusal::robot(robot, options)?;
+        options.stations.check(robot)?;
         let sections = section::sections(robot, options.objective, options.chord)?;
         let mut initial_lengths = vec![0.0; robot.cables().len()];
         let mut passages = vec![0; robot.cables().len()];

@@ -180,6 +180,14 @@ pub enum Problem {
         /// Most entries that are taken.
         most: usize,
     },
+    /// A number of things that is too great.
+    #[error("must be at most {most}, but is {given}")]
+    TooGreat {
+        /// Number given.
+        given: usize,
+        /// Greatest number that is taken.
+        most: usize,
+    },
     /// A point of a line that coincides with the one before it.
     #[error("lies only {} m from the point before it", number(*chord))]
     TooNear {

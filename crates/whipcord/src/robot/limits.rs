@@ -101,6 +101,10 @@ pub const MESH_SCALE: Range = Range::from(1e-12, 1e12, "");
 pub const MOST_CABLES: usize = 100;
 /// Most disks of a robot.
 pub const MOST_DISKS: usize = 2_000;
+/// Most integration steps that can be prescribed from base to tip: of a hundredth of them the error is that of rounding.
+pub const MOST_STEPS: usize = 100_000;
+/// Most stations.
+pub const MOST_STATIONS: usize = 100_000;
 /// Greatest coefficient of a polynomial, whatever its power.
 const LARGEST_COEFFICIENT: f64 = 1e100;
 /// Least distance in m between neighbouring disks.
@@ -153,6 +157,14 @@ impl Range {
 pub(crate) fn check_count(path: &str, given: usize, most: usize) -> Result<(), RobotError> {
     if given > most {
         return Err(RobotError::new(path, Problem::TooMany { given, most }));
+    }
+    Ok(())
+}
+
+/// Refuses a number that asks for more memory and time than an answer is worth.
+pub(crate) fn check_number(path: &str, given: usize, most: usize) -> Result<(), RobotError> {
+    if given > most {
+        return Err(RobotError::new(path, Problem::TooGreat { given, most }));
     }
     Ok(())
 }

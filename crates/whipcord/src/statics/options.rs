@@ -3,6 +3,7 @@
 use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Actuation;
+use crate::robot::{Robot, RobotError, limits};
 use crate::stations::Stations;
 
 /// How a model is discretised and driven.
@@ -45,6 +46,15 @@ impl Default for Options {
 }
 
 impl Options {
+    /// Refuses stations that are not on the backbone, and more steps than a computer holds.
+    pub(crate) fn check(&self, robot: &Robot) -> Result<(), RobotError> {
+        self.stations.check(robot)?;
+        match self.accuracy {
+            Accuracy::Steps(steps) => limits::check_number("steps", steps, limits::MOST_STEPS),
+            Accuracy::Tolerance(_) => Ok(()),
+        }
+    }
+
     /// Residual at which equilibrium counts as met.
     pub(crate) fn greatest_residual(&self) -> f64 {
         match self.accuracy {

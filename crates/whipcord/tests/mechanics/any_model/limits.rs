@@ -1,9 +1,9 @@
 //! At the ends of what quantities may be, an answer is finite or a reason.
 
-use whipcord::robot::limits::{LENGTH, MODULUS, TENSION};
+use whipcord::robot::limits::{LENGTH, MODULUS, MOST_STATIONS, MOST_STEPS, TENSION};
 use whipcord::{
-    Actuation, Backbone, Cable, CableCommand, Case, Disks, Material, Model, ModelKind, Robot,
-    Routing, Section, Shortening, Solution, Statics as _, Stations,
+    Actuation, Backbone, Cable, CableCommand, Case, Disks, Material, Model, ModelKind, Problem,
+    Robot, Routing, Section, Shortening, Solution, SolveError, Statics as _, Stations,
 };
 
 fn is_finite(solution: &Solution) -> bool {
@@ -72,4 +72,49 @@ fn solve(length: f64, radius: f64, diameter: f64, young: f64, tension: f64) -> u
         }
     }
     answers
+}
+
+/// Numbers of stations and steps that no computer holds are refused, and the greatest that are taken are answered.
+#[test]
+fn as_many_stations_and_steps_as_a_computer_holds() {
+    let robot = strip();
+    let refused = |outcome: Result<Solution, SolveError>, path: &str| {
+        let Err(SolveError::Invalid(error)) = outcome else { panic!("{path}: {outcome:?}") };
+        assert!(error.to_string().starts_with(&format!("`{path}`")), "{error}");
+        assert!(matches!(error.problem, Problem::TooGreat { .. }), "{error}");
+    };
+    for kind in ModelKind::ALL {
+        let case = match kind.natural_actuation() {
+            Actuation::Shortening => Case::with_shortenings(&[Shortening::Length(0.003)]),
+            _ => Case::with_tensions(&[1.0]),
+        };
+        let at = |count| Model::new(kind, Stations::Equal(count), Actuation::Natural);
+        for count in [MOST_STATIONS + 1, usize::MAX] {
+            refused(at(count).solve(&robot, &case), "stations");
+        }
+        let many = at(20_000).solve(&robot, &case).unwrap();
+        assert_eq!(many.shape.poses.len(), 20_000, "{kind}");
+        if matches!(kind, ModelKind::Cosserat | ModelKind::CosseratDisks) {
+            for steps in [MOST_STEPS + 1, usize::MAX] {
+                refused(at(2).with_steps(steps).solve(&robot, &case), "steps");
+            }
+            let fine = at(2).with_steps(20_000).solve(&robot, &case).unwrap();
+            let apart = fine.shape.tip().position - many.shape.tip().position;
+            assert!(apart.norm() < 1e-6 * robot.backbone().length, "{kind}: {apart:?}");
+        }
+    }
+}
+
+fn strip() -> Robot {
+    let backbone = Backbone {
+        section: Some(Section::circle(0.001)),
+        material: Material {
+            young_modulus: Some(6e10),
+            poisson_ratio: Some(0.3),
+            ..Material::default()
+        },
+        ..Backbone::new(0.2)
+    };
+    let cable = Cable::new("a", Routing::Straight { angle: 1.0, radius: 0.005 });
+    Robot::new(backbone, Disks::equally_spaced(0.2, 6, 0.006), vec![cable]).unwrap()
 }
