@@ -176,7 +176,11 @@ impl Frame {
 
     /// The chords of all passages on the rod at rest.
     fn chords_at_rest(&self) -> Result<Vec<Chord>, SolveError> {
-        let mesh = self.rest_mesh()?;
+        let mesh = match self.rod.backbone().rest_curvature.is_zero() {
+            // One step is as exact as many where the rod is straight.
+            true => self.mesh(1, 0)?,
+            false => self.rest_mesh()?,
+        };
         let mut chords = Vec::with_capacity(self.passages);
         for (span, steps) in self.spans.iter().zip(&mesh.spans) {
             let first = chords.len();

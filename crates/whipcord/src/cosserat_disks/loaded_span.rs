@@ -1,6 +1,6 @@
 //! One span of the loaded chain: how it ends short of the next disk, and what it passes on to it.
 
-use whipcord_numerics::{UnitQuaternion, Vec3};
+use whipcord_numerics::{Mat3, UnitQuaternion, Vec3};
 
 use super::anchors::ChordChange;
 use super::chord::Chord;
@@ -84,6 +84,10 @@ pub(super) struct Link {
     /// Of the disk it starts from, and of the far disk relative to that one.
     rotation: UnitQuaternion,
     turn: UnitQuaternion,
+    /// From the near disk to the far one.
+    to_far: Mat3,
+    /// Whether forces follow the backbone: else the force at a cut does not change.
+    has_followers: bool,
     total_force: Vec3,
     followers: Vec3,
     applied: Vec3,
@@ -192,6 +196,8 @@ impl Link {
             factors,
             rotation,
             turn,
+            to_far: turn.conjugate().to_matrix(),
+            has_followers: task.loads.any_follower_force(),
             total_force,
             followers,
             applied,
@@ -246,11 +252,13 @@ impl Link {
     /// The change of `w` and what arrives at the next disk when the start changes.
     pub fn pass(&self, push: &Push) -> (BodyWrench, Change) {
         let Push { turn, moment, force, residual, ref own } = *push;
-        let rotation = self.rotation;
         let by_turn = |of: fn(&Answer) -> Vec3| -> Vec3 {
             (0..3).fold(Vec3::ZERO, |sum, c| sum + of(&self.by[6 + c]) * turn[c])
         };
-        let total = self.total_force.cross(turn) + rotation.conjugate().rotate(force);
+        let mut total = self.total_force.cross(turn);
+        if self.has_followers {
+            total += self.rotation.conjugate().rotate(force);
+        }
         let right = BodyWrench {
             linear: total - own.pull.linear - by_turn(|a| a.pull.linear) - residual.linear,
             angular: moment - own.pull.angular - by_turn(|a| a.pull.angular) - residual.angular,
@@ -261,13 +269,21 @@ impl Link {
                 sum + of(&self.by[c]) * change.linear[c] + of(&self.by[3 + c]) * change.angular[c]
             })
         };
-        let turned = self.turn.conjugate().rotate(turn) + all(|a| a.turn) + own.turn;
+        let turned = self.to_far * turn + all(|a| a.turn) + own.turn;
         let moment = all(|a| a.moment) + own.moment - self.applied.cross(turned);
-        let end = rotation * self.turn;
-        let force = force - rotation.rotate(turn.cross(self.followers))
-            + rotation.rotate(all(|a| a.force) + own.force)
-            - end.rotate(turned.cross(end.conjugate().rotate(self.follower)));
+        let force = match self.has_followers {
+            true => self.force_behind(turn, force, turned, all(|a| a.force) + own.force),
+            false => Vec3::ZERO,
+        };
         (change, Change { turn: turned, moment, force })
+    }
+
+    /// The change of the followers' force at the next disk.
+    fn force_behind(&self, turn: Vec3, force: Vec3, turned: Vec3, answer: Vec3) -> Vec3 {
+        let rotation = self.rotation;
+        let end = rotation * self.turn;
+        force - rotation.rotate(turn.cross(self.followers)) + rotation.rotate(answer)
+            - end.rotate(turned.cross(end.conjugate().rotate(self.follower)))
     }
 }
 

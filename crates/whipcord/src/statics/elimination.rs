@@ -12,7 +12,7 @@
 //! answers to `θ`. The product of the determinants of `C Pₖ + D` is that of the boundary value
 //! problem.
 
-use whipcord_numerics::{DenseLu, Vec3, dot};
+use whipcord_numerics::{SmallInverse, Vec3, dot};
 
 /// Sizes of the system.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,20 +36,9 @@ pub(crate) struct Elimination {
     turn: Vec<f64>,
     /// `η` and `y` of each node by `(θ, 1)`: rows of `shared + 1`.
     answers: Vec<f64>,
-    work: Work,
-    lu: DenseLu,
-    negative: bool,
-}
-
-/// Memory of one step: `C P + D`, what `η` at its end is by `y` and what both are by `(θ, 1)`, the
-/// inverse, and a column of it.
-#[derive(Clone, Debug, Default)]
-struct Work {
-    pivot: Vec<f64>,
-    first: Vec<f64>,
+    /// Memory of one step: what `η` and `y` at its end are by `(θ, 1)`.
     rest: Vec<f64>,
-    inverse: Vec<f64>,
-    unit: Vec<f64>,
+    negative: bool,
 }
 
 impl Elimination {
@@ -64,12 +53,10 @@ impl Elimination {
         self.turn.resize(3 * (size.shared + 1), 0.0);
     }
 
-    fn unit(&self, component: usize) -> f64 {
-        match component {
-            0..3 => 1.0,
-            3..6 => self.moment_unit,
-            _ => self.force_unit,
-        }
+    /// Of turn, moment and force by components.
+    const fn units(&self) -> [f64; 9] {
+        let (m, f) = (self.moment_unit, self.force_unit);
+        [1.0, 1.0, 1.0, m, m, m, f, f, f]
     }
 
     /// Eliminates one step, given by its columns (by `η`, `y`, `θ`) and its gap; `false` where
@@ -87,77 +74,95 @@ impl Elimination {
         shared: impl Iterator<Item = (usize, C)>,
         gap: &Change,
     ) -> bool {
-        let Size { cut, shared: count } = self.size;
-        let (rows, wide) = (3 + cut, count + 1);
-        let Work { mut pivot, mut first, mut rest, mut inverse, mut unit } =
-            core::mem::take(&mut self.work);
-        let mut by_start = [[0.0; 9]; 9];
-        for (j, &column) in start.iter().enumerate() {
-            let column: Change = column.into();
-            for (i, row) in by_start[..rows].iter_mut().enumerate() {
-                row[j] = column.component(i) / self.unit(i) * self.unit(j);
+        match self.size.cut {
+            3 => self.push_cut::<3, 6, C>(start, shared, gap),
+            _ => self.push_cut::<6, 9, C>(start, shared, gap),
+        }
+    }
+
+    /// The same of steps whose cut has so many components, which are so many with those of the turn.
+    fn push_cut<const CUT: usize, const ROWS: usize, C: Copy + Into<Change>>(
+        &mut self,
+        start: &[C],
+        shared: impl Iterator<Item = (usize, C)>,
+        gap: &Change,
+    ) -> bool {
+        let count = self.size.shared;
+        let wide = count + 1;
+        let units = self.units();
+        let per_unit = units.map(|unit| 1.0 / unit);
+        let mut by_start = [[0.0; ROWS]; ROWS];
+        for (j, &column) in start.iter().enumerate().take(ROWS) {
+            let components = column.into().components();
+            for (i, row) in by_start.iter_mut().enumerate() {
+                row[j] = components[i] * per_unit[i] * units[j];
             }
         }
         // Everything by (y, θ, 1) once η = P y + Q (θ, 1) is put in.
-        let by_cut = |row: usize, j: usize| {
-            let by = &by_start[row];
-            let turned: f64 = (0..3).map(|i| by[i] * self.compliance[i * cut + j]).sum();
-            turned + by[3 + j]
-        };
-        pivot.clear();
-        pivot.extend((0..cut * cut).map(|n| by_cut(3 + n / cut, n % cut)));
-        first.clear();
-        first.extend((0..3 * cut).map(|n| by_cut(n / cut, n % cut)));
+        let mut compliance = [[0.0; CUT]; 3];
+        for (row, kept) in compliance.iter_mut().zip(self.compliance.chunks_exact(CUT)) {
+            row.copy_from_slice(kept);
+        }
+        let mut by_cut = [[0.0; CUT]; ROWS];
+        for (row, by) in by_cut.iter_mut().zip(&by_start) {
+            for (j, entry) in row.iter_mut().enumerate() {
+                let [a, b, c] = compliance;
+                *entry = by[3 + j] + by[0] * a[j] + by[1] * b[j] + by[2] * c[j];
+            }
+        }
+        let mut rest = core::mem::take(&mut self.rest);
         rest.clear();
-        rest.resize(rows * wide, 0.0);
-        for (by, into) in by_start[..rows].iter().zip(rest.chunks_exact_mut(wide)) {
+        rest.resize(ROWS * wide, 0.0);
+        for (by, into) in by_start.iter().zip(rest.chunks_exact_mut(wide)) {
             add_rows(&by[..3], &self.turn, into);
         }
         let mut add = |j: usize, column: &Change| {
+            let components = column.components();
             for (i, row) in rest.chunks_exact_mut(wide).enumerate() {
-                row[j] += column.component(i) / self.unit(i);
+                row[j] += components[i] * per_unit[i];
             }
         };
         for (j, column) in shared {
             add(j, &column.into());
         }
         add(count, gap);
-        let regular = self.lu.factor(cut, &pivot).is_ok();
-        if regular {
-            self.negative ^= self.lu.is_determinant_negative();
-            inverse.clear();
-            inverse.resize(cut * cut, 0.0);
-            for j in 0..cut {
-                unit.clear();
-                unit.resize(cut, 0.0);
-                unit[j] = 1.0;
-                self.lu.solve(&mut unit);
-                for i in 0..cut {
-                    inverse[i * cut + j] = unit[i];
-                }
-            }
-            self.carry(&first, &rest, &inverse);
+        let (first, pivot) = by_cut.split_at(3);
+        let mut square = [[0.0; CUT]; CUT];
+        square.copy_from_slice(pivot);
+        let inverse = SmallInverse::of(&square);
+        if let Some(inverse) = &inverse {
+            self.negative ^= inverse.is_determinant_negative;
+            self.carry(first, &rest, &inverse.rows);
         }
-        self.work = Work { pivot, first, rest, inverse, unit };
-        regular
+        self.rest = rest;
+        inverse.is_some()
     }
 
     /// Keeps what goes back through a step, and carries `P` and `Q` across it.
-    fn carry(&mut self, first: &[f64], rest: &[f64], inverse: &[f64]) {
-        let Size { cut, shared } = self.size;
-        let wide = shared + 1;
+    #[inline(always)]
+    fn carry<const CUT: usize>(
+        &mut self,
+        first: &[[f64; CUT]],
+        rest: &[f64],
+        inverse: &[[f64; CUT]; CUT],
+    ) {
+        let wide = self.size.shared + 1;
         self.kept.extend_from_slice(&self.compliance);
         self.kept.extend_from_slice(&self.turn);
-        self.kept.extend_from_slice(inverse);
+        self.kept.extend_from_slice(inverse.as_flattened());
         let (turned, actuation) = rest.split_at(3 * wide);
         self.kept.extend_from_slice(actuation);
         self.turn.copy_from_slice(turned);
-        for (i, turn) in self.turn.chunks_exact_mut(wide).enumerate() {
-            let compliance = &mut self.compliance[i * cut..(i + 1) * cut];
-            for (j, entry) in compliance.iter_mut().enumerate() {
-                *entry = (0..cut).map(|l| first[i * cut + l] * inverse[l * cut + j]).sum();
+        let rows = self.turn.chunks_exact_mut(wide).zip(self.compliance.chunks_exact_mut(CUT));
+        for ((turn, compliance), first) in rows.zip(first) {
+            let mut by = [0.0; CUT];
+            for (first, inverse) in first.iter().zip(inverse) {
+                for (by, inverse) in by.iter_mut().zip(inverse) {
+                    *by += first * inverse;
+                }
             }
-            for (by, row) in compliance.iter().zip(actuation.chunks_exact(wide)) {
+            compliance.copy_from_slice(&by);
+            for (by, row) in by.into_iter().zip(actuation.chunks_exact(wide)) {
                 turn.iter_mut().zip(row).for_each(|(x, row)| *x -= by * row);
             }
         }
@@ -173,7 +178,7 @@ impl Elimination {
         self.answers.resize(rows * (self.steps + 1), 0.0);
         self.answers[rows * self.steps..][..3 * wide].copy_from_slice(&self.turn);
         let stride = 3 * cut + 3 * wide + cut * cut + cut * wide;
-        let rest = &mut self.work.rest;
+        let rest = &mut self.rest;
         for k in (0..self.steps).rev() {
             let kept = &self.kept[k * stride..(k + 1) * stride];
             let (compliance, kept) = kept.split_at(3 * cut);
@@ -199,10 +204,9 @@ impl Elimination {
         let wide = shared + 1;
         let rows = &self.answers[k * (3 + cut) * wide..];
         let mut values = [0.0; 9];
-        for (i, (value, row)) in
-            values.iter_mut().zip(rows.chunks_exact(wide)).take(3 + cut).enumerate()
-        {
-            *value = (dot(&row[..shared], theta) + row[shared]) * self.unit(i);
+        let rows = rows.chunks_exact(wide).zip(self.units()).take(3 + cut);
+        for (value, (row, unit)) in values.iter_mut().zip(rows) {
+            *value = (dot(&row[..shared], theta) + row[shared]) * unit;
         }
         let [turn, moment, force] =
             [0, 3, 6].map(|i| Vec3::new(values[i], values[i + 1], values[i + 2]));
@@ -213,7 +217,8 @@ impl Elimination {
     pub fn add_worth(&self, k: usize, worth: &[f64; 9], into: &mut [f64]) {
         let Size { cut, shared } = self.size;
         let (rows, wide) = (3 + cut, shared + 1);
-        let worth: [f64; 9] = core::array::from_fn(|i| worth[i] * self.unit(i));
+        let units = self.units();
+        let worth: [f64; 9] = core::array::from_fn(|i| worth[i] * units[i]);
         add_rows(&worth[..rows], &self.answers[k * rows * wide..], into);
     }
 
@@ -222,7 +227,8 @@ impl Elimination {
         let Size { cut, shared } = self.size;
         let wide = shared + 1;
         let rows = &self.answers[k * (3 + cut) * wide..];
-        let at = |i: usize| rows[i * wide + j] * self.unit(i);
+        let units = self.units();
+        let at = |i: usize| rows[i * wide + j] * units[i];
         Change {
             turn: Vec3::new(at(0), at(1), at(2)),
             moment: Vec3::new(at(3), at(4), at(5)),
@@ -260,12 +266,12 @@ pub(crate) struct Change {
 
 impl Change {
     /// Of turn, moment, force.
-    fn component(&self, i: usize) -> f64 {
-        match i {
-            0..3 => self.turn[i],
-            3..6 => self.moment[i - 3],
-            _ => self.force[i - 6],
-        }
+    #[inline(always)]
+    const fn components(&self) -> [f64; 9] {
+        let Self { turn, moment, force } = self;
+        let ([a, b, c], [d, e, f]) = (turn.to_array(), moment.to_array());
+        let [g, h, i] = force.to_array();
+        [a, b, c, d, e, f, g, h, i]
     }
 
     pub fn plus(self, f: f64, other: Self) -> Self {

@@ -74,9 +74,8 @@ pub(crate) const WEIGHTS: [f64; 3] = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
 /// `ζ′ = Σ σᵢ ζᵢ`, with `σᵢ` their slopes, and of `ζ = ζ_q`. The unknowns `ζ = R η` are rotations in the frame that the
 /// rotations of the samples are given in: there `δu = Rᵀ ζ′` exactly, however much the rod turns within a step.
 pub(crate) fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Mat3) -> Element {
-    let mut out = Element::default();
-    for (q, sample) in samples.iter().enumerate() {
-        let weight = WEIGHTS[q] * h;
+    let mut turning = [Turning::default(); 3];
+    for (q, (of, sample)) in turning.iter_mut().zip(samples).enumerate() {
         let frame = sample.rotation.to_matrix();
         let fixed = |of_body: Mat3| frame * of_body * frame.transpose();
         let push = Mat3::skew(sample.wrench.linear);
@@ -86,45 +85,45 @@ pub(crate) fn element(h: f64, samples: &[Sample], bending: impl Fn(usize) -> Mat
         let slope_turn = moment.transpose() * 0.5 - coupling.transpose() * push;
         let turn_turn = tilt(sample.strain.linear, sample.wrench.linear)
             - push.transpose() * (compliance * push);
-        let energy = Turning {
-            slope_slope: fixed(sample.tangent.reduced),
-            slope_turn: fixed(slope_turn),
-            turn_turn: fixed(turn_turn),
+        let weight = WEIGHTS[q];
+        *of = Turning {
+            slope_slope: fixed(sample.tangent.reduced) * (weight / h),
+            slope_turn: fixed(slope_turn) * weight,
+            turn_turn: fixed(turn_turn) * (weight * h),
+            metric: fixed(bending(q)) * (weight / h),
         };
-        let metric = fixed(bending(q));
-        for i in 0..3 {
-            for j in 0..3 {
-                out.energy[i][j] += energy.block(q, i, j, h) * weight;
-                out.metric[i][j] += metric * (SLOPES[q][i] * SLOPES[q][j] * weight / (h * h));
+    }
+    let mut out = Element::default();
+    for i in 0..3 {
+        for j in 0..=i {
+            let (mut energy, mut metric) = (Mat3::ZERO, Mat3::ZERO);
+            for (of, slopes) in turning.iter().zip(SLOPES) {
+                let slopes = slopes[i] * slopes[j];
+                if slopes != 0.0 {
+                    energy += of.slope_slope * slopes;
+                    metric += of.metric * slopes;
+                }
             }
+            energy += turning[j].slope_turn * SLOPES[j][i];
+            energy += turning[i].slope_turn.transpose() * SLOPES[i][j];
+            if i == j {
+                energy += turning[i].turn_turn;
+            } else {
+                (out.energy[j][i], out.metric[j][i]) = (energy.transpose(), metric.transpose());
+            }
+            (out.energy[i][j], out.metric[i][j]) = (energy, metric);
         }
     }
     out
 }
 
-/// A symmetric form of `η′` and `η` at a place.
+/// The symmetric forms of `h η′` and `η` at a sample, times its weight.
+#[derive(Clone, Copy, Debug, Default)]
 struct Turning {
     slope_slope: Mat3,
     slope_turn: Mat3,
     turn_turn: Mat3,
-}
-
-impl Turning {
-    /// The form of shape functions `i` and `j` of a step this long, at its sample `q`.
-    fn block(&self, q: usize, i: usize, j: usize, h: f64) -> Mat3 {
-        let (a, b) = (SLOPES[q][i] / h, SLOPES[q][j] / h);
-        let mut block = self.slope_slope * (a * b);
-        if j == q {
-            block += self.slope_turn * a;
-        }
-        if i == q {
-            block += self.slope_turn.transpose() * b;
-        }
-        if i == q && j == q {
-            block += self.turn_turn;
-        }
-        block
-    }
+    metric: Mat3,
 }
 
 /// The symmetric matrix of `−v·(η × (η × N)) = (v·N)|η|² − (v·η)(N·η)`.
