@@ -25,7 +25,9 @@ pub use vec3::LaneVec3;
 pub use width::Width;
 
 /// One number to each lane.
+// On a line of the cache: a vector across two is stored and loaded in two halves.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct Lanes<S: Simd> {
     simd: S,
     /// The numbers as the instruction set has them.

@@ -3,7 +3,7 @@ use core::ops::{Add, Mul, Sub};
 use pulp::Simd;
 
 use super::{LaneVec3, Lanes};
-use crate::{Pose, Vec3};
+use crate::{Pose, UnitQuaternion, Vec3};
 
 /// [`crate::Twist`] in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +78,14 @@ impl<S: Simd> LanePose<S> {
         let [w, x, y, z] = pose.rotation.wxyz();
         let v = LaneVec3::splat(simd, Vec3::new(x, y, z));
         Self { position: LaneVec3::splat(simd, pose.position), w: Lanes::splat(simd, w), v }
+    }
+
+    /// The frame in one lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(&self, lane: usize) -> Pose {
+        let rotation = UnitQuaternion { w: self.w.as_slice()[lane], v: self.v.of(lane) };
+        Pose { position: self.position.of(lane), rotation }
     }
 
     /// The exponential of SE(3) for an angle whose square is below [`Self::SERIES_LIMIT`].

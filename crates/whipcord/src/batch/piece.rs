@@ -11,7 +11,7 @@ use crate::error::SolveError;
 use crate::model::Model;
 use crate::prepared::Prepared;
 use crate::robot::limits;
-use crate::solution::{Diagnostics, NoStability, Solution, Verdict};
+use crate::solution::{Diagnostics, Solution};
 
 /// Rows that one thread takes at a time in lanes, where one takes less than a microsecond, and row by
 /// row: few enough that no thread waits long for the last one. No number depends on the threads.
@@ -144,9 +144,7 @@ impl Batch<'_> {
                 steps: answer.steps,
                 ..Diagnostics::default()
             }
-            .with_stability(
-                answer.stability.map(Verdict::of_eigenvalue).ok_or(NoStability::NotAsked),
-            );
+            .with_stability(answer.stability);
             piece.outcomes[row] = Ok(Solved { diagnostics, tensions: true });
             solved[row] = true;
         });

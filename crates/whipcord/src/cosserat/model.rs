@@ -41,7 +41,7 @@ impl Cosserat {
     /// # Errors
     /// [`SolveError::Missing`] when the robot's stiffness is not given.
     pub fn new(robot: &Robot, loads: &Loads, options: &Options) -> Result<Self, SolveError> {
-        options.stations.check(robot)?;
+        options.check(robot)?;
         let stations = options.stations.arc_lengths(robot);
         let layout = Layout::new(robot, stations, loads);
         let steps = match options.accuracy {
@@ -98,7 +98,6 @@ impl Cosserat {
     /// driven by their tensions on a section whose stiffness is diagonal.
     pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes<'_>> {
         let &Options { accuracy, stability, actuation, .. } = &self.options;
-        let stability = stability != StabilityAnalysis::Off;
         if self.robot.cables().is_empty()
             || actuation == Actuation::Shortening
             || self.has_friction()

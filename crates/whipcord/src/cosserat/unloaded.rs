@@ -5,15 +5,20 @@
 //! one pass of a Magnus integrator of order 6, the cable lengths from Gauss quadrature.
 
 use pulp::{Arch, Simd, WithSimd};
+use whipcord_numerics::lanes::{LanePose, LaneTwist, Lanes, magnus_6_exponent};
 use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
 use super::sensitivity::work;
 use super::strain_guess::Guess;
-use crate::section::Fault;
-use crate::section::{BodyWrench, Strain, Tangent, equilibrium};
+use crate::section::one_cable::OneCable;
+use crate::section::{BodyWrench, Fault, SectionFault, Strain, Tangent, equilibrium};
+use crate::solution::Verdict;
 use crate::statics::grid::Grid;
+use crate::statics::lanes::columns::{strain_of, strains_of_steps};
+use crate::statics::lanes::one_cable::LaneReduced;
 use crate::statics::lanes::run::{Known, solve_run, stability_of_run};
-use crate::statics::section_runs::SectionRun;
+use crate::statics::one_cable_table::OneCableTable;
+use crate::statics::section_runs::{SectionRun, WIDTH};
 
 /// Strains, lengths and their derivatives of a rod without load.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +34,8 @@ pub(crate) struct Unloaded {
     stretches: Vec<f64>,
     /// Of the sections of runs from their responses to the tensions.
     departures: Vec<Strain>,
+    /// In the slots of the grid's table of sections that one cable crosses, up to the first that has no answer.
+    of_one_cable: Vec<OneCable>,
 }
 
 /// [`Unloaded::sweep`] with the instructions that the processor has, to the same bits.
@@ -78,15 +85,39 @@ impl WithSimd for Integrate<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Self { grid, strains, poses } = self;
         poses.clear();
         let mut pose = Pose::IDENTITY;
         poses.push(pose);
-        for (step, strains) in grid.steps.iter().zip(strains.chunks_exact(3)) {
-            let h = step.length;
-            pose = pose * magnus_6(&[strains[0] * h, strains[1] * h, strains[2] * h]);
-            poses.push(pose);
+        let lanes = Lanes::<S>::COUNT.min(WIDTH);
+        let (strains, _) = strains.as_chunks::<3>();
+        for (steps, strains) in grid.steps.chunks(lanes).zip(strains.chunks(lanes)) {
+            // The exponentials wait for nothing: those of several steps are formed at once.
+            let mut lengths = [0.0; WIDTH];
+            for (to, step) in lengths.iter_mut().zip(steps) {
+                *to = step.length;
+            }
+            let h = Lanes::load(simd, &lengths, 0);
+            let mut twists = [
+                strains_of_steps(simd, strains, 0),
+                strains_of_steps(simd, strains, 1),
+                strains_of_steps(simd, strains, 2),
+            ];
+            for twist in &mut twists {
+                *twist = LaneTwist { linear: twist.linear * h, angular: twist.angular * h };
+            }
+            let exponent = magnus_6_exponent(&twists);
+            let turn = exponent.angular.dot(exponent.angular);
+            let moved = LanePose::exp(exponent);
+            for (lane, strains) in strains.iter().enumerate() {
+                let step = match turn.as_slice()[lane] <= LanePose::<S>::SERIES_LIMIT {
+                    true => moved.of(lane),
+                    false => magnus_6(&strains.map(|strain| strain * lengths[lane])),
+                };
+                pose = pose * step;
+                poses.push(pose);
+            }
         }
     }
 }
@@ -141,7 +172,7 @@ impl Unloaded {
         }
         let mut runs = grid.gauss.runs.iter().peekable();
         let mut guess = Guess::default();
-        let mut last_of_one = None;
+        let end_of_one_cable = self.solve_one_cable(simd, &grid.gauss.one_cable, tensions);
         let mut last_tangent = None;
         for (k, step) in grid.steps.iter().enumerate() {
             let active = &tensions[..step.active];
@@ -156,6 +187,15 @@ impl Unloaded {
                 let fault = |kind| Fault { kind, arc_length };
                 let none = BodyWrench::default();
                 let number = 3 * k + j;
+                if let Some(slot) = grid.gauss.one_cable.slot(number) {
+                    let Some(one) = self.of_one_cable.get(slot) else {
+                        return Err(fault(end_of_one_cable.unwrap_or(SectionFault::Diverged)));
+                    };
+                    self.lengths[0] += weight * one.stretch;
+                    self.length_by_tension[0] += weight * one.stretch_by_tension;
+                    self.strains[number] = one.strain;
+                    continue;
+                }
                 while runs.next_if(|run| run.nodes.end <= number).is_some() {}
                 if runs.peek().is_some_and(|run| run.nodes.contains(&number)) {
                     let strain = self.strains[number];
@@ -177,48 +217,75 @@ impl Unloaded {
                 }
                 // A section that is the same as the one before has the same answer.
                 let repeats = grid.gauss.repeats(k, j);
-                let strain = if let Some(reduced) = &grid.gauss.one_cable[3 * k + j] {
-                    let one = match last_of_one.filter(|_| repeats) {
-                        Some(one) => one,
-                        None => *last_of_one.insert(reduced.solve(active[0]).map_err(fault)?),
-                    };
-                    self.lengths[0] += weight * one.stretch;
-                    self.length_by_tension[0] += weight * one.stretch_by_tension;
-                    one.strain
+                let strain = if repeats {
+                    guess.strains[2]
                 } else {
-                    let strain = if repeats {
-                        guess.strains[2]
-                    } else {
-                        let mut strain = match warm {
-                            true => self.strains[3 * k + j],
-                            false => guess.at(arc_length).unwrap_or_else(|| section.rest_strain()),
-                        };
-                        equilibrium(section, crossings, active, none, &mut strain)
-                            .map_err(fault)?;
-                        strain
+                    let mut strain = match warm {
+                        true => self.strains[number],
+                        false => guess.at(arc_length).unwrap_or_else(|| section.rest_strain()),
                     };
-                    guess.learn(arc_length, strain);
-                    for (i, crossing) in crossings.iter().enumerate() {
-                        let (pull, stretch) = crossing.pull(&strain);
-                        self.pulls[i] = pull;
-                        self.lengths[i] += weight * stretch;
-                    }
-                    if derivatives {
-                        let tangent = match last_tangent.filter(|_| repeats) {
-                            Some(tangent) => tangent,
-                            None => *last_tangent.insert(
-                                Tangent::at(section, crossings, active, &strain).map_err(fault)?,
-                            ),
-                        };
-                        self.add_length_by_tension(cables, step.active, weight, &tangent);
-                    }
+                    equilibrium(section, crossings, active, none, &mut strain).map_err(fault)?;
                     strain
                 };
-                self.strains[3 * k + j] = strain;
+                guess.learn(arc_length, strain);
+                for (i, crossing) in crossings.iter().enumerate() {
+                    let (pull, stretch) = crossing.pull(&strain);
+                    self.pulls[i] = pull;
+                    self.lengths[i] += weight * stretch;
+                }
+                if derivatives {
+                    let tangent = match last_tangent.filter(|_| repeats) {
+                        Some(tangent) => tangent,
+                        None => *last_tangent.insert(
+                            Tangent::at(section, crossings, active, &strain).map_err(fault)?,
+                        ),
+                    };
+                    self.add_length_by_tension(cables, step.active, weight, &tangent);
+                }
+                self.strains[number] = strain;
             }
         }
         Ok(())
     }
+
+    /// The sections that one cable crosses, into [`Self::of_one_cable`] up to the first without an answer, whose fault it returns.
+    #[inline(always)]
+    fn solve_one_cable<S: Simd>(
+        &mut self,
+        simd: S,
+        table: &OneCableTable,
+        tensions: &[f64],
+    ) -> Option<SectionFault> {
+        self.of_one_cable.clear();
+        // It is the longest.
+        let &tension = tensions.first()?;
+        let lanes = Lanes::<S>::COUNT.min(WIDTH);
+        let tensions = Lanes::splat(simd, tension);
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        for slot in (0..table.count()).step_by(lanes) {
+            let at = LaneReduced::load(simd, table.rows(slot), slot % WIDTH);
+            let found = at.solve(simd, tensions);
+            let is_solved = found.is_solved.select(one, zero);
+            for lane in 0..lanes.min(table.count() - slot) {
+                if is_solved.as_slice()[lane] == 0.0 {
+                    match table.in_slot(slot + lane).solve(tension) {
+                        Ok(one) => self.of_one_cable.push(one),
+                        Err(fault) => return Some(fault),
+                    }
+                    continue;
+                }
+                self.of_one_cable.push(OneCable {
+                    strain: strain_of(&found.strain, lane),
+                    stretch: found.stretch.as_slice()[lane],
+                    stretch_by_tension: found.stretch_by_tension.as_slice()[lane],
+                });
+            }
+        }
+        None
+    }
+
+    /// Whatever the cables pull: see [`Self::stability`], which is 1 at least.
+    pub const VERDICT: Verdict = Verdict::STABLE;
 
     /// The stability of [`super::stability`] at the strains of the last sweep: without load eq. (8) is
     /// `∫ δuᵀ S δu ds` with any field `δu`, and its least value that of `δuᵀ S δu / δuᵀ K_bt δu` at a

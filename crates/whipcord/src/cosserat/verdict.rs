@@ -3,6 +3,7 @@
 use super::problem::{Problem, StabilityCheck};
 use super::scratch::Scratch;
 use super::shooting::sample;
+use super::unloaded::Unloaded;
 use crate::solution::{NoStability, Verdict};
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::Failure;
@@ -43,6 +44,9 @@ pub(super) fn stability(
         return Ok(Err(NoStability::NotAsked));
     }
     if !scratch.applied.any() {
+        if analysis == StabilityAnalysis::Verdict {
+            return Ok(Ok(Unloaded::VERDICT));
+        }
         let Scratch { unloaded, tensions, .. } = scratch;
         let least = unloaded.stability(problem.grid, tensions);
         return least

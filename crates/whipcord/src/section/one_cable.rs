@@ -32,6 +32,9 @@ pub(crate) const MAX_ITERATIONS: usize = 30;
 /// Where `‖t‖` is this close to 1, a last step of order 3 leaves an error of the order of its cube.
 pub(crate) const MET: f64 = 1e-5;
 
+/// Where `‖t‖²` is this close to 1, two terms of the series of its root leave less than rounding does.
+pub(crate) const NEAR: f64 = 2.0 * MET;
+
 /// Eq. (9) at one section: all of it that does not depend on the tension.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reduced {
@@ -111,7 +114,56 @@ impl Reduced {
         }
     }
 
-    /// The strain under this tension in N. [`super::lanes`] does the same to many at once.
+    /// So many numbers it has.
+    pub const NUMBERS: usize = 28;
+
+    /// Its numbers in order.
+    pub fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self {
+            linear,
+            angular,
+            offset,
+            radial,
+            w,
+            c,
+            size,
+            per_size,
+            mean,
+            spread,
+            skew,
+            soft,
+        } = *self;
+        let Stiffness { shear, bending } = soft;
+        let ([px, py, pz], [qx, qy, qz]) = (linear.to_array(), angular.to_array());
+        let ([rx, ry, rz], [wx, wy, wz]) = (offset.to_array(), w.to_array());
+        let ([cx, cy, cz], [sx, sy, sz]) = (c.to_array(), shear.to_array());
+        let [bx, by, bz] = bending.to_array();
+        [
+            px, py, pz, qx, qy, qz, rx, ry, rz, radial.x, radial.y, wx, wy, wz, cx, cy, cz, size,
+            per_size, mean, spread, skew, sx, sy, sz, bx, by, bz,
+        ]
+    }
+
+    /// From its numbers in order.
+    pub fn of_numbers(numbers: [f64; Self::NUMBERS]) -> Self {
+        let vector = |i: usize| Vec3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
+        Self {
+            linear: vector(0),
+            angular: vector(3),
+            offset: vector(6),
+            radial: Vec3::new(numbers[9], numbers[10], 0.0),
+            w: vector(11),
+            c: vector(14),
+            size: numbers[17],
+            per_size: numbers[18],
+            mean: numbers[19],
+            spread: numbers[20],
+            skew: numbers[21],
+            soft: Stiffness { shear: vector(22), bending: vector(25) },
+        }
+    }
+
+    /// The strain under this tension in N. [`crate::statics::lanes::one_cable`] does the same to many at once.
     #[inline(always)]
     pub fn solve(&self, tension: f64) -> Result<OneCable, SectionFault> {
         let (t, inverse, stretch) = self.root(tension)?;
@@ -145,7 +197,12 @@ impl Reduced {
             let t = w.scale(inverse);
             let squares = t.scale(t);
             let squared = squares.x + squares.y + squares.z;
-            let error = squared.sqrt() - 1.0;
+            // The root is what all else would wait for.
+            let excess = squared - 1.0;
+            let error = match excess.abs() <= NEAR {
+                true => excess * (0.5 - excess * 0.125),
+                false => squared.sqrt() - 1.0,
+            };
             if error < 0.0 && stretch <= FOLDED {
                 return Err(SectionFault::Folded { cable: 0 });
             }

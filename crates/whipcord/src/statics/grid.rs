@@ -4,6 +4,7 @@
 //! stiffness or rest curvature is given all lie between steps, never inside one, so that the
 //! integrators keep their order.
 
+use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 use whipcord_numerics::{GAUSS_3, Vec3};
@@ -14,6 +15,7 @@ use crate::robot::{Along, Robot, Route, RoutePoint};
 use crate::section::of_robot::section_at;
 use crate::section::one_cable::Reduced;
 use crate::section::{BodyWrench, CableGroup, Crossing, Section};
+use crate::statics::one_cable_table::OneCableTable;
 use crate::statics::section_runs::{Place, SectionRun};
 
 /// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_5`] evaluates.
@@ -53,7 +55,7 @@ pub(crate) struct Nodes {
     pub rest_excess: Vec<f64>,
     /// What eq. (9) at a node has beside the tension when nothing but its one cable pulls; `None` where
     /// there are more cables, or the section is not equally stiff about x and y.
-    pub one_cable: Vec<Option<Reduced>>,
+    pub one_cable: OneCableTable,
     /// Whether the section at a node, and how cables cross it, is that at the node before it: on a straight robot with straight
     /// cables one is solved for all.
     repeats: Vec<bool>,
@@ -65,14 +67,7 @@ impl Nodes {
     /// Fills [`Self::one_cable`], [`Self::repeats`] and [`Self::runs`]; `at` has the places of the nodes in a step.
     fn reduced(mut self, steps: &[Step], at: &[f64]) -> Self {
         let places = (0..steps.len()).flat_map(|k| (0..self.per_step).map(move |j| (k, j)));
-        let reduced = places.clone().map(|(k, j)| match self.at(k, j, steps[k].active) {
-            (Node { section, .. }, [crossing]) if section.isotropic => {
-                Some(Reduced::of(section, crossing, BodyWrench::default()))
-            }
-            _ => None,
-        });
-        self.one_cable = reduced.collect();
-        let repeats = places.map(|(k, j)| {
+        let repeats = places.clone().map(|(k, j)| {
             let before = match j {
                 0 => (k.checked_sub(1)?, self.per_step - 1),
                 _ => (k, j - 1),
@@ -85,6 +80,21 @@ impl Nodes {
             Some(is_fixed && node.section == last.section && crossings == last_crossings)
         });
         self.repeats = repeats.map(Option::unwrap_or_default).collect();
+        if self.cables == 0 {
+            return self;
+        }
+        let mut one_cable = OneCableTable::with_capacity(self.per_step * steps.len());
+        for (k, j) in places {
+            match self.at(k, j, steps[k].active) {
+                (Node { section, .. }, [_]) if !section.isotropic => one_cable.push_other(),
+                (_, [_]) if self.repeats(k, j) => one_cable.push_same(),
+                (Node { section, .. }, [crossing]) => {
+                    one_cable.push(&Reduced::of(section, crossing, BodyWrench::default()));
+                }
+                _ => one_cable.push_other(),
+            }
+        }
+        self.one_cable = one_cable;
         self.runs = self.side_by_side(steps, at).into();
         self
     }
@@ -96,7 +106,7 @@ impl Nodes {
             let (Node { section, .. }, crossings) = self.at(k, j, steps[k].active);
             // Where several are the same one is solved for all.
             let is_alone = !self.repeats[node] && self.repeats.get(node + 1) != Some(&true);
-            let is_one = self.one_cable[node].is_some() || crossings.is_empty();
+            let is_one = self.one_cable.slot(node).is_some() || crossings.is_empty();
             let arc_length = steps[k].start + at[j] * steps[k].length;
             (is_alone && !is_one && section.beside.is_none()).then_some(Place {
                 section,
@@ -339,11 +349,14 @@ fn share(robot: &Robot, layout: &Layout, steps: usize) -> Vec<usize> {
         layout.breakpoints.windows(2).map(|pair| effort(robot, pair[0], pair[1])).collect();
     let mut parts = vec![1_usize; effort.len()];
     let error = |i: usize, parts: usize| parts as f64 * (effort[i] / parts as f64).powi(7);
+    // The bits of numbers that are not negative have their order.
+    let rank = |i: usize, parts: usize| (error(i, parts).to_bits(), i);
+    let mut intervals: BinaryHeap<_> = (0..effort.len()).map(|i| rank(i, 1)).collect();
     for _ in effort.len()..steps {
-        let worst = (0..effort.len())
-            .max_by(|&a, &b| error(a, parts[a]).total_cmp(&error(b, parts[b])))
-            .unwrap_or(0);
-        parts[worst] += 1;
+        let Some(mut worst) = intervals.peek_mut() else { break };
+        let (_, i) = *worst;
+        parts[i] += 1;
+        *worst = rank(i, parts[i]);
     }
     parts
 }
@@ -450,7 +463,7 @@ fn nodes(
         crossings: vec![Crossing::default(); steps.len() * places.len() * cables],
         groups: Vec::new(),
         rest_excess: layout.rest_lengths.iter().map(|length| -length).collect(),
-        one_cable: Vec::new(),
+        one_cable: OneCableTable::default(),
         repeats: Vec::new(),
         runs: Arc::default(),
     };

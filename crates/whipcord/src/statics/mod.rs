@@ -11,7 +11,7 @@
 //! | `perturbation` | stable equilibria on branches off the load path, by dead moments that are taken away again |
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
-//! | `section_runs`, `lanes` | sections that are solved side by side, and how |
+//! | `section_runs`, `one_cable_table`, `lanes` | sections that are solved side by side, and how |
 //! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
 //! | `convexity` | loads so weak that there is one equilibrium, eq. (16) |
 //! | `runge_kutta` | state and stages of the integration of a rod under loads |
@@ -45,6 +45,7 @@ mod length_step;
 pub(crate) mod lengths;
 pub(crate) mod loads;
 pub(crate) mod local;
+pub(crate) mod one_cable_table;
 pub(crate) mod options;
 pub(crate) mod outcome;
 pub(crate) mod passages;

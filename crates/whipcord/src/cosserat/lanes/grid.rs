@@ -60,7 +60,7 @@ impl LaneGrid {
             }
             for j in 0..3 {
                 let (node, crossings) = grid.gauss.at(k, j, step.active);
-                let section = if let Some(reduced) = grid.gauss.one_cable[3 * k + j] {
+                let section = if let Some(reduced) = grid.gauss.one_cable.at(3 * k + j) {
                     LaneSection::One(reduced)
                 } else {
                     let arc_length = step.start + GAUSS_3.nodes[j] * step.length;

@@ -16,10 +16,13 @@ use whipcord_numerics::Pose;
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
 
 use super::prepared::Cosserat;
+use super::unloaded::Unloaded;
+use crate::solution::{NoStability, Verdict};
 use crate::statics::grid::Grid;
+use crate::statics::lanes::one_cable::LaneReduced;
+use crate::statics::options::StabilityAnalysis;
 use crate::statics::refinement::ERROR_RATIO;
 use grid::{LaneGrid, LaneSection};
-use section::one_cable;
 use stability::stability;
 
 /// A position and a quaternion.
@@ -45,8 +48,8 @@ pub(crate) struct UnloadedLanes<'a> {
 pub(crate) struct Setting {
     /// Largest estimated error of the answer in m; `None` where the steps are prescribed.
     pub tolerance: Option<f64>,
-    /// Whether the stability of the answer is computed.
-    pub stability: bool,
+    /// What is computed of the stability of the answer.
+    pub stability: StabilityAnalysis,
     /// The cable at each place in the order of the grid.
     pub order: Vec<usize>,
 }
@@ -66,8 +69,7 @@ pub(crate) struct LaneAnswer<'a> {
     pub steps: usize,
     /// Estimated, in m.
     pub discretization_error: Option<f64>,
-    /// Where it was asked for.
-    pub stability: Option<f64>,
+    pub stability: Result<Verdict, NoStability>,
 }
 
 impl LaneAnswer<'_> {
@@ -195,10 +197,11 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                     out.as_slice()[lane] <= 0.0 && error.as_slice()[lane] <= tolerance
                 };
                 if (0..rows).any(met) {
-                    let value = if setting.stability {
-                        Some(stability(simd, grid, &sweep.tensions, &sweep.strains))
-                    } else {
-                        None
+                    let eigenvalues = match setting.stability {
+                        StabilityAnalysis::Eigenvalue => {
+                            Some(stability(simd, grid, &sweep.tensions, &sweep.strains))
+                        }
+                        StabilityAnalysis::Off | StabilityAnalysis::Verdict => None,
                     };
                     for (to, from) in lengths.chunks_exact_mut(lanes).zip(&sweep.lengths) {
                         to.copy_from_slice(from.as_slice());
@@ -209,10 +212,15 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                         answer_frames = &moved;
                     }
                     for lane in (0..rows).filter(|&lane| met(lane)) {
-                        let value = value.as_ref().map(|value| value.as_slice()[lane]);
-                        if value.is_some_and(f64::is_nan) {
+                        let eigenvalue = eigenvalues.as_ref().map(|of| of.as_slice()[lane]);
+                        if eigenvalue.is_some_and(f64::is_nan) {
                             continue;
                         }
+                        let stability = match (setting.stability, eigenvalue) {
+                            (StabilityAnalysis::Off, _) => Err(NoStability::NotAsked),
+                            (_, Some(least)) => Ok(Verdict::of_eigenvalue(least)),
+                            (_, None) => Ok(Unloaded::VERDICT),
+                        };
                         take(LaneAnswer {
                             row: group * lanes + lane,
                             lanes,
@@ -223,7 +231,7 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                             lengths: &lengths,
                             steps: grid.steps.len(),
                             discretization_error: setting.tolerance.map(|_| error.as_slice()[lane]),
-                            stability: value,
+                            stability,
                         });
                     }
                 }
@@ -284,7 +292,7 @@ struct Sweep<S: Simd> {
     /// In N and m, in the order of the grid.
     tensions: Vec<Lanes<S>>,
     lengths: Vec<Lanes<S>>,
-    /// Of the cables that cross the last section.
+    /// Of the cables that cross the last section, the first of these.
     stretches: Vec<Lanes<S>>,
     /// Three to each step.
     strains: Vec<LaneTwist<S>>,
@@ -317,6 +325,8 @@ impl<S: Simd> Sweep<S> {
         lengths.clear();
         lengths.extend(grid.rest_excess.iter().map(|excess| Lanes::splat(simd, -excess)));
         let mut bad = zero;
+        stretches.resize(lengths.len(), zero);
+        let mut crossing = 0;
         let null = LaneVec3::new(zero, zero, zero);
         let mut before = [LaneTwist { linear: null, angular: null }; 3];
         let mut last = before[0];
@@ -347,12 +357,11 @@ impl<S: Simd> Sweep<S> {
             for (j, (node, twist)) in nodes.iter().zip(&mut twists).enumerate() {
                 // A section that is the same as the one before has the same answer.
                 if !node.repeats {
-                    stretches.clear();
                     match &node.section {
                         LaneSection::One(at) => {
-                            let solved;
-                            (last, solved) = one_cable(simd, at, tensions[0], stretches);
-                            bad = bad.max(solved.select(zero, one));
+                            let solved = LaneReduced::splat(simd, at).solve(simd, tensions[0]);
+                            (last, stretches[0], crossing) = (solved.strain, solved.stretch, 1);
+                            bad = bad.max(solved.is_solved.select(zero, one));
                         }
                         LaneSection::Several(at) => {
                             if node.is_first {
@@ -362,14 +371,15 @@ impl<S: Simd> Sweep<S> {
                                 last = solved.strain;
                                 bad = bad.max(solved.is_solved.select(zero, one));
                             }
-                            at.add_stretches(simd, tensions, &last, stretches);
+                            crossing = at.cables();
+                            at.stretches(simd, &last, stretches);
                         }
                     }
                 }
                 if let LaneSection::Several(_) = node.section {
                     before = [before[1], before[2], last];
                 }
-                for (length, &stretch) in lengths.iter_mut().zip(&*stretches) {
+                for (length, &stretch) in lengths.iter_mut().zip(&stretches[..crossing]) {
                     *length = *length + stretch * node.weight;
                 }
                 strains[3 * k + j] = last;

@@ -4,9 +4,8 @@ use pulp::Simd;
 use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
-use crate::section::one_cable::{self, MET, Reduced};
 use crate::section::reach;
-use crate::section::{Crossing, FOLDED, Section, Stiffness};
+use crate::section::{Crossing, Section, Stiffness};
 use crate::statics::lanes::section::{
     InLanes, LaneBare, LaneCrossing, equilibrium, reduced, response_at_rest,
 };
@@ -71,10 +70,7 @@ impl<S: Simd> InLanes<S> for Pulled<'_, S> {
 
     #[inline(always)]
     fn crossing(&self, simd: S, cable: usize) -> (LaneCrossing<S>, Lanes<S>) {
-        let Crossing { offset, slope, .. } = &self.section.crossings[cable];
-        let offset = [Lanes::splat(simd, offset.x), Lanes::splat(simd, offset.y)];
-        let crossing = LaneCrossing { offset, slope: LaneVec3::splat(simd, *slope) };
-        (crossing, self.tensions[cable])
+        (LaneCrossing::splat(simd, &self.section.crossings[cable]), self.tensions[cable])
     }
 
     #[inline(always)]
@@ -162,18 +158,11 @@ impl Several {
         Solved { strain, departure: strain - response, is_solved }
     }
 
-    /// Adds the stretches of the cables at a strain.
+    /// Writes the stretches of its cables at a strain.
     #[inline(always)]
-    pub fn add_stretches<S: Simd>(
-        &self,
-        simd: S,
-        tensions: &[Lanes<S>],
-        strain: &LaneTwist<S>,
-        stretches: &mut Vec<Lanes<S>>,
-    ) {
-        let pulled = Pulled { section: self, tensions };
-        for cable in 0..InLanes::<S>::cables(&pulled) {
-            stretches.push(pulled.crossing(simd, cable).0.stretch(strain));
+    pub fn stretches<S: Simd>(&self, simd: S, strain: &LaneTwist<S>, stretches: &mut [Lanes<S>]) {
+        for (crossing, stretch) in self.crossings.iter().zip(stretches) {
+            *stretch = LaneCrossing::splat(simd, crossing).stretch(strain);
         }
     }
 
@@ -187,63 +176,4 @@ impl Several {
     ) -> (LaneSym3<S>, LaneMask<S>) {
         reduced(&Pulled { section: self, tensions }, simd, strain)
     }
-}
-
-/// The strain of a section with one cable, [`Reduced::solve`], and in which lanes there is one; adds the stretch of the cable.
-#[inline(always)]
-pub(super) fn one_cable<S: Simd>(
-    simd: S,
-    at: &Reduced,
-    tension: Lanes<S>,
-    stretches: &mut Vec<Lanes<S>>,
-) -> (LaneTwist<S>, LaneMask<S>) {
-    let (w, c) = (LaneVec3::splat(simd, at.w), LaneVec3::splat(simd, at.c));
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let (met, folded) = (Lanes::splat(simd, MET), Lanes::splat(simd, FOLDED));
-    let size = Lanes::splat(simd, at.size);
-    let relative = tension * at.per_size;
-    let higher =
-        tension * relative * (Lanes::splat(simd, 1.5 * at.spread) - relative * 2.0 * at.skew);
-    let mut stretch = (size - tension * at.mean + higher).at_least(FOLDED);
-    let mut iteration = 0;
-    let (t, change, solved) = loop {
-        let inverse = LaneVec3::new(
-            one / (stretch + tension * c.x),
-            one / (stretch + tension * c.y),
-            one / (stretch + tension * c.z),
-        );
-        let t = w.scale(inverse);
-        let squares = t.scale(t);
-        let squared = squares.x + squares.y + squares.z;
-        let error = squared.sqrt() - 1.0;
-        let firsts = squares.scale(inverse);
-        let first = firsts.x + firsts.y + firsts.z;
-        let per_first = one / first;
-        let change = squared * per_first * error;
-        let there = error.abs().at_most(met);
-        iteration += 1;
-        if !met.below(error.abs()).any() || iteration == one_cable::MAX_ITERATIONS {
-            let bend = firsts.dot(inverse) * per_first - first;
-            // What folds has no tension left to pull the cable straight; a NaN is no answer.
-            let solved = there.and(folded.below(stretch).or(zero.at_most(error)));
-            let change = change + change * 1.5 * change * bend;
-            let factor = |x: Lanes<S>| (one - x) * (one + x * x);
-            let x = inverse * change;
-            let factors = LaneVec3::new(factor(x.x), factor(x.y), factor(x.z));
-            break (t.scale(factors), change, solved);
-        }
-        // Lanes that are there stay where they are.
-        stretch = there.select(stretch, (stretch + change).at_least(FOLDED));
-    };
-    stretches.push(stretch + change);
-    let (radial, r) = (at.radial, at.offset);
-    let pull = LaneVec3::new(t.x * radial.x - t.y * radial.y, t.x * radial.y + t.y * radial.x, t.z)
-        * tension;
-    let moment = LaneVec3::splat(simd, r).cross(pull);
-    let strain = LaneTwist {
-        linear: LaneVec3::splat(simd, at.linear) - pull.scale(LaneVec3::splat(simd, at.soft.shear)),
-        angular: LaneVec3::splat(simd, at.angular)
-            - moment.scale(LaneVec3::splat(simd, at.soft.bending)),
-    };
-    (strain, solved)
 }

@@ -2,8 +2,12 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `columns` | numbers of several sections, one in each lane |
+//! | `one_cable` | a section that one cable crosses in each lane |
 //! | `section` | a section in each lane: its equilibrium and the Hessian there |
 //! | `run` | the sections of one robot that [`super::section_runs`] puts side by side |
 
+pub(crate) mod columns;
+pub(crate) mod one_cable;
 pub(crate) mod run;
 pub(crate) mod section;

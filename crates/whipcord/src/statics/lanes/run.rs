@@ -1,9 +1,10 @@
 //! The sections of one robot beside one another, see [`crate::statics::section_runs`].
 
 use pulp::Simd;
-use whipcord_numerics::lanes::{LaneSym3, LaneTwist, LaneVec3, Lanes};
+use whipcord_numerics::lanes::{LaneSym3, LaneVec3, Lanes};
 use whipcord_numerics::{Mat3, Vec3};
 
+use super::columns::{of_columns, strain_of, strains_at};
 use super::section::{
     InLanes, LaneBare, LaneCrossing, LanePull, equilibrium, linearize, reduced, response_at_rest,
 };
@@ -223,29 +224,6 @@ pub(crate) fn linearize_run<S: Simd>(
     first.map_or(Ok(()), |node| Err((node, SectionFault::Diverged)))
 }
 
-/// The strains at nodes, one in each lane; lanes without a node repeat the last one.
-#[inline(always)]
-fn strains_at<S: Simd>(simd: S, strains: &[Strain], nodes: &[usize]) -> LaneTwist<S> {
-    let mut columns = [[0.0; WIDTH]; 6];
-    for lane in 0..Lanes::<S>::COUNT.min(WIDTH) {
-        let Strain { linear, angular } = strains[nodes[lane.min(nodes.len() - 1)]];
-        let numbers = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
-        for (column, number) in columns.iter_mut().zip(numbers) {
-            column[lane] = number;
-        }
-    }
-    of_columns(simd, &columns)
-}
-
-#[inline(always)]
-fn of_columns<S: Simd>(simd: S, columns: &[[f64; WIDTH]; 6]) -> LaneTwist<S> {
-    let load = |i: usize| Lanes::load(simd, &columns[i], 0);
-    LaneTwist {
-        linear: LaneVec3::new(load(0), load(1), load(2)),
-        angular: LaneVec3::new(load(3), load(4), load(5)),
-    }
-}
-
 #[inline(always)]
 fn matrix_of<S: Simd>([a, b, c]: &[LaneVec3<S>; 3], lane: usize) -> Mat3 {
     let (a, b, c) = (a.of(lane), b.of(lane), c.of(lane));
@@ -287,9 +265,4 @@ pub(crate) fn stability_of_run<S: Simd>(
         }
     }
     least
-}
-
-#[inline(always)]
-fn strain_of<S: Simd>(LaneTwist { linear, angular }: &LaneTwist<S>, lane: usize) -> Strain {
-    Strain { linear: linear.of(lane), angular: angular.of(lane) }
 }

@@ -4,6 +4,7 @@ use pulp::Simd;
 use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneLdlt3, LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
+use crate::section::Crossing;
 use crate::section::equilibrium::{MORE_STEPS, PART_OF_SQUARE, STEP_TOLERANCE, UNDAMPED};
 
 /// Sections in lanes, and what crosses them: one of many robots, or those of a run of one robot.
@@ -67,6 +68,13 @@ pub(crate) struct LanePull<S: Simd> {
 }
 
 impl<S: Simd> LaneCrossing<S> {
+    /// The same in each lane.
+    #[inline(always)]
+    pub fn splat(simd: S, Crossing { offset, slope, .. }: &Crossing) -> Self {
+        let offset = [Lanes::splat(simd, offset.x), Lanes::splat(simd, offset.y)];
+        Self { offset, slope: LaneVec3::splat(simd, *slope) }
+    }
+
     #[inline(always)]
     fn tangent(&self, strain: &LaneTwist<S>) -> LaneVec3<S> {
         self.moved(strain) + self.slope
