@@ -284,8 +284,13 @@ impl Unloaded {
         None
     }
 
-    /// Whatever the cables pull: see [`Self::stability`], which is 1 at least.
-    pub const VERDICT: Verdict = Verdict::STABLE;
+    /// The verdict of [`Self::stability`], which is 1 at least: the value too where it needs no computation.
+    pub fn verdict(grid: &Grid, tensions: &[f64]) -> Verdict {
+        match is_neutral_to_cables(grid, tensions) {
+            true => Verdict::of_eigenvalue(1.0),
+            false => Verdict::STABLE,
+        }
+    }
 
     /// The stability of [`super::stability`] at the strains of the last sweep: without load eq. (8) is
     /// `∫ δuᵀ S δu ds` with any field `δu`, and its least value that of `δuᵀ S δu / δuᵀ K_bt δu` at a
@@ -295,7 +300,7 @@ impl Unloaded {
     /// equations for the three of `δu` that leave its direction alone, so that it is 1 where a step
     /// has no more than one.
     pub fn stability(&self, grid: &Grid, tensions: &[f64]) -> Result<f64, Fault> {
-        if grid.steps.iter().any(|step| taut(&tensions[..step.active]) <= 1) {
+        if is_neutral_to_cables(grid, tensions) {
             return Ok(1.0);
         }
         let (mut least, mut is_definite) = (f64::INFINITY, true);
@@ -349,6 +354,11 @@ impl Unloaded {
     pub fn integrate(&self, grid: &Grid, poses: &mut Vec<Pose>) {
         integrate(grid, &self.strains, poses);
     }
+}
+
+/// Whether no more than one cable pulls at some step, where the rod can then bend without it.
+fn is_neutral_to_cables(grid: &Grid, tensions: &[f64]) -> bool {
+    grid.steps.iter().any(|step| taut(&tensions[..step.active]) <= 1)
 }
 
 /// How many of the cables are taut.

@@ -44,10 +44,10 @@ pub(super) fn stability(
         return Ok(Err(NoStability::NotAsked));
     }
     if !scratch.applied.any() {
-        if analysis == StabilityAnalysis::Verdict {
-            return Ok(Ok(Unloaded::VERDICT));
-        }
         let Scratch { unloaded, tensions, .. } = scratch;
+        if analysis == StabilityAnalysis::Verdict {
+            return Ok(Ok(Unloaded::verdict(problem.grid, tensions)));
+        }
         let least = unloaded.stability(problem.grid, tensions);
         return least
             .map(|least| Ok(Verdict::of_eigenvalue(least)))

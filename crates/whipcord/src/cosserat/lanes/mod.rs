@@ -16,14 +16,13 @@ use whipcord_numerics::Pose;
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
 
 use super::prepared::Cosserat;
-use super::unloaded::Unloaded;
 use crate::solution::{NoStability, Verdict};
 use crate::statics::grid::Grid;
 use crate::statics::lanes::one_cable::LaneReduced;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::refinement::ERROR_RATIO;
 use grid::{LaneGrid, LaneSection};
-use stability::stability;
+use stability::{several, stability};
 
 /// A position and a quaternion.
 const NUMBERS: usize = 7;
@@ -197,11 +196,14 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                     out.as_slice()[lane] <= 0.0 && error.as_slice()[lane] <= tolerance
                 };
                 if (0..rows).any(met) {
+                    // A NaN where there is none.
                     let eigenvalues = match setting.stability {
+                        StabilityAnalysis::Off => Lanes::splat(simd, f64::NAN),
+                        StabilityAnalysis::Verdict => several(simd, grid, &sweep.tensions)
+                            .select(Lanes::splat(simd, f64::NAN), Lanes::splat(simd, 1.0)),
                         StabilityAnalysis::Eigenvalue => {
-                            Some(stability(simd, grid, &sweep.tensions, &sweep.strains))
+                            stability(simd, grid, &sweep.tensions, &sweep.strains)
                         }
-                        StabilityAnalysis::Off | StabilityAnalysis::Verdict => None,
                     };
                     for (to, from) in lengths.chunks_exact_mut(lanes).zip(&sweep.lengths) {
                         to.copy_from_slice(from.as_slice());
@@ -212,14 +214,12 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                         answer_frames = &moved;
                     }
                     for lane in (0..rows).filter(|&lane| met(lane)) {
-                        let eigenvalue = eigenvalues.as_ref().map(|of| of.as_slice()[lane]);
-                        if eigenvalue.is_some_and(f64::is_nan) {
-                            continue;
-                        }
-                        let stability = match (setting.stability, eigenvalue) {
-                            (StabilityAnalysis::Off, _) => Err(NoStability::NotAsked),
-                            (_, Some(least)) => Ok(Verdict::of_eigenvalue(least)),
-                            (_, None) => Ok(Unloaded::VERDICT),
+                        let least = eigenvalues.as_slice()[lane];
+                        let stability = match setting.stability {
+                            StabilityAnalysis::Off => Err(NoStability::NotAsked),
+                            _ if !least.is_nan() => Ok(Verdict::of_eigenvalue(least)),
+                            StabilityAnalysis::Verdict => Ok(Verdict::STABLE),
+                            StabilityAnalysis::Eigenvalue => continue,
                         };
                         take(LaneAnswer {
                             row: group * lanes + lane,

@@ -2,9 +2,23 @@
 
 use pulp::Simd;
 use whipcord_numerics::Mat3;
-use whipcord_numerics::lanes::{LaneSym3, LaneTwist, Lanes};
+use whipcord_numerics::lanes::{LaneMask, LaneSym3, LaneTwist, Lanes};
 
 use super::grid::{LaneGrid, LaneSection};
+
+/// In which lanes more than one cable pulls at every step; elsewhere the stability is 1.
+#[inline(always)]
+pub(super) fn several<S: Simd>(simd: S, grid: &LaneGrid, tensions: &[Lanes<S>]) -> LaneMask<S> {
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let mut several = zero.at_most(one);
+    for &active in &grid.active {
+        let taut = tensions[..active]
+            .iter()
+            .fold(zero, |taut, &tension| taut + zero.below(tension).select(one, zero));
+        several = several.and(one.below(taut));
+    }
+    several
+}
 
 /// The stability of all lanes on one grid; a NaN where there is none.
 #[inline(always)]
@@ -14,15 +28,8 @@ pub(super) fn stability<S: Simd>(
     tensions: &[Lanes<S>],
     strains: &[LaneTwist<S>],
 ) -> Lanes<S> {
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    // Of the cables through a step: more than one, or just the bare rod's.
-    let mut several = zero.at_most(one);
-    for &active in &grid.active {
-        let taut = tensions[..active]
-            .iter()
-            .fold(zero, |taut, &tension| taut + zero.below(tension).select(one, zero));
-        several = several.and(one.below(taut));
-    }
+    let one = Lanes::splat(simd, 1.0);
+    let several = several(simd, grid, tensions);
     if !several.any() {
         return one;
     }
