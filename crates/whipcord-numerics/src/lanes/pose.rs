@@ -88,6 +88,38 @@ impl<S: Simd> LanePose<S> {
         Pose { position: self.position.of(lane), rotation }
     }
 
+    /// The same with its quaternion, which is all but one of a rotation, scaled to one.
+    #[inline(always)]
+    #[must_use]
+    pub fn unit(self) -> Self {
+        let f = -((self.w * self.w + self.v.dot(self.v)) * 0.5) + 1.5;
+        Self { position: self.position, w: self.w * f, v: self.v * f }
+    }
+
+    /// A vector turned into the frame that this one is given in.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_base(self, a: LaneVec3<S>) -> LaneVec3<S> {
+        let turned = self.v.cross(a) * 2.0;
+        a + turned * self.w + self.v.cross(turned)
+    }
+
+    /// A vector turned into this frame.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_body(self, a: LaneVec3<S>) -> LaneVec3<S> {
+        let turned = a.cross(self.v) * 2.0;
+        a + turned * self.w + turned.cross(self.v)
+    }
+
+    /// The rate of the quaternion at this angular velocity in the frame itself.
+    #[inline(always)]
+    #[must_use]
+    pub fn rate(self, angular: LaneVec3<S>) -> (Lanes<S>, LaneVec3<S>) {
+        let half = angular * 0.5;
+        (-self.v.dot(half), half * self.w + self.v.cross(half))
+    }
+
     /// The exponential of SE(3) for an angle whose square is below [`Self::SERIES_LIMIT`].
     #[inline(always)]
     #[must_use]

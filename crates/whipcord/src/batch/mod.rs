@@ -9,8 +9,8 @@
 //! or how wide the processor's vectors: the same input gives the same bits.
 //!
 //! Vectors (AVX2, AVX-512 or none, as the program finds them when it runs) carry one row in each lane
-//! where the Cosserat model has [`Rows::Tensions`], no load, and a section whose stiffness is diagonal.
-//! All else goes row by row.
+//! where the Cosserat model has [`Rows::Tensions`], a section whose stiffness is diagonal, and no load or dead forces so weak that they leave one
+//! equilibrium alone. All else goes row by row. Without load a row has the bits of a single solve; under loads it agrees with that to the residual.
 //!
 //! Threads are started only with the cargo feature `parallel`, which is off by default.
 //!

@@ -17,7 +17,7 @@ pub struct BatchOptions<'a> {
     /// Whether the rows follow a path, so that each may start from the answer before it. Pieces of
     /// [`PATH_ROWS`] rows start cold, and so does a row after one without an answer.
     pub warm_path: bool,
-    /// Solve row by row without vectors, with the same answers.
+    /// Solve row by row without vectors, with the same answers; under loads the same to the residual.
     pub no_lanes: bool,
     /// How many rows at a time the vectors carry, with the same answers.
     pub width: Width,

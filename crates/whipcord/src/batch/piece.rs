@@ -6,7 +6,7 @@ use super::options::{BatchOptions, PATH_ROWS};
 use super::rows::Rows;
 use super::run::{Tally, run};
 use crate::case::{CableCommand, Case};
-use crate::cosserat::UnloadedLanes;
+use crate::cosserat::RodLanes;
 use crate::error::SolveError;
 use crate::model::Model;
 use crate::prepared::Prepared;
@@ -38,7 +38,7 @@ struct Batch<'a> {
 
 /// The lanes that can take the rows, their tensions, and what they have in common.
 struct Lanes<'a> {
-    robot: UnloadedLanes<'a>,
+    robot: RodLanes<'a>,
     tensions: &'a [f64],
     case: &'a Case,
 }
@@ -99,15 +99,14 @@ fn lanes<'a>(
     let (Prepared::Cosserat(model, _), Rows::Tensions { values, case }) = (prepared, rows) else {
         return None;
     };
-    if options.no_lanes || options.warm_path || !case.loads.is_none() || !case.obstacles.is_empty()
-    {
+    if options.no_lanes || options.warm_path || !case.obstacles.is_empty() {
         return None;
     }
     // What is wrong with all rows each of them says by itself.
     let slack = CableCommand { tension: Some(0.0), shortening: None };
     let commands = vec![slack; model.robot().cables().len()];
     Case { commands, ..(*case).clone() }.check(model.robot()).ok()?;
-    Some(Lanes { robot: model.unloaded_lanes()?, tensions: values, case })
+    Some(Lanes { robot: model.lanes(case)?, tensions: values, case })
 }
 
 impl Batch<'_> {
@@ -140,6 +139,8 @@ impl Batch<'_> {
                 lengths[cable] = length;
             }
             let diagnostics = Diagnostics {
+                iterations: answer.iterations,
+                residual: answer.residual,
                 discretization_error: answer.discretization_error,
                 steps: answer.steps,
                 ..Diagnostics::default()

@@ -72,5 +72,5 @@ mod without_load;
 
 pub use crate::statics::options::{Accuracy, Options};
 pub use crate::statics::trace::{Stage, TraceEvent};
-pub(crate) use lanes::UnloadedLanes;
+pub(crate) use lanes::RodLanes;
 pub use prepared::{Cosserat, Workspace};

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::lanes::{Setting, UnloadedLanes};
+use super::lanes::{RodLanes, Setting};
 use super::prepared::{
     COARSE_STEPS, Cosserat, FOLD_LEVEL, MAX_REFINEMENTS, Progress, Refined, Workspace,
 };
@@ -94,13 +94,15 @@ impl Cosserat {
         self.layout.has_loads_of(loads)
     }
 
-    /// What solves many rows of tensions at once where there is no load, when the model takes that: cables
-    /// driven by their tensions on a section whose stiffness is diagonal.
-    pub(crate) fn unloaded_lanes(&self) -> Option<UnloadedLanes<'_>> {
+    /// What solves many rows of tensions under the loads and at the base of a case at once, when the model takes that: cables
+    /// driven by their tensions on a section whose stiffness is diagonal, and dead forces.
+    pub(crate) fn lanes(&self, case: &Case) -> Option<RodLanes<'_>> {
         let &Options { accuracy, stability, actuation, .. } = &self.options;
+        let is_loaded = !case.loads.is_none();
         if self.robot.cables().is_empty()
             || actuation == Actuation::Shortening
             || self.has_friction()
+            || is_loaded && stability == StabilityAnalysis::Eigenvalue
         {
             return None;
         }
@@ -109,7 +111,9 @@ impl Cosserat {
             Accuracy::Tolerance(share) => Some(share * self.robot.backbone().length),
         };
         let order = self.layout.order.clone();
-        UnloadedLanes::new(self, Setting { tolerance, stability, order })
+        let loads = is_loaded.then(|| (case.loads.clone(), case.base.rotation));
+        let residual = self.options.greatest_residual();
+        RodLanes::new(self, Setting { tolerance, stability, order, loads, residual })
     }
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.

@@ -1,27 +1,32 @@
-//! Rods without load under given tensions, as many at once as the processor's vectors have lanes.
+//! Rods under given tensions, as many at once as the processor's vectors have lanes.
 //!
-//! The same operations in the same order as [`crate::section::one_cable`], [`crate::section`] and
-//! [`super::unloaded`], so that the answers are the same to the last bit. Rows that take another branch
+//! Without load the operations are those of [`crate::section::one_cable`], [`crate::section`] and
+//! [`super::unloaded`] in the same order, so that the answers are the same to the last bit; under loads they are those of `loaded`, and the answers are
+//! the same to the residual. Rows that take another branch
 //! of the scalar code are left to it: a section that folds or takes a damped step, a step that turns by
-//! half a radian, an error of discretisation that takes grids finer than those at hand.
+//! half a radian, an error of discretisation that takes grids finer than those at hand, loads under which more than one equilibrium is not ruled out.
 
 mod grid;
+mod loaded;
 mod section;
 mod stability;
 
 use std::sync::OnceLock;
 
 use pulp::{Simd, WithSimd};
-use whipcord_numerics::Pose;
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
+use whipcord_numerics::{Pose, UnitQuaternion};
 
 use super::prepared::Cosserat;
+use crate::case::Loads;
 use crate::solution::{NoStability, Verdict};
 use crate::statics::grid::Grid;
 use crate::statics::lanes::one_cable::LaneReduced;
+use crate::statics::loads::AppliedLoads;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::refinement::ERROR_RATIO;
 use grid::{LaneGrid, LaneSection};
+use loaded::{LoadedGrid, Shots};
 use stability::{several, stability};
 
 /// A position and a quaternion.
@@ -30,12 +35,12 @@ const NUMBERS: usize = 7;
 /// The steps are halved so often in lanes; few rows need more.
 const LEVELS: usize = 6;
 
-/// A robot whose cables are driven by their tensions and which carries no load.
+/// A robot whose cables are driven by their tensions.
 #[derive(Clone, Debug)]
-pub(crate) struct UnloadedLanes<'a> {
+pub(crate) struct RodLanes<'a> {
     model: &'a Cosserat,
     /// The only grid, or the first of those with halved steps; each made when a row needs it.
-    grids: Vec<OnceLock<Option<LaneGrid>>>,
+    grids: Vec<OnceLock<Option<ReadyGrid>>>,
     setting: Setting,
     /// Which of the kept frames is that of each station, and how many are kept.
     stations: Vec<usize>,
@@ -51,6 +56,28 @@ pub(crate) struct Setting {
     pub stability: StabilityAnalysis,
     /// The cable at each place in the order of the grid.
     pub order: Vec<usize>,
+    /// The loads that all rows carry, and how the base is turned in their frame; `None` where there is none.
+    pub loads: Option<(Loads, UnitQuaternion)>,
+    /// Of an equilibrium under loads.
+    pub residual: f64,
+}
+
+/// A grid, made ready for lanes.
+#[derive(Clone, Debug)]
+enum ReadyGrid {
+    Unloaded(LaneGrid),
+    /// With the places of the kept frames.
+    Loaded(LoadedGrid, Vec<usize>),
+}
+
+impl ReadyGrid {
+    /// Steps from base to tip.
+    fn steps(&self) -> usize {
+        match self {
+            Self::Unloaded(grid) => grid.steps.len(),
+            Self::Loaded(grid, _) => grid.steps(),
+        }
+    }
 }
 
 /// A row that was solved.
@@ -66,6 +93,8 @@ pub(crate) struct LaneAnswer<'a> {
     lengths: &'a [f64],
     /// Steps from base to tip.
     pub steps: usize,
+    pub iterations: usize,
+    pub residual: f64,
     /// Estimated, in m.
     pub discretization_error: Option<f64>,
     pub stability: Result<Verdict, NoStability>,
@@ -89,8 +118,8 @@ impl LaneAnswer<'_> {
     }
 }
 
-impl<'a> UnloadedLanes<'a> {
-    /// `None` where a section's stiffness is not diagonal.
+impl<'a> RodLanes<'a> {
+    /// `None` where a section's stiffness is not diagonal, and for loads that lanes do not take.
     pub fn new(model: &'a Cosserat, setting: Setting) -> Option<Self> {
         let first = model.grid(0).ok()?;
         let kept = kept(&first, &setting);
@@ -106,10 +135,17 @@ impl<'a> UnloadedLanes<'a> {
         lanes.grid(0).is_some().then_some(lanes)
     }
 
-    fn grid(&self, level: usize) -> Option<&LaneGrid> {
+    fn grid(&self, level: usize) -> Option<&ReadyGrid> {
         let make = || {
             let grid = self.model.grid(level).ok()?;
-            LaneGrid::new(&grid, kept(&grid, &self.setting))
+            let kept = kept(&grid, &self.setting);
+            let Some((loads, base)) = &self.setting.loads else {
+                return LaneGrid::new(&grid, kept).map(ReadyGrid::Unloaded);
+            };
+            let mut applied = AppliedLoads::default();
+            applied.gather(&grid, loads, *base);
+            let length = self.model.robot().backbone().length;
+            Some(ReadyGrid::Loaded(LoadedGrid::new(&grid, applied, length)?, kept))
         };
         self.grids.get(level)?.get_or_init(make).as_ref()
     }
@@ -139,7 +175,7 @@ fn kept(grid: &Grid, setting: &Setting) -> Vec<usize> {
 }
 
 struct Solve<'a, F> {
-    robot: &'a UnloadedLanes<'a>,
+    robot: &'a RodLanes<'a>,
     base: Pose,
     tensions: &'a [f64],
     take: &'a mut F,
@@ -151,7 +187,7 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { robot, base, tensions, take } = self;
-        let UnloadedLanes { setting, stations, places, .. } = robot;
+        let RodLanes { setting, stations, places, .. } = robot;
         let places = *places;
         let lanes = Lanes::<S>::COUNT;
         let cables = setting.order.len();
@@ -162,6 +198,7 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
         let mut lengths = vec![0.0; cables * lanes];
         let mut coarse_lengths: Vec<Lanes<S>> = Vec::with_capacity(cables);
         let mut column = vec![0.0; lanes];
+        let mut of_row = Vec::with_capacity(cables);
         for (group, values) in tensions.chunks(lanes * cables).enumerate() {
             let rows = values.len() / cables;
             sweep.tensions.clear();
@@ -173,10 +210,26 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                 sweep.tensions.push(Lanes::load(simd, &column, 0));
             }
             // A lane that has its answer, or none at all, is out.
-            let mut out = Lanes::splat(simd, 0.0);
+            column.fill(0.0);
+            if let Some(ReadyGrid::Loaded(grid, _)) = robot.grid(0) {
+                for (lane, out) in column.iter_mut().enumerate().take(rows) {
+                    of_row.clear();
+                    of_row.extend(sweep.tensions.iter().map(|tension| tension.as_slice()[lane]));
+                    *out = if grid.takes(&of_row) { 0.0 } else { 1.0 };
+                }
+            }
+            let mut out = Lanes::load(simd, &column, 0);
+            if out.as_slice()[..rows].iter().all(|&out| out > 0.0) {
+                continue;
+            }
             for (level, grid) in (0..).map_while(|level| robot.grid(level)).enumerate() {
                 core::mem::swap(&mut frames, &mut coarse_frames);
-                sweep.run(grid, &mut frames);
+                match grid {
+                    ReadyGrid::Unloaded(grid) => sweep.run(grid, &mut frames),
+                    ReadyGrid::Loaded(grid, kept) => {
+                        sweep.run_loaded(grid, kept, setting.residual, &mut frames);
+                    }
+                }
                 out = out.max(sweep.bad);
                 let error = match setting.tolerance {
                     None => Some(Lanes::splat(simd, 0.0)),
@@ -197,11 +250,14 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                 };
                 if (0..rows).any(met) {
                     // A NaN where there is none.
-                    let eigenvalues = match setting.stability {
-                        StabilityAnalysis::Off => Lanes::splat(simd, f64::NAN),
-                        StabilityAnalysis::Verdict => several(simd, grid, &sweep.tensions)
-                            .select(Lanes::splat(simd, f64::NAN), Lanes::splat(simd, 1.0)),
-                        StabilityAnalysis::Eigenvalue => {
+                    let none = Lanes::splat(simd, f64::NAN);
+                    let eigenvalues = match (grid, setting.stability) {
+                        (ReadyGrid::Loaded(..), _) | (_, StabilityAnalysis::Off) => none,
+                        (ReadyGrid::Unloaded(grid), StabilityAnalysis::Verdict) => {
+                            let several = several(simd, grid, &sweep.tensions);
+                            several.select(none, Lanes::splat(simd, 1.0))
+                        }
+                        (ReadyGrid::Unloaded(grid), StabilityAnalysis::Eigenvalue) => {
                             stability(simd, grid, &sweep.tensions, &sweep.strains)
                         }
                     };
@@ -229,7 +285,9 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
                             stations,
                             order: &setting.order,
                             lengths: &lengths,
-                            steps: grid.steps.len(),
+                            steps: grid.steps(),
+                            iterations: sweep.iterations.as_slice()[lane] as usize,
+                            residual: sweep.residual.as_slice()[lane],
                             discretization_error: setting.tolerance.map(|_| error.as_slice()[lane]),
                             stability,
                         });
@@ -300,6 +358,10 @@ struct Sweep<S: Simd> {
     departures: Vec<LaneTwist<S>>,
     /// Not positive where the lane's answer is one.
     bad: Lanes<S>,
+    /// Of rods under loads.
+    shots: Shots<S>,
+    iterations: Lanes<S>,
+    residual: Lanes<S>,
 }
 
 impl<S: Simd> Sweep<S> {
@@ -313,7 +375,31 @@ impl<S: Simd> Sweep<S> {
             strains: Vec::new(),
             departures: Vec::new(),
             bad: Lanes::splat(simd, 0.0),
+            shots: Shots::new(),
+            iterations: Lanes::splat(simd, 0.0),
+            residual: Lanes::splat(simd, 0.0),
         }
+    }
+
+    /// Shapes under loads, likewise.
+    #[inline(always)]
+    fn run_loaded(&mut self, grid: &LoadedGrid, kept: &[usize], residual: f64, frames: &mut [f64]) {
+        let Self { simd, tensions, lengths, shots, .. } = self;
+        let simd = *simd;
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        lengths.clear();
+        lengths.resize(tensions.len(), zero);
+        let found = shots.solve(simd, grid, tensions, lengths, residual);
+        let slots = frames.chunks_exact_mut(NUMBERS * Lanes::<S>::COUNT);
+        for (slot, &place) in slots.zip(kept) {
+            store(&shots.poses()[place], slot);
+        }
+        let mut bad = found.is_solved.select(zero, one);
+        for length in lengths.iter() {
+            // A NaN is no answer.
+            bad = bad.max(length.where_at_most(f64::MAX, zero, one));
+        }
+        (self.bad, self.residual, self.iterations) = (bad, found.residual, found.iterations);
     }
 
     /// Sections and frames; the frames at the kept places are left as numbers × lanes for each place.

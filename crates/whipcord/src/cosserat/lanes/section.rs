@@ -7,7 +7,7 @@ use whipcord_numerics::lanes::{LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 use crate::section::reach;
 use crate::section::{Crossing, Section, Stiffness};
 use crate::statics::lanes::section::{
-    InLanes, LaneBare, LaneCrossing, equilibrium, reduced, response_at_rest,
+    InLanes, LaneBare, LaneCrossing, equilibrium, no_wrench, reduced, response_at_rest,
 };
 use crate::statics::section_runs::WaveStart;
 
@@ -42,6 +42,7 @@ pub(super) enum Guess {
 struct Pulled<'a, S: Simd> {
     section: &'a Several,
     tensions: &'a [Lanes<S>],
+    wrench: [LaneVec3<S>; 2],
 }
 
 impl<S: Simd> InLanes<S> for Pulled<'_, S> {
@@ -65,6 +66,7 @@ impl<S: Simd> InLanes<S> for Pulled<'_, S> {
             pivots: LaneVec3::splat(simd, *pivots),
             rest_curvature: LaneVec3::splat(simd, *rest_curvature),
             reach: Lanes::splat(simd, *reach),
+            wrench: self.wrench,
         }
     }
 
@@ -133,7 +135,7 @@ impl Several {
         tensions: &[Lanes<S>],
     ) -> Solved<S> {
         let [a, b, c] = *before;
-        let pulled = Pulled { section: self, tensions };
+        let pulled = Pulled { section: self, tensions, wrench: no_wrench(simd) };
         let mut response = c;
         let start = match &self.guess {
             Guess::Rest => LaneTwist {
@@ -158,12 +160,22 @@ impl Several {
         Solved { strain, departure: strain - response, is_solved }
     }
 
+    /// The strain under a wrench from another one, and in which lanes there is one.
+    #[inline(always)]
+    pub fn under<S: Simd>(
+        &self,
+        simd: S,
+        wrench: [LaneVec3<S>; 2],
+        start: LaneTwist<S>,
+        tensions: &[Lanes<S>],
+    ) -> (LaneTwist<S>, LaneMask<S>) {
+        equilibrium(&Pulled { section: self, tensions, wrench }, simd, start)
+    }
+
     /// Writes the stretches of its cables at a strain.
     #[inline(always)]
     pub fn stretches<S: Simd>(&self, simd: S, strain: &LaneTwist<S>, stretches: &mut [Lanes<S>]) {
-        for (crossing, stretch) in self.crossings.iter().zip(stretches) {
-            *stretch = LaneCrossing::splat(simd, crossing).stretch(strain);
-        }
+        self::stretches(simd, &self.crossings, strain, stretches);
     }
 
     /// Bending stiffness at a strain when forces are held, and in which lanes there is one.
@@ -174,6 +186,19 @@ impl Several {
         tensions: &[Lanes<S>],
         strain: &LaneTwist<S>,
     ) -> (LaneSym3<S>, LaneMask<S>) {
-        reduced(&Pulled { section: self, tensions }, simd, strain)
+        reduced(&Pulled { section: self, tensions, wrench: no_wrench(simd) }, simd, strain)
+    }
+}
+
+/// Writes the stretches of cables that cross like this at a strain.
+#[inline(always)]
+pub(super) fn stretches<S: Simd>(
+    simd: S,
+    crossings: &[Crossing],
+    strain: &LaneTwist<S>,
+    stretches: &mut [Lanes<S>],
+) {
+    for (crossing, stretch) in crossings.iter().zip(stretches) {
+        *stretch = LaneCrossing::splat(simd, crossing).stretch(strain);
     }
 }

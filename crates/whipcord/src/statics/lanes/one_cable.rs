@@ -4,8 +4,8 @@ use pulp::Simd;
 use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneMask, LaneTwist, LaneVec3, Lanes};
 
-use crate::section::FOLDED;
 use crate::section::one_cable::{MAX_ITERATIONS, MET, NEAR, Reduced};
+use crate::section::{Crossing, FOLDED, Section};
 use crate::statics::section_runs::Row;
 
 /// [`Reduced`] in each lane.
@@ -77,6 +77,55 @@ impl<S: Simd> LaneReduced<S> {
             skew: number(21),
             shear: vector(22),
             bending: vector(25),
+        }
+    }
+
+    /// [`Reduced::of`] the same section under a wrench in each lane.
+    #[inline(always)]
+    pub fn under(
+        simd: S,
+        section: &Section,
+        crossing: &Crossing,
+        [force, moment]: [LaneVec3<S>; 2],
+    ) -> Self {
+        let vector = |v: Vec3| LaneVec3::splat(simd, v);
+        let one = Lanes::splat(simd, 1.0);
+        let soft = section.compliance;
+        let (shear, bending) = (vector(soft.shear), vector(soft.bending));
+        let (r, slope) = (vector(crossing.offset), vector(crossing.slope));
+        let [x, y] = [crossing.radial.x, crossing.radial.y].map(|x| Lanes::splat(simd, x));
+        let linear = vector(Vec3::Z) + shear.scale(force);
+        let angular = vector(section.rest_curvature) + bending.scale(moment);
+        let free = linear + angular.cross(r) + slope;
+        let w = LaneVec3::new(free.x * x + free.y * y, free.y * x - free.x * y, free.z);
+        let squared_radius = crossing.offset.norm_squared();
+        let c = vector(Vec3::new(
+            soft.shear.x,
+            soft.shear.x + squared_radius * soft.bending.z,
+            soft.shear.z + squared_radius * soft.bending.x,
+        ));
+        let squares = w.scale(w);
+        let c_squared = c.scale(c);
+        let size_squared = squares.x + squares.y + squares.z;
+        let (size, share) = (size_squared.sqrt(), one / size_squared);
+        let mean = squares.dot(c) * share;
+        let second = squares.dot(c_squared) * share;
+        let third = squares.dot(c_squared.scale(c)) * share;
+        let mean_squared = mean * mean;
+        Self {
+            linear,
+            angular,
+            offset: r,
+            radial: [x, y],
+            w,
+            c,
+            size,
+            per_size: size * share,
+            mean,
+            spread: second - mean_squared,
+            skew: third - mean * (second * 3.0 - mean_squared * 2.0),
+            shear,
+            bending,
         }
     }
 

@@ -6,7 +6,8 @@ use whipcord_numerics::{Mat3, Vec3};
 
 use super::columns::{of_columns, strain_of, strains_at};
 use super::section::{
-    InLanes, LaneBare, LaneCrossing, LanePull, equilibrium, linearize, reduced, response_at_rest,
+    InLanes, LaneBare, LaneCrossing, LanePull, equilibrium, linearize, no_wrench, reduced,
+    response_at_rest,
 };
 use crate::section::{BodyWrench, SectionFault, Strain, equilibrium as of_section};
 use crate::statics::grid::Nodes;
@@ -65,6 +66,7 @@ impl<S: Simd> InLanes<S> for Slots<'_> {
             pivots: self.vector(simd, 6),
             rest_curvature: self.vector(simd, 9),
             reach: Lanes::load(simd, &self.rows.section[18], self.first),
+            wrench: no_wrench(simd),
         }
     }
 

@@ -33,6 +33,8 @@ pub(crate) struct LaneBare<S: Simd> {
     pub rest_curvature: LaneVec3<S>,
     /// [`crate::section::reach`].
     pub reach: Lanes<S>,
+    /// Total force and moment that act there, in the body frame.
+    pub wrench: [LaneVec3<S>; 2],
 }
 
 /// [`crate::section::Crossing`] in each lane. The offset has no z component.
@@ -65,6 +67,12 @@ pub(crate) struct LanePull<S: Simd> {
     pub linear: LaneVec3<S>,
     pub angular: LaneVec3<S>,
     pub stretch: Lanes<S>,
+}
+
+/// No force and no moment in any lane.
+#[inline(always)]
+pub(crate) fn no_wrench<S: Simd>(simd: S) -> [LaneVec3<S>; 2] {
+    [LaneVec3::splat(simd, Vec3::ZERO), LaneVec3::splat(simd, Vec3::ZERO)]
 }
 
 impl<S: Simd> LaneCrossing<S> {
@@ -242,11 +250,10 @@ fn beside_bare<S: Simd>(
     simd: S,
     strain: &LaneTwist<S>,
 ) -> (LaneVec3<S>, LaneVec3<S>) {
-    let zero = Lanes::splat(simd, 0.0);
-    let null = LaneVec3::new(zero, zero, zero);
+    let [force, moment] = bare.wrench;
     let dv = strain.linear - LaneVec3::splat(simd, Vec3::Z);
     let du = strain.angular - bare.rest_curvature;
-    (null - bare.shear.scale(dv), null - bare.bending.scale(du))
+    (force - bare.shear.scale(dv), moment - bare.bending.scale(du))
 }
 
 /// The tangent, and the force and moment that are not borne.

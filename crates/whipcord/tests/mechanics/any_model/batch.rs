@@ -174,9 +174,105 @@ fn the_bits_do_not_depend_on_threads_or_lanes() {
         for width in WIDTHS {
             same(&BatchOptions { width, ..threads(2) });
         }
-        same(&BatchOptions { no_lanes: true, ..threads(1) });
         same(&BatchOptions::default());
+        let by_row = BatchOptions { no_lanes: true, ..threads(1) };
+        if under.loads.is_none() {
+            same(&by_row);
+        } else {
+            near(&one, &solve_batch(&model, &robot, rows, &by_row).unwrap(), 1e-9);
+        }
+        // A row does not hang on those beside it.
+        let alone = &tensions[cables * 7..cables * 8];
+        let rows = Rows::Tensions { values: alone, case: &under };
+        let alone = solve_batch(&model, &robot, rows, &threads(1)).unwrap();
+        assert_eq!(alone.row(0).unwrap().unwrap(), one.row(7).unwrap().unwrap());
     }
+}
+
+/// Whether both have the same answers to a part of the length, and refuse the same rows for the same reason.
+fn near(one: &Batch, other: &Batch, part: f64) {
+    for (a, b) in one.outcomes().iter().zip(other.outcomes()) {
+        match (a, b) {
+            (Ok(a), Ok(b)) => {
+                assert_eq!(a.diagnostics.stable, b.diagnostics.stable);
+                assert_eq!(a.diagnostics.stability_absent, b.diagnostics.stability_absent);
+            }
+            (Err(a), Err(b)) => assert_eq!(a, b),
+            (a, b) => panic!("{a:?} instead of {b:?}"),
+        }
+    }
+    let numbers = |batch: &Batch| -> Vec<f64> {
+        [batch.positions(), batch.lengths(), batch.orientations(), batch.tensions()].concat()
+    };
+    let size =
+        numbers(other).iter().filter(|x| x.is_finite()).fold(0.0, |a: f64, b| a.max(b.abs()));
+    for (a, b) in numbers(one).iter().zip(&numbers(other)) {
+        assert!((a - b).abs() <= part * size || a.is_nan() && b.is_nan(), "{a} {b}");
+    }
+}
+
+/// Robots under loads from weak to strong: what lanes solve is what single solves have, to the tolerance.
+#[test]
+fn lanes_answer_under_loads_as_single_solves_do() {
+    let (mut answered, mut in_lanes) = (0, 0);
+    let wild = common::Wildness { cables: 4, tension: 2.0, ..common::Wildness::UNLOADED };
+    for (i, (robot, case)) in common::samples(common::robot(wild), 40).enumerate() {
+        let backbone =
+            Backbone { extensible: i % 5 != 0, shearable: i % 7 != 0, ..robot.backbone().clone() };
+        let robot = Robot::new(backbone, robot.disks().clone(), robot.cables().to_vec()).unwrap();
+        let most: Vec<f64> = case.commands.iter().map(|c| c.tension.unwrap()).collect();
+        let cables = most.len();
+        let tensions: Vec<f64> = noise(13 * cables)
+            .iter()
+            .enumerate()
+            .map(|(k, x)| most[k % cables] * (1.2 * x * x - 0.2).max(0.0))
+            .collect();
+        // In units of what bends the rod by a radian.
+        let length = robot.backbone().length;
+        let unit = common::bending_stiffness(&robot) / (length * length);
+        let strength = [0.01, 0.2, 0.8, 5.0][i % 4] * unit;
+        let push = strength * Vec3::new(0.6, -0.3, [-0.7, 0.7][i % 2]);
+        let loads = match i % 3 {
+            0 => Loads { tip_force: push, ..Loads::default() },
+            1 => Loads {
+                points: vec![PointLoad { at: 0.4 * length, force: push, ..PointLoad::default() }],
+                tip_force: -0.5 * push,
+                ..Loads::default()
+            },
+            _ => Loads {
+                gravity: Some(Vec3::new(0.0, 3.0, -9.0)),
+                masses: vec![whipcord::PointMass { at: 0.7 * length, mass: strength / 9.81 }],
+                ..Loads::default()
+            },
+        };
+        let turn = UnitQuaternion::exp(Vec3::new(0.3, -1.0, 0.2 * i as f64));
+        let base = Pose { position: Vec3::new(0.1, -0.2, 0.3), rotation: turn };
+        let under = Case { base, loads, ..Case::default() };
+        let rows = Rows::Tensions { values: &tensions, case: &under };
+        let (accuracy, part) = match i % 2 {
+            0 => (Accuracy::Steps(12), 1e-9),
+            _ => (Accuracy::default(), 3e-6),
+        };
+        let stability = [StabilityAnalysis::Off, StabilityAnalysis::Verdict][i / 2 % 2];
+        let model = cosserat(Options { accuracy, stability, ..Options::default() });
+        let by_row = BatchOptions { no_lanes: true, ..threads(1) };
+        let slow = solve_batch(&model, &robot, rows, &by_row).unwrap();
+        let wide = solve_batch(&model, &robot, rows, &threads(1)).unwrap();
+        near(&wide, &slow, part);
+        for width in WIDTHS {
+            let other = solve_batch(&model, &robot, rows, &BatchOptions { width, ..threads(1) });
+            assert!(other.unwrap() == wide, "{robot:?} {accuracy:?} {width:?}");
+        }
+        answered += slow.outcomes().iter().flatten().count();
+        let (a, b) = (wide.positions(), slow.positions());
+        let per_row = a.len() / wide.len();
+        let differs = |row: usize| {
+            let of = row * per_row..(row + 1) * per_row;
+            a[of.clone()].iter().zip(&b[of]).any(|(a, b)| a != b && a.is_finite())
+        };
+        in_lanes += (0..wide.len()).filter(|&row| differs(row)).count();
+    }
+    assert!(answered > 400 && in_lanes > 150, "{answered} {in_lanes}");
 }
 
 /// Bends up to where the section folds, steps that turn far, rest curvature, axes that are held, slack

@@ -420,3 +420,67 @@ fn nearly_all_robots_among_obstacles_are_solved() {
         assert!(watched <= 1e-8 && along <= ALONG, "{name}: {outcomes:?}");
     }
 }
+
+#[test]
+#[ignore = "tmp"]
+fn tmp_look() {
+    let n: usize = std::env::var("N").unwrap().parse().unwrap();
+    let by = std::env::var("BY").unwrap() == "length";
+    let solve: Solve = if by { disks_by_length } else { disks_by_tension };
+    let s = samples(scenario(), n + 1).nth(n).unwrap();
+    let case = placed(solve, &s).unwrap();
+    println!(
+        "{} disks {} cables {}",
+        s.robot.disks().arc_lengths.len(),
+        s.robot.cables().len(),
+        s.form.name()
+    );
+    let case = if by { case } else { pulled(&s.robot, &case) };
+    println!("{:?}", case.commands);
+    println!("free case {:?}", s.case.loads);
+    for free in [true, false] {
+        let mut c = case.clone();
+        if free {
+            c.obstacles.clear();
+        }
+        for parts in [1_usize, 4, 24, 96] {
+            let stations = Stations::Equal(STATIONS);
+            let model = crate::common::model_with_forces(
+                ModelKind::CosseratDisks,
+                stations,
+                if by { Actuation::Shortening } else { Actuation::Tension },
+            );
+            let mut prepared = model.prepare(&s.robot, &Loads::default()).unwrap();
+            let mut last: Option<Solution> = None;
+            for part in 1..=parts {
+                let mut step = c.clone();
+                let share = part as f64 / parts as f64;
+                for command in &mut step.commands {
+                    command.tension = command.tension.map(|t| share * t);
+                    command.shortening = command.shortening.map(|shortening| match shortening {
+                        Shortening::Fraction(f) => Shortening::Fraction(share * f),
+                        Shortening::Length(l) => Shortening::Length(share * l),
+                    });
+                }
+                match prepared.solve(&step, last.as_ref()) {
+                    Ok(sol) => {
+                        println!(
+                            "free {free} {part}/{parts}: tip {:?} stable {:?} {:?} lost {:?} contacts {} tensions {:?}",
+                            sol.shape.tip().position,
+                            sol.diagnostics.stable,
+                            sol.diagnostics.stability,
+                            sol.diagnostics.stability_lost_at,
+                            sol.contacts.len(),
+                            sol.cables.iter().map(|c| c.tension.unwrap_or(0.0)).collect::<Vec<_>>()
+                        );
+                        last = Some(sol);
+                    }
+                    Err(e) => {
+                        println!("free {free} {part}/{parts}: {e}");
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
