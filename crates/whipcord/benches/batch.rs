@@ -16,7 +16,7 @@
 //! several cables Newton's method takes one 6×6 system to a section and one more step by its factors; a quarter
 //! of the time goes by in divisions and square roots, and what does not fit the registers goes to the first-level
 //! cache and back.
-//! A loaded row is one solve of `benches/cosserat.rs`.
+//! A group of loaded rows takes some ten shots of `benches/cosserat.rs`, each in lanes.
 //!
 //! Processor time for a row in µs, on two cores of a Zen server that a dozen other programs ran on at the
 //! time (to compare with one another; nothing was measured on a quiet machine), with twelve steps and

@@ -27,7 +27,7 @@
 //! | `friction_derivatives` | exact derivatives where cables rub |
 //! | `bending_friction` | friction of the backbone against bending |
 //! | `command_changes` | derivatives by commands alone, for trials of inverse problems |
-//! | `lanes` | many unloaded rods at once |
+//! | `lanes` | many rods at once, without load or under dead forces |
 //! | `trace` | solves with a record of the iterations |
 
 mod answer;
