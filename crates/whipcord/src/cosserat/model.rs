@@ -113,7 +113,8 @@ impl Cosserat {
         let order = self.layout.order.clone();
         let loads = is_loaded.then(|| (case.loads.clone(), case.base.rotation));
         let residual = self.options.greatest_residual();
-        RodLanes::new(self, Setting { tolerance, stability, order, loads, residual })
+        let cancel = self.options.cancel.clone();
+        RodLanes::new(self, Setting { tolerance, stability, order, loads, residual, cancel })
     }
 
     /// The shape under a case, starting from the solution of a neighbouring one when given.

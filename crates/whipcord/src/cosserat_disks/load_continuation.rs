@@ -11,12 +11,13 @@ use super::problem::{Neighbour, Problem, Start};
 use super::raise::Place;
 use super::raise::Raise;
 use super::scratch::Scratch;
-use super::scratch::finish;
+use super::scratch::{copy_out, finish};
 use super::tensions::Rod;
 use super::{stability_check, unloaded};
 use crate::solution::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::continuation::SHORT_ITERATION;
+use crate::statics::lengths::Effort;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::outcome::{Failure, Found};
 use crate::statics::trace::Stage;
@@ -31,6 +32,10 @@ const SHAPES_FROM_SLACK: usize = 40;
 /// Of the tensions of a robot without load, as a part of them: the first step from nothing, and the least, which tells where they are lost.
 const FIRST_TENSION_STEP: f64 = 1.0 / 16.0;
 const LEAST_TENSION_STEP: f64 = 1.0 / 1_048_576.0;
+
+/// Of the lengths of a robot without load, as a part of the way from rest.
+const LENGTH_STEPS: ContinuationSteps =
+    ContinuationSteps { first: 0.25, least: 1e-3, after_miss: f64::INFINITY, growth: 1.0 };
 
 /// Finds the equilibrium under the loads that `scratch.applied` has gathered; the answer is left in
 /// `scratch`.
@@ -187,4 +192,34 @@ pub(super) fn raise_tensions(
         (scratch.unloaded, scratch.pulled) = kept;
     }
     raised.map_err(|Ended { reached, .. }| (reached > 0.0).then_some(reached))
+}
+
+/// A stable equilibrium without load at given lengths, instead of the one that `scratch` holds, which is not stable: the lengths are brought there from the robot
+/// at rest, each part of the way from the tensions before. `scratch` holds what it held where that does not lead there.
+pub(super) fn bring_lengths(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
+    let Scratch { unloaded, pulled, tensions, lengths, .. } = &*scratch;
+    let kept = (unloaded.clone(), pulled.clone(), tensions.clone(), lengths.clone());
+    let mut here = vec![0.0; problem.commands.len()];
+    let mut effort = Effort::default();
+    let brought = continuation(&LENGTH_STEPS, |part| {
+        let commands = problem.commands_at(part);
+        let at = Problem { commands: &commands, ..*problem };
+        let mut tensions = here.clone();
+        let converged = Rod::new(&at, scratch).converge(&mut tensions);
+        let missed = || Missed { reason: (), is_last: problem.meter.has_ended() };
+        let Effort { iterations, residual } = converged.map_err(|_| missed())?;
+        let bound = -Diagnostics::NEUTRAL;
+        if stability_check::is_above_without_load(&at, bound, scratch) != Some(true) {
+            return Err(missed());
+        }
+        effort = Effort { iterations: effort.iterations + iterations, residual };
+        here = tensions;
+        Ok(true)
+    });
+    if brought.is_ok() {
+        return Some(Rod::new(problem, scratch).finish(here, Found::with(effort)));
+    }
+    (scratch.unloaded, scratch.pulled, scratch.tensions, scratch.lengths) = kept;
+    copy_out(problem, scratch);
+    None
 }

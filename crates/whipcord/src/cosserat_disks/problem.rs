@@ -36,6 +36,17 @@ impl Problem<'_> {
         self.commands.iter().any(|command| matches!(command, Command::Length { .. }))
     }
 
+    /// The commands at a fraction of the way from the robot at rest.
+    pub fn commands_at(&self, fraction: f64) -> Vec<Command> {
+        let of_cable = |(&rest, command): (&f64, &Command)| match *command {
+            Command::Tension(tension) => Command::Tension(fraction * tension),
+            Command::Length { target, compliance } => {
+                Command::Length { target: rest + fraction * (target - rest), compliance }
+            }
+        };
+        self.frame.rest_lengths.iter().zip(self.commands).map(of_cable).collect()
+    }
+
     /// How many disks there are, the base included.
     pub fn disks(&self) -> usize {
         self.frame.spans.len() + 1

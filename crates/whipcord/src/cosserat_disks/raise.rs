@@ -94,17 +94,8 @@ impl Raise<'_> {
             .sweep(frame, mesh, &chain.pulled, unloaded::From::Nothing, false)
             .map_err(|_| None)?;
         chain.start(frame, mesh, &unloaded.wrenches, &unloaded.poses);
-        let part = |fraction: f64| -> Vec<Command> {
-            let of_cable = |(&rest, command): (&f64, &Command)| match *command {
-                Command::Tension(tension) => Command::Tension(fraction * tension),
-                Command::Length { target, compliance } => {
-                    Command::Length { target: rest + fraction * (target - rest), compliance }
-                }
-            };
-            frame.rest_lengths.iter().zip(commands).map(of_cable).collect()
-        };
         let raised = self.path(scratch, |scratch, load| {
-            let commands = part(load);
+            let commands = self.problem.commands_at(load);
             let Scratch { chain, groups, .. } = &mut *scratch;
             let mut tensions = chain.tensions.clone();
             for (tension, command) in tensions.iter_mut().zip(&commands) {

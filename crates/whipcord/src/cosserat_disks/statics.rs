@@ -55,6 +55,11 @@ pub(super) fn solve(
     if stability_check::is_above_without_load(problem, bound, scratch) != Some(false) {
         return Ok(found);
     }
+    if problem.by_length()
+        && let Some(found) = load_continuation::bring_lengths(problem, scratch)
+    {
+        return Ok(found);
+    }
     match load_continuation::raise_tensions(problem, scratch) {
         Ok(()) if !problem.by_length() => {
             let mut rod = Rod::new(problem, scratch);

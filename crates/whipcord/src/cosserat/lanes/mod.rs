@@ -18,6 +18,7 @@ use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magn
 use whipcord_numerics::{Pose, UnitQuaternion};
 
 use super::prepared::Cosserat;
+use crate::cancel::Cancel;
 use crate::case::Loads;
 use crate::solution::{NoStability, Verdict};
 use crate::statics::grid::Grid;
@@ -60,6 +61,8 @@ pub(crate) struct Setting {
     pub loads: Option<(Loads, UnitQuaternion)>,
     /// Of an equilibrium under loads.
     pub residual: f64,
+    /// Where it is set, no further rows are solved.
+    pub cancel: Cancel,
 }
 
 /// A grid, made ready for lanes.
@@ -200,6 +203,9 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
         let mut column = vec![0.0; lanes];
         let mut of_row = Vec::with_capacity(cables);
         for (group, values) in tensions.chunks(lanes * cables).enumerate() {
+            if setting.cancel.is_cancelled() {
+                return;
+            }
             let rows = values.len() / cables;
             sweep.tensions.clear();
             for &cable in &setting.order {

@@ -354,6 +354,23 @@ fn what_small_steps_lead_to_is_found_at_once() {
     }
 }
 
+/// Lengths that are brought to the given ones in steps, each from the answer before, lead through stable shapes, and all at once to one that is not: the answer is the
+/// stable one.
+#[test]
+fn lengths_at_once_lead_where_they_lead_in_steps() {
+    let scenario = samples(scenario(), 890).last().unwrap();
+    let Scenario { robot, case, .. } = &scenario;
+    let at_once = disks_by_length(robot, case).unwrap();
+    assert_eq!(at_once.diagnostics.stable, Some(true));
+    let kind = ModelKind::CosseratDisks;
+    let in_steps = solved_otherwise(kind, Finer::Steps(24), robot, case).unwrap().unwrap();
+    let apart = at_once.shape.distances(&in_steps.shape).fold(0.0, f64::max);
+    assert!(apart < 1e-5 * robot.backbone().length, "{apart}");
+    // One cable is slack, and the other bears an eighth of what the unstable shape takes.
+    let tensions: Vec<f64> = at_once.cables.iter().map(|cable| cable.tension.unwrap()).collect();
+    assert!((tensions[0] - 10.46).abs() < 0.01 && tensions[1] == 0.0, "{tensions:?}");
+}
+
 /// A robot of the study that is pulled into a coil, and that has no stable shape on finer steps without obstacles either.
 #[test]
 fn what_has_no_stable_shape_without_obstacles_is_told() {
