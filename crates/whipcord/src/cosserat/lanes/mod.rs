@@ -70,7 +70,7 @@ pub(crate) struct Setting {
 enum ReadyGrid {
     Unloaded(LaneGrid),
     /// With the places of the kept frames.
-    Loaded(LoadedGrid, Vec<usize>),
+    Loaded(Box<LoadedGrid>, Vec<usize>),
 }
 
 impl ReadyGrid {
@@ -148,7 +148,8 @@ impl<'a> RodLanes<'a> {
             let mut applied = AppliedLoads::default();
             applied.gather(&grid, loads, *base);
             let length = self.model.robot().backbone().length;
-            Some(ReadyGrid::Loaded(LoadedGrid::new(&grid, applied, length)?, kept))
+            let ready = LoadedGrid::new(&grid, applied, length)?;
+            Some(ReadyGrid::Loaded(Box::new(ready), kept))
         };
         self.grids.get(level)?.get_or_init(make).as_ref()
     }
