@@ -76,7 +76,8 @@ def test_rows_with_their_own_parameters_are_those_of_their_own_robots() -> None:
     tips = np.asarray(jax.vmap(lambda v: solve(TENSION, v).tip)(values))
     for tip, value in zip(tips, values):
         robot = case.with_parameters(dict(zip(PATHS, value.tolist())))
-        assert (tip == robot.solve(tension=TENSION).tip).all()
+        # Batches under load agree with single solves to the residual and the error of the steps.
+        assert np.allclose(tip, robot.solve(tension=TENSION).tip, rtol=0, atol=1e-9)
     grid = solve(TENSION * np.ones((5, 1, 3)), values)
     assert grid.position.shape == (5, 4, 11, 3)
     assert (np.asarray(grid.tip[3]) == tips).all()
