@@ -1,5 +1,6 @@
 """The documentation site: `make docs` builds it into target/docs."""
 
+import os
 import re
 import sys
 from importlib.metadata import version as installed_version
@@ -25,6 +26,9 @@ extensions = [
 ]
 exclude_patterns = ["images", "_extensions", "_pictures", "_static"]
 source_suffix = {".md": "myst-nb"}
+
+# The output of a command arrives in pieces, and one that ends within a code for bold type cannot be read.
+os.environ["NO_COLOR"] = "1"
 
 # Tutorials are run whenever the site is built; what fails in one fails the build.
 nb_execution_mode = "auto"
