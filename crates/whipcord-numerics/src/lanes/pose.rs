@@ -142,12 +142,10 @@ impl<S: Simd> LanePose<S> {
     #[inline(always)]
     #[must_use]
     pub fn then(self, b: Self) -> Self {
-        let turned = self.v.cross(b.position) * 2.0;
-        let rotated = b.position + turned * self.w + self.v.cross(turned);
+        let position = self.position + self.to_base(b.position);
         let w = self.w * b.w - self.v.dot(b.v);
         let v = b.v * self.w + self.v * b.w + self.v.cross(b.v);
-        let f = -((w * w + v.dot(v)) * 0.5) + 1.5;
-        Self { position: self.position + rotated, w: w * f, v: v * f }
+        Self { position, w, v }.unit()
     }
 }
 

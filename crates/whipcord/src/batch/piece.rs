@@ -16,6 +16,8 @@ use crate::solution::{Diagnostics, Solution};
 /// Rows that one thread takes at a time in lanes, where one takes less than a microsecond, and row by
 /// row: few enough that no thread waits long for the last one. No number depends on the threads.
 const LANE_ROWS: usize = 256;
+/// The same under loads, where a row takes some microseconds in lanes and, where these do not take it, as long as by itself.
+const LOADED_LANE_ROWS: usize = 32;
 const SINGLE_ROWS: usize = 16;
 
 /// A piece of the batch: its rows and where their answers go.
@@ -65,7 +67,8 @@ pub(super) fn solve_rows(
     let lanes = lanes(prepared, rows, options);
     let size = match (&lanes, options.warm_path) {
         (_, true) => PATH_ROWS,
-        (Some(_), _) => LANE_ROWS,
+        (Some(lanes), _) if lanes.case.loads.is_none() => LANE_ROWS,
+        (Some(_), _) => LOADED_LANE_ROWS,
         (None, _) => SINGLE_ROWS,
     };
     let mut pieces = Vec::with_capacity(count.div_ceil(size));

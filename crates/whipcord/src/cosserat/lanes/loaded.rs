@@ -157,8 +157,9 @@ impl<S: Simd> Shots<S> {
         let enough = Lanes::splat(simd, residual);
         let size = |left: LaneVec3<S>, moment: LaneVec3<S>| left.norm() / (scale + moment.norm());
         let mut worst = size(left, moment);
-        let mut running = is_shot.and(enough.below(worst));
-        let mut is_solved = is_shot.and(worst.at_most(enough));
+        // Every lane takes a step: those that are there already still have the strains of the last difference.
+        let mut running = is_shot;
+        let mut is_solved = zero.below(zero);
         let (one, mut iterations) = (Lanes::splat(simd, 1.0), zero);
         for _ in 0..MOST_SHOTS {
             if !running.any() {
@@ -187,10 +188,7 @@ impl<S: Simd> Shots<S> {
             is_solved = is_solved.or(running.and(met));
             running = running.and(enough.below(worst));
         }
-        // Lanes that were there stayed, so that the last shot holds the shapes of all of them.
-        if !zero.below(iterations).any() {
-            self.shoot(simd, of, tensions, (1.0, moment), all);
-        }
+        // Lanes that were there kept their strains, so that the last shot holds the shapes of all of them.
         self.measure(simd, of, lengths);
         Found { is_solved, residual: worst, iterations }
     }

@@ -211,6 +211,26 @@ fn near(one: &Batch, other: &Batch, part: f64) {
     }
 }
 
+/// A straight rod that is pulled along its axis is in equilibrium from the start; beside it others are not.
+#[test]
+fn a_row_that_is_there_at_once_has_its_own_shape() {
+    let robot = robot(3);
+    let loads = Loads { tip_force: Vec3::new(0.0, 0.0, 0.05), ..Loads::default() };
+    let under = Case { loads, ..Case::default() };
+    let tensions = [0.0, 0.0, 0.0, 0.9, 0.1, 0.4, 0.0, 0.0, 0.0, 0.2, 0.7, 0.0];
+    let model = cosserat(quick());
+    let solve = |values: &[f64], options: &BatchOptions<'_>| {
+        solve_batch(&model, &robot, Rows::Tensions { values, case: &under }, options).unwrap()
+    };
+    let all = solve(&tensions, &threads(1));
+    let by_row = BatchOptions { no_lanes: true, ..threads(1) };
+    near(&all, &solve(&tensions, &by_row), 1e-9);
+    for (row, values) in tensions.chunks(3).enumerate() {
+        let alone = solve(values, &threads(1));
+        assert_eq!(alone.row(0).unwrap().unwrap(), all.row(row).unwrap().unwrap());
+    }
+}
+
 /// Robots under loads from weak to strong: what lanes solve is what single solves have, to the tolerance.
 #[test]
 fn lanes_answer_under_loads_as_single_solves_do() {
