@@ -96,7 +96,7 @@ impl Prepared {
     }
 
     /// Whether it is proven that the robot has one equilibrium only under a case, so that whatever a solve starts from leads to the same answer:
-    /// where a Cosserat rod without friction and obstacles bears dead forces that are weak for its stiffness, eq. (16) of its page, or no load. Of cables that are driven by their
+    /// where a Cosserat rod without friction and obstacles bears dead loads that are weak for its stiffness, eq. (16) of its page, or no load. Of cables that are driven by their
     /// lengths `greatest` are the tensions in N, by cables of the robot, up to which there is one equilibrium; those of others do not count. `false` is no statement.
     ///
     /// # Errors

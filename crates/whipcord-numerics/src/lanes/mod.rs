@@ -166,6 +166,13 @@ impl<S: Simd> LaneMask<S> {
         then.with(self.simd.select_f64s(self.value, then.value, otherwise.value))
     }
 
+    /// Whether every lane is chosen.
+    #[inline(always)]
+    #[must_use]
+    pub fn all(self) -> bool {
+        self.simd.first_true_m64s(self.simd.not_m64s(self.value)) >= Lanes::<S>::COUNT
+    }
+
     /// Whether any lane is chosen.
     #[inline(always)]
     #[must_use]

@@ -112,6 +112,25 @@ impl<S: Simd> LanePose<S> {
         a + turned * self.w + turned.cross(self.v)
     }
 
+    /// [`UnitQuaternion::log`] of the rotation from another frame to this one, where its series is exact to rounding in each lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn turn_from(&self, from: &Self) -> Option<LaneVec3<S>> {
+        let w = from.w * self.w + from.v.dot(self.v);
+        let v = self.v * from.w - from.v * self.w - from.v.cross(self.v);
+        let zero = w * 0.0;
+        let squared = v.dot(v);
+        if !squared.below(zero + UnitQuaternion::LOG_SERIES_LIMIT).all() {
+            return None;
+        }
+        let norm = squared + w * w;
+        let x = squared * ((zero + 1.0) / norm);
+        let [first, rest @ ..] = UnitQuaternion::LOG_SERIES;
+        let series = horner(x, first, rest);
+        let factor = series * ((zero + 2.0) / norm.sqrt());
+        Some(v * w.below(zero).select(-factor, factor))
+    }
+
     /// The rate of the quaternion at this angular velocity in the frame itself.
     #[inline(always)]
     #[must_use]

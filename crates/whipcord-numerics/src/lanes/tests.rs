@@ -1,7 +1,7 @@
 use pulp::WithSimd;
 
 use super::*;
-use crate::{Mat3, Pose, Twist, Vec3, magnus_6};
+use crate::{Mat3, Pose, Twist, UnitQuaternion, Vec3, magnus_6};
 
 /// Twists whose parts are between -0.2 and 0.2.
 fn twists(count: usize) -> Vec<[Twist; 3]> {
@@ -136,5 +136,58 @@ fn widths_are_those_of_the_processor() {
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx512f") {
         assert_eq!([Width::Avx2.lanes(), Width::Widest.lanes()], [4, 8]);
+    }
+}
+
+struct Turns<'a>(&'a [Pose]);
+
+impl WithSimd for Turns<'_> {
+    type Output = Vec<Option<Vec3>>;
+
+    /// From each to the next, in groups of as many as there are lanes.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let mut out = Vec::new();
+        let lanes = Lanes::<S>::COUNT;
+        for first in (0..self.0.len() - 1).step_by(lanes).take_while(|at| at + lanes < self.0.len())
+        {
+            let pose = |first: usize| {
+                let of = |f: &dyn Fn(&Pose) -> f64| {
+                    let values: Vec<f64> = self.0[first..first + lanes].iter().map(f).collect();
+                    Lanes::load(simd, &values, 0)
+                };
+                let v = LaneVec3::new(
+                    of(&|pose| pose.rotation.v.x),
+                    of(&|pose| pose.rotation.v.y),
+                    of(&|pose| pose.rotation.v.z),
+                );
+                let w = of(&|pose| pose.rotation.w);
+                LanePose { position: LaneVec3::splat(simd, Vec3::ZERO), w, v }
+            };
+            let turn = pose(first + 1).turn_from(&pose(first));
+            out.extend((0..lanes).map(|lane| turn.map(|turn| turn.of(lane))));
+        }
+        out
+    }
+}
+
+#[test]
+fn a_small_turn_between_frames_in_lanes_is_that_of_scalars() {
+    let turned = |k: usize, scale: f64| {
+        let axis = Vec3::new((0.7 * k as f64).sin(), 0.3, (1.3 * k as f64).cos());
+        let rotation = UnitQuaternion::exp(axis * (scale * k as f64));
+        Pose { position: Vec3::ZERO, rotation }
+    };
+    let poses: Vec<Pose> = (0..65).map(|k| turned(k, 4e-4)).collect();
+    for width in [Width::Widest, Width::Avx2, Width::One] {
+        let turns = width.dispatch(Turns(&poses));
+        assert_eq!(turns.len(), 64);
+        for (pair, turn) in poses.windows(2).zip(turns) {
+            let expected = (pair[0].rotation.conjugate() * pair[1].rotation).log();
+            assert!((turn.unwrap() - expected).max_abs() < 1e-15, "{width:?}");
+        }
+        // The arcsine's series does not reach so far.
+        let far: Vec<Pose> = (0..9).map(|k| turned(k, 0.3)).collect();
+        assert!(width.dispatch(Turns(&far)).iter().any(Option::is_none));
     }
 }

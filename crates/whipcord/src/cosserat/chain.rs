@@ -6,15 +6,18 @@
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
 //! the step is then at right angles to a given direction ([`crate::statics::path`]).
 
-use whipcord_numerics::{Equations, NewtonOptions, Pose, Vec3, newton};
+use whipcord_numerics::{Equations, Mat3, NewtonOptions, Pose, Vec3, newton};
 
 use super::loaded::{Target, Trajectory};
 use super::problem::Problem;
-use super::sensitivity::{Column, Sensitivity, Tensions, Unknowns};
-use super::state::{Direction, State, weight};
+use super::sensitivity::{BY_GAPS, Column, Sensitivity, Tensions, Unknowns};
+use super::state::{Direction, Node, State, weight};
+use super::step_lanes::StepEnd;
 use crate::budget::Meter;
 use crate::derivatives::StepGap;
+use crate::section::lanes::{Lane, LaneVec};
 use crate::section::{Fault, step_tolerance};
+use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination, Size};
 use crate::statics::grid::Grid;
@@ -22,6 +25,7 @@ use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Open;
 use crate::statics::path::state::{Part as _, PartChange as _};
 use crate::statics::path::{self, pattern};
+use crate::statics::quadratic_form::Sample;
 use crate::statics::scales::Scales;
 use crate::statics::shared_unknowns::{Cables, SharedUnknowns};
 use crate::statics::trace::Trace;
@@ -43,6 +47,8 @@ pub(super) struct Chain {
     pub(super) elimination: Elimination,
     pub(super) sensitivity: Sensitivity,
     shared: SharedUnknowns,
+    /// Three to each step, of which the middle is kept up to date, where a step is solved from the base.
+    middles: Vec<Sample>,
 }
 
 /// How a step ends short of the next node.
@@ -93,11 +99,20 @@ const NEWTON: NewtonOptions = NewtonOptions {
     trusted: 0,
 };
 
+/// How the linear system of a step is solved.
+#[derive(Clone, Copy)]
+enum LinearSolve<'a> {
+    /// By elimination from the base, with what all steps share.
+    Elimination(Step<'a>),
+    /// By columns that the moment at the base drives: where loads are weak, cables have their tensions and nothing follows.
+    FromBase,
+}
+
 /// A chain whose gaps are closed.
 struct Shooting<'a> {
     chain: &'a mut Chain,
     task: &'a Task<'a>,
-    by: Step<'a>,
+    by: LinearSolve<'a>,
     trajectory: &'a mut Trajectory,
     trace: &'a mut Trace,
 }
@@ -106,13 +121,20 @@ impl Equations for Shooting<'_> {
     type Fault = Fault;
 
     fn residual(&mut self) -> Result<f64, Fault> {
-        self.chain.shoot(self.task, self.trajectory)
+        self.chain.shoot_unsampled(self.task, self.trajectory)
     }
 
     fn step(&mut self, _fresh: bool) -> Option<f64> {
         let Self { chain, task, .. } = self;
         task.meter.iterate();
-        if !chain.solve_step(task, self.by, self.trajectory) {
+        let is_solved = match self.by {
+            LinearSolve::FromBase => chain.solve_from_base(task, self.trajectory),
+            LinearSolve::Elimination(by) => {
+                chain.sample(task, self.trajectory).ok()?;
+                chain.solve_step(task, by, self.trajectory)
+            }
+        };
+        if !is_solved {
             return None;
         }
         core::mem::swap(&mut chain.kept, &mut chain.state);
@@ -146,6 +168,33 @@ impl Chain {
         trace: &mut Trace,
     ) -> Result<(usize, f64), Open> {
         let by = across.map_or(Step::Close, Step::Across);
+        let solved = self.solve(task, LinearSolve::Elimination(by), trajectory, trace)?;
+        match self.sample(task, trajectory) {
+            Ok(()) => Ok(solved),
+            Err(fault) => {
+                Err(Open { iterations: solved.0, gap: f64::INFINITY, fault: Some(fault) })
+            }
+        }
+    }
+
+    /// [`Self::newton`] at its load for weak dead loads and cables that are driven by their tensions, where lanes take the steps; the shot has the strains
+    /// of the answer, and [`Self::sample`] takes its samples.
+    pub fn close_from_base(
+        &mut self,
+        task: &Task<'_>,
+        trajectory: &mut Trajectory,
+        trace: &mut Trace,
+    ) -> Result<(usize, f64), Open> {
+        self.solve(task, LinearSolve::FromBase, trajectory, trace)
+    }
+
+    fn solve(
+        &mut self,
+        task: &Task<'_>,
+        by: LinearSolve<'_>,
+        trajectory: &mut Trajectory,
+        trace: &mut Trace,
+    ) -> Result<(usize, f64), Open> {
         let options = NewtonOptions { tolerance: task.tolerance, ..NEWTON };
         let solved = newton(&mut Shooting { chain: self, task, by, trajectory, trace }, &options)?;
         Ok((solved.iterations, solved.residual))
@@ -199,7 +248,91 @@ impl Chain {
 
     /// Shoots every step from its node; the greatest gap.
     pub fn shoot(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<f64, Fault> {
-        self.shoot_through(task, trajectory, true, |_| false)
+        let greatest = self.shoot_unsampled(task, trajectory)?;
+        self.sample(task, trajectory)?;
+        Ok(greatest)
+    }
+
+    /// [`Self::shoot`] without samples where lanes take the steps.
+    pub fn shoot_unsampled(
+        &mut self,
+        task: &Task<'_>,
+        trajectory: &mut Trajectory,
+    ) -> Result<f64, Fault> {
+        if !trajectory.shoot_steps(task.grid, task.loads, &self.target(task), &self.state.nodes) {
+            return self.shoot_through(task, trajectory, true, |_| false);
+        }
+        task.meter.integrate(task.grid.len());
+        self.gaps.clear();
+        let scales = Scales::of(task.grid, task.length);
+        let mut greatest: f64 = 0.0;
+        for k in 0..task.grid.len() {
+            let end = trajectory.in_lanes.ends[k];
+            let change = self.change(task, k, &end);
+            greatest = greatest.max(size(&change, &self.state.nodes[k + 1], &scales));
+            self.gaps.push(Gap { change, end: end.pose });
+        }
+        Ok(greatest.max(self.lengths_left(task, trajectory, &scales)))
+    }
+
+    /// Takes the samples of the last shot, unless it has them.
+    pub fn sample(&self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<(), Fault> {
+        if !trajectory.samples.is_empty() {
+            return Ok(());
+        }
+        trajectory.sample_steps(task.grid, &self.target(task))
+    }
+
+    /// What the steps are shot at.
+    fn target(&self, task: &Task<'_>) -> Target<'_> {
+        let State { tensions: even, load, .. } = &self.state;
+        let (tensions, per_node) = match self.varying.is_empty() {
+            true => (even, 0),
+            false => (&self.varying, even.len()),
+        };
+        Target {
+            tensions,
+            per_node,
+            base_moment: Vec3::ZERO,
+            follower_force: Vec3::ZERO,
+            load: *load,
+            sample: true,
+            step_tolerance: step_tolerance(task.tolerance),
+        }
+    }
+
+    /// How step `k`, which ends like this, misses the next node.
+    fn change(&self, task: &Task<'_>, k: usize, end: &StepEnd) -> Change {
+        let (next, load) = (&self.state.nodes[k + 1], self.state.load);
+        let StepEnd { pose, turn, mut moment, mut force } = *end;
+        let dead = task.loads.moment(k + 1);
+        if dead != Vec3::ZERO {
+            moment -= load * pose.rotation.conjugate().rotate(dead);
+        }
+        let follower = task.loads.follower(k + 1);
+        if *follower != Wrench::default() {
+            moment -= load * follower.moment;
+            force -= load * pose.rotation.rotate(follower.force);
+        }
+        Change { turn, moment: moment - next.moment, force: force - next.force }
+    }
+
+    /// What the commands of lengths leave open.
+    fn lengths_left(&self, task: &Task<'_>, trajectory: &mut Trajectory, scales: &Scales) -> f64 {
+        let mut greatest: f64 = 0.0;
+        if task.commands.iter().any(Command::is_length) {
+            trajectory.measure(task.grid);
+            for (i, command) in task.commands.iter().enumerate() {
+                let left = command.complementarity_residual(
+                    i,
+                    &self.state.tensions,
+                    &trajectory.lengths,
+                    scales.of_cables(),
+                );
+                greatest = if left.is_nan() { f64::INFINITY } else { greatest.max(left) };
+            }
+        }
+        greatest
     }
 
     /// [`Chain::shoot`], with these nodes put to where the steps before them end; not the last one, whose gap is the condition at
@@ -216,60 +349,22 @@ impl Chain {
         trajectory.samples.clear();
         self.gaps.clear();
         let mut greatest: f64 = 0.0;
-        let State { nodes, tensions: even, load } = &mut self.state;
-        let (tensions, per_node) = match self.varying.is_empty() {
-            true => (&*even, 0),
-            false => (&self.varying, even.len()),
-        };
         for k in 0..task.grid.len() {
-            let (start, next) = (nodes[k], nodes[k + 1]);
+            let (start, next) = (self.state.nodes[k], self.state.nodes[k + 1]);
             let moment = start.rotation.rotate(start.moment);
-            let target = Target {
-                tensions,
-                per_node,
-                base_moment: Vec3::ZERO,
-                follower_force: start.force,
-                load: *load,
-                sample,
-                step_tolerance: step_tolerance(task.tolerance),
-            };
-            let (end, cut) =
+            let target = Target { follower_force: start.force, sample, ..self.target(task) };
+            let (pose, cut) =
                 trajectory.shoot_step(task.grid, task.loads, &target, k, start.rotation, moment)?;
-            let to_body = end.rotation.conjugate();
-            let follower = task.loads.follower(k + 1);
-            let applied = to_body.rotate(task.loads.moment(k + 1)) + follower.moment;
-            let force = cut.force - *load * end.rotation.rotate(follower.force);
-            let mut change = Change {
-                turn: (next.rotation.conjugate() * end.rotation).log(),
-                moment: to_body.rotate(cut.moment) - *load * applied - next.moment,
-                force: force - next.force,
-            };
+            let end = StepEnd::of(pose, cut, next.rotation);
+            let mut change = self.change(task, k, &end);
             if k + 1 < task.grid.len() && is_free(k + 1) {
-                nodes[k + 1] = next.stepped(1.0, &change);
+                self.state.nodes[k + 1] = next.stepped(1.0, &change);
                 change = Change::default();
             }
-            let moment = change.moment.norm() / (scales.moment + next.moment.norm());
-            let force = change.force.norm() / (scales.force + next.force.norm());
-            greatest = greatest.max(change.turn.norm()).max(moment).max(force);
-            // A NaN must not pass for a closed gap.
-            if !change.is_finite() {
-                greatest = f64::INFINITY;
-            }
-            self.gaps.push(Gap { change, end });
+            greatest = greatest.max(size(&change, &next, &scales));
+            self.gaps.push(Gap { change, end: pose });
         }
-        if task.commands.iter().any(Command::is_length) {
-            trajectory.measure(task.grid);
-            for (i, command) in task.commands.iter().enumerate() {
-                let left = command.complementarity_residual(
-                    i,
-                    even,
-                    &trajectory.lengths,
-                    scales.of_cables(),
-                );
-                greatest = if left.is_nan() { f64::INFINITY } else { greatest.max(left) };
-            }
-        }
-        Ok(greatest)
+        Ok(greatest.max(self.lengths_left(task, trajectory, &scales)))
     }
 
     /// How the end of every step that has been shot depends on its start and on what all share.
@@ -292,6 +387,40 @@ impl Chain {
             self.columns.extend_from_slice(&sensitivity.columns);
             self.length_rows.extend_from_slice(&sensitivity.lengths);
         }
+    }
+
+    /// Solves eq. (10) for the steps that have been shot, whose tangents in the middle stand for all of a step, into `self.step`; `false` where the system is
+    /// singular.
+    fn solve_from_base(&mut self, task: &Task<'_>, trajectory: &Trajectory) -> bool {
+        let mut middles = core::mem::take(&mut self.middles);
+        let taken = trajectory.sample_middles(task.grid, &self.target(task), &mut middles);
+        self.middles = middles;
+        if taken.is_err() {
+            return false;
+        }
+        let Self { state, gaps, step, sensitivity, middles, .. } = self;
+        let behind = gaps.iter().map(|gap| (gap.change, gap.end.rotation));
+        sensitivity.from_base(task.grid, task.loads, state.load, middles, behind);
+        let Some([_, at_tip]) = sensitivity.at_nodes.last() else { return false };
+        let [x, y, z, by_gaps] = [0, 1, 2, BY_GAPS].map(|column| at_tip.get(column));
+        let Some(inverse) = Mat3::from_columns(x, y, z).inverse() else { return false };
+        let moment = -(inverse * by_gaps);
+        let shares = Lane([moment.x, moment.y, moment.z, 1.0]);
+        let change = |of: &LaneVec| {
+            Vec3::new((of.x * shares).sum(), (of.y * shares).sum(), (of.z * shares).sum())
+        };
+        step.nodes.clear();
+        step.nodes.push(Change { moment, ..Change::default() });
+        for [turn, moment] in &sensitivity.at_nodes {
+            let (turn, moment) = (change(turn), change(moment));
+            step.nodes.push(Change { turn, moment, force: Vec3::ZERO });
+        }
+        // Nothing is left to act at the tip.
+        step.nodes[gaps.len()].moment = Vec3::ZERO;
+        step.load = 0.0;
+        step.tensions.clear();
+        step.tensions.resize(state.tensions.len(), 0.0);
+        step.nodes.iter().all(Change::is_finite)
     }
 
     /// Linearises the steps that have been shot and solves eq. (10), and with it what all steps share, into `self.step`; `false` where the
@@ -345,6 +474,18 @@ impl Chain {
             && step.nodes.iter().all(Change::is_finite)
             && step.tensions.iter().all(|t| t.is_finite())
     }
+}
+
+/// The size of a gap before this node, without dimension.
+#[inline(always)]
+fn size(change: &Change, next: &Node, scales: &Scales) -> f64 {
+    let moment = change.moment.norm() / (scales.moment + next.moment.norm());
+    let force = match change.force == Vec3::ZERO {
+        true => 0.0,
+        false => change.force.norm() / (scales.force + next.force.norm()),
+    };
+    // A NaN must not pass for a closed gap.
+    if change.is_finite() { change.turn.norm().max(moment).max(force) } else { f64::INFINITY }
 }
 
 /// The change of each cable's length with `(θ, 1)`, from those of the steps with what they depend on.

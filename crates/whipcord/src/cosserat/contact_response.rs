@@ -16,6 +16,7 @@ use super::prepared::{Cosserat, Workspace};
 use super::scratch::Scratch;
 use super::stability::Equilibrium;
 use super::state::{Direction, State};
+use super::unloaded::SweepOptions;
 use crate::budget::Budget;
 use crate::case::Case;
 use crate::contact::{
@@ -264,7 +265,7 @@ impl ContactRod for ContactResponse {
             Some(None) => {
                 let rest = vec![0.0; commands.len()];
                 let unloaded = &mut scratch.unloaded;
-                unloaded.sweep(grid, &rest, false, false).map_err(|f| fault(&rest, f))?;
+                unloaded.sweep(grid, &rest, SweepOptions::EXACT).map_err(|f| fault(&rest, f))?;
                 unloaded.integrate(grid, &mut self.shape.poses);
                 let poses = &self.shape.poses;
                 self.chain.state = State { load: 1.0, ..State::unloaded(poses, &rest) };
@@ -301,7 +302,10 @@ impl ContactRod for ContactResponse {
             nodes.expand(grid, tensions, &contact_grid.profile, varying);
         }
         let is_free = |node: usize| is_new.get(node).is_some_and(|is_new| *is_new);
-        let looked = self.chain.shoot_through(&task, &mut self.trajectory, rubs, is_free);
+        let looked = match is_new.contains(&true) || rubs {
+            true => self.chain.shoot_through(&task, &mut self.trajectory, rubs, is_free),
+            false => self.chain.shoot_unsampled(&task, &mut self.trajectory),
+        };
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
         self.trajectory.measure(grid);
         if rubs {

@@ -7,6 +7,7 @@ use super::prepared::{Cosserat, FOLD_LEVEL, GIVE_UP_LEVEL, Progress, Refined, Wo
 use super::problem::{Problem, StabilityCheck};
 use super::scratch::Scratch;
 use super::state::State;
+use super::unloaded::SweepOptions;
 use super::verdict;
 use crate::case::Case;
 use crate::contact::RodSolves as _;
@@ -321,7 +322,7 @@ impl Cosserat {
             return Ok(Err(NoStability::Sliding));
         }
         let Scratch { unloaded, tensions, applied, .. } = scratch;
-        if !applied.any() && unloaded.sweep(grid, tensions, false, false).is_err() {
+        if !applied.any() && unloaded.sweep(grid, tensions, SweepOptions::EXACT).is_err() {
             return Ok(Err(NoStability::Undetermined));
         }
         verdict::stability(&problem, self.options.stability, scratch)
@@ -412,7 +413,7 @@ fn take_step(
     let Friction { holes, nodes } = friction;
     scratch.trace.steps = grid.len();
     let fault = |fault| Failure::of_section(fault, &vec![0.0; cables], 0.0);
-    scratch.unloaded.sweep(grid, &vec![0.0; cables], false, false).map_err(fault)?;
+    scratch.unloaded.sweep(grid, &vec![0.0; cables], SweepOptions::EXACT).map_err(fault)?;
     // Derivatives are those of a profile that has come to rest.
     let (passes, tolerance) = match memory.keeps_trail {
         true => (PASSES_OF_DERIVATIVES, PROFILE_OF_DERIVATIVES),

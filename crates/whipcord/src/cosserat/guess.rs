@@ -8,6 +8,7 @@ use whipcord_numerics::{Pose, Vec3};
 
 use super::problem::Problem;
 use super::scratch::Scratch;
+use super::state::{Node, State};
 use super::unloaded::integrate;
 use crate::section::BodyWrench;
 use crate::shape::Wrench;
@@ -17,18 +18,25 @@ use crate::statics::loads::AppliedLoads;
 /// Of the base moment: a pass that changes it more is not going to converge soon.
 const MOST_CHANGE: f64 = 0.3;
 
-/// Sets the point that Newton's method starts from, and the strains of its first shot.
+/// Sets the point that Newton's method starts from, the strains of its first shot, and the nodes of multiple shooting.
 pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     let Problem { grid, .. } = *problem;
-    let Scratch { poses, applied, newton, tensions, unloaded, guess, trajectory, .. } = scratch;
+    let Scratch { poses, applied, newton, chain, tensions, unloaded, guess, trajectory, .. } =
+        scratch;
+    let State { nodes, tensions: of_chain, load: at_load } = &mut chain.state;
+    nodes.clear();
+    nodes.extend(poses.iter().map(|pose| Node { rotation: pose.rotation, ..Node::default() }));
+    of_chain.clone_from(tensions);
+    *at_load = load;
     guess.wrenches.resize(grid.len(), BodyWrench::default());
-    let mut at_base = carry(grid, applied, poses, load, |k, force, moment| {
+    let mut at_base = carry(grid, applied, poses, load, |k, middle, start| {
         // A step turns by little: its ends serve for its middle.
         let [near, far] = [k, k + 1].map(|k: usize| poses[k].rotation.conjugate());
         guess.wrenches[k] = BodyWrench {
-            linear: 0.5 * (near.rotate(force) + far.rotate(force)),
-            angular: 0.5 * (near.rotate(moment) + far.rotate(moment)),
+            linear: 0.5 * (near.rotate(middle.force) + far.rotate(middle.force)),
+            angular: 0.5 * (near.rotate(middle.moment) + far.rotate(middle.moment)),
         };
+        nodes[k].bear(start);
     });
     let strains = &unloaded.strains;
     let better = guess.relax(grid, tensions, strains).then(|| {
@@ -39,6 +47,10 @@ pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     if let Some(better) = better.filter(|b| change(b) <= MOST_CHANGE * at_base.moment.norm()) {
         at_base = better;
         trajectory.seed(grid, &guess.strains);
+        for (node, pose) in nodes.iter_mut().zip(&guess.poses) {
+            node.rotation = pose.rotation;
+        }
+        carry(grid, applied, &guess.poses, load, |k, _, start| nodes[k].bear(start));
     } else {
         trajectory.seed(grid, strains);
     }
@@ -47,15 +59,15 @@ pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     newton.point.tensions.clone_from(tensions);
 }
 
-/// What the base would exert if the loads acted on this shape. `pass` is told, from the tip down, the
-/// force in the middle of each step and the moment there, in the base frame.
+/// What the base would exert if the loads acted on this shape. `pass` is told, from the tip down, force and moment in the middle of each
+/// step, and at its start the moment and the followers' force, in the base frame.
 #[inline]
 fn carry(
     grid: &Grid,
     loads: &AppliedLoads,
     poses: &[Pose],
     load: f64,
-    mut pass: impl FnMut(usize, Vec3, Vec3),
+    mut pass: impl FnMut(usize, Wrench, Wrench),
 ) -> Wrench {
     let (mut moment, mut follower_force) = (Vec3::ZERO, Vec3::ZERO);
     for k in (0..grid.len()).rev() {
@@ -73,8 +85,9 @@ fn carry(
             spread = h * (line.moment(0.5) + far.rotation.rotate(line.follower_moment(0.5)));
         }
         let along = (far.position - near.position).cross(force) + spread;
-        pass(k, load * force, load * (moment + 0.5 * along));
+        let middle = Wrench { force: load * force, moment: load * (moment + 0.5 * along) };
         moment += along;
+        pass(k, middle, Wrench { force: load * follower_force, moment: load * moment });
     }
     Wrench { moment: moment * load, force: follower_force * load }
 }

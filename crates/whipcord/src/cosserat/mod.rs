@@ -27,7 +27,8 @@
 //! | `friction_derivatives` | exact derivatives where cables rub |
 //! | `bending_friction` | friction of the backbone against bending |
 //! | `command_changes` | derivatives by commands alone, for trials of inverse problems |
-//! | `lanes` | many rods at once, without load or under dead forces |
+//! | `lanes` | many rods at once, without load or under dead loads |
+//! | `step_lanes` | the steps of one rod at once, each from a start of its own |
 //! | `trace` | solves with a record of the iterations |
 
 mod answer;
@@ -63,6 +64,7 @@ mod solve;
 mod stability;
 mod state;
 mod statics;
+mod step_lanes;
 mod strain_guess;
 mod tension_nodes;
 mod trace;

@@ -433,6 +433,7 @@ impl Cosserat {
         start.tensions.extend(self.layout.order.iter().map(tension));
         start.base_wrench = solution.base_wrench;
         start.stable = !solution.diagnostics.is_unstable();
+        start.is_iterate = solution.diagnostics.residual > self.options.greatest_residual();
     }
 
     pub(super) fn explain(&self, failure: Failure, commands: &[Command]) -> SolveError {

@@ -16,6 +16,8 @@ use crate::statics::outcome::Found;
 use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::refinement::Coarse;
 
+/// Residual on the first grid, relative to that of the answer: what it leaves is far below the error of its steps.
+pub(super) const COARSER_RESIDUAL: f64 = 100.0;
 /// Steps from base to tip on the grid that [`Accuracy::Tolerance`] starts with.
 pub(super) const COARSE_STEPS: usize = 8;
 /// Finer grids that are kept once they were needed: to make them takes longer than to solve on them.

@@ -3,8 +3,10 @@
 use whipcord_numerics::UnitQuaternion;
 
 use super::stability::Equilibrium;
+use super::unloaded::SweepOptions;
 use crate::budget::Meter;
 use crate::case::Loads;
+use crate::section::step_tolerance;
 use crate::solution::Diagnostics;
 use crate::statics::command::Command;
 use crate::statics::convexity;
@@ -76,6 +78,11 @@ impl<'a> Problem<'a> {
     /// Whether the loads are so weak that an equilibrium with these tensions is stable and not near critical.
     pub fn is_clearly_stable(&self, applied: &AppliedLoads, tensions: &[f64]) -> bool {
         convexity::is_shown(self.grid, applied, tensions, Diagnostics::NEAR_CRITICAL)
+    }
+
+    /// How the sections of the rod without load are solved: so far that they leave as little as those of a shot.
+    pub fn sweep_options(&self) -> SweepOptions {
+        SweepOptions::to(step_tolerance(self.tolerance))
     }
 
     /// An equilibrium of it whose stability is asked for.

@@ -9,6 +9,7 @@
 use super::problem::Problem;
 use super::scratch::{Scratch, Start};
 use super::statics::solve_independent;
+use super::unloaded::SweepOptions;
 use super::unloaded::Unloaded;
 use super::without_load::start_without_load;
 use crate::robot::Robot;
@@ -40,7 +41,13 @@ pub(super) fn any(robot: &Robot, grid: &Grid, order: &[usize]) -> bool {
     // Where it does, four straight cables do not depend on one another by pulling in vain.
     !robot.backbone().extensible
         && free.len() > 1
-        && rest.sweep(grid, &vec![0.0; cables], false, true).is_ok()
+        && rest
+            .sweep(
+                grid,
+                &vec![0.0; cables],
+                SweepOptions { derivatives: true, ..SweepOptions::EXACT },
+            )
+            .is_ok()
         && IndependentCables::default().retain(
             &mut free,
             OWN,

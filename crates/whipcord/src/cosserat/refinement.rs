@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::sync::OnceLock;
 
 use super::prepared::{
-    COARSE_STEPS, Cosserat, FOLD_LEVEL, FOLLOW_LEVEL, GIVE_UP_LEVEL, MAX_REFINEMENTS, Refined,
-    Workspace,
+    COARSE_STEPS, COARSER_RESIDUAL, Cosserat, FOLD_LEVEL, FOLLOW_LEVEL, GIVE_UP_LEVEL,
+    MAX_REFINEMENTS, Refined, Workspace,
 };
 use super::problem::{self, StabilityCheck};
 use super::scratch::{Scratch, Start};
@@ -21,8 +21,6 @@ use crate::statics::outcome::{Failure, Found};
 use crate::statics::refinement::ERROR_RATIO;
 use crate::statics::strength::{GAVE_UP, Strength};
 
-/// Residual on the first grid, relative to that of the answer: what it leaves is far below the error of its steps.
-const COARSER_RESIDUAL: f64 = 10.0;
 /// Residual of a shape that is only looked at.
 const COARSE_RESIDUAL: f64 = 1e-6;
 /// Where lengths are given they do not change with the steps; the tensions do. The steps are those
@@ -246,7 +244,7 @@ impl Cosserat {
         let problem =
             problem::Problem { tolerance: COARSER_RESIDUAL * problem.tolerance, ..problem };
         workspace.scratch.keep_start(&mut workspace.from_coarser);
-        workspace.from_coarser.remembered = false;
+        (workspace.from_coarser.remembered, workspace.from_coarser.side_by_side) = (false, false);
         workspace.at_tensions.trajectory.steps_left = workspace.scratch.trajectory.steps_left;
         solve::solve(&problem, &workspace.from_coarser, &mut workspace.at_tensions).ok()?;
         let Workspace { at_tensions, coarse: kept, .. } = &mut *workspace;

@@ -30,7 +30,9 @@ impl Relaxation {
                 return false;
             }
             let change = strain - rest;
-            self.strains.extend([0, 1, 2].map(|j| unloaded[3 * k + j] + change));
+            for unloaded in &unloaded[3 * k..3 * k + 3] {
+                self.strains.push(*unloaded + change);
+            }
         }
         true
     }

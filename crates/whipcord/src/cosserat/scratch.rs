@@ -25,7 +25,11 @@ pub(super) struct Start {
     pub stable: bool,
     /// Whether it took multiple shooting.
     pub on_chain: bool,
-    /// Its nodes then, on a grid with half as many steps.
+    /// Whether it is no answer yet: more than the residual is left.
+    pub is_iterate: bool,
+    /// Whether its steps were closed side by side.
+    pub side_by_side: bool,
+    /// Its nodes then: those of multiple shooting on a grid with half as many steps, and those side by side with the middles of their steps.
     pub chain: State,
     /// Cables that were let go, see [`super::redundant_cables`].
     pub slackened: Vec<usize>,
@@ -39,7 +43,7 @@ impl Start {
         self.tensions.clear();
         self.slackened.clear();
         (self.base_wrench, self.stable, self.on_chain) = (None, false, false);
-        self.remembered = false;
+        (self.remembered, self.side_by_side, self.is_iterate) = (false, false, false);
     }
 }
 
@@ -65,6 +69,8 @@ pub(super) struct Scratch {
     pub(super) slackened: Vec<usize>,
     /// Whether the answer is that of the chain, which single shooting would miss.
     pub(super) on_chain: bool,
+    /// Whether its steps were closed side by side, see [`Chain::close_from_base`].
+    pub(super) side_by_side: bool,
     /// Whether the samples of the last shot are those of the answer.
     pub(super) sampled: bool,
     /// Whether [`Newton::sensitivity`] and the strains of the last shot are those near the answer.
@@ -99,6 +105,11 @@ impl Scratch {
         start.on_chain = self.on_chain;
         if self.on_chain {
             start.chain.copy_from(&self.chain.state);
+        }
+        (start.side_by_side, start.is_iterate) = (self.side_by_side, false);
+        if self.side_by_side {
+            let middles = self.trajectory.in_lanes.middles(self.chain.state.nodes.len() - 1);
+            start.chain.halve(&self.chain.state, middles);
         }
         start.slackened.clone_from(&self.slackened);
         start.remembered = self.differentiated && !self.on_chain;

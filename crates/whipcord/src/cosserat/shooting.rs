@@ -1,5 +1,6 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
+use super::chain::Task;
 use super::loaded::{Target, Trajectory};
 use super::newton::{Point, residual};
 use super::problem::Problem;
@@ -186,7 +187,8 @@ pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort:
     scratch.tensions.clone_from(&chain.state.tensions);
     let base = chain.state.nodes[0];
     scratch.base_wrench = Wrench { force: applied.base_force() + base.force, moment: base.moment };
-    (scratch.on_chain, scratch.sampled) = (true, true);
+    scratch.on_chain = true;
+    scratch.sampled = trajectory.samples.len() == SAMPLED_STAGES.len() * problem.grid.len();
     Found::with(effort)
 }
 
@@ -195,7 +197,12 @@ pub(super) fn sample(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<(),
     if scratch.sampled {
         return Ok(());
     }
-    let Scratch { trajectory, applied, tensions, base_wrench, .. } = scratch;
+    let Scratch { trajectory, applied, chain, tensions, base_wrench, .. } = scratch;
+    if scratch.side_by_side {
+        chain.sample(&Task::of(problem, applied), trajectory)?;
+        scratch.sampled = true;
+        return Ok(());
+    }
     let target = Target {
         tensions,
         per_node: 0,

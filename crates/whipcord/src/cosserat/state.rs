@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
+use crate::shape::Wrench;
 use crate::statics::elimination::Change;
 use crate::statics::grid::Grid;
 use crate::statics::path::state;
@@ -21,6 +22,14 @@ pub(super) struct Node {
     pub force: Vec3,
 }
 
+impl Node {
+    /// Bears this moment and followers' force in the base frame.
+    pub fn bear(&mut self, Wrench { force, moment }: Wrench) {
+        self.moment = self.rotation.conjugate().rotate(moment);
+        self.force = force;
+    }
+}
+
 impl State {
     /// Takes another for its own, in the memory that it has.
     pub fn copy_from(&mut self, other: &Self) {
@@ -33,6 +42,17 @@ impl State {
     pub fn unloaded(poses: &[Pose], tensions: &[f64]) -> Self {
         let node = |pose: &Pose| Node { rotation: pose.rotation, ..Node::default() };
         Self { nodes: poses.iter().map(node).collect(), tensions: tensions.to_vec(), load: 0.0 }
+    }
+
+    /// Takes the nodes of a chain, and between them those in the middles of its steps: how they are turned, and the moment in the body frame.
+    pub fn halve(&mut self, whole: &Self, middles: impl Iterator<Item = (UnitQuaternion, Vec3)>) {
+        self.nodes.clear();
+        for (start, (rotation, moment)) in whole.nodes.iter().zip(middles) {
+            self.nodes.extend([*start, Node { rotation, moment, ..*start }]);
+        }
+        self.nodes.extend(whole.nodes.last());
+        self.tensions.clone_from(&whole.tensions);
+        self.load = whole.load;
     }
 
     /// The nodes of a chain with every step halved.

@@ -11,6 +11,7 @@
 //! from the shape without load, or from a neighbouring answer; where that fails the load is raised
 //! by multiple shooting, and past the points where it cannot be, by [`crate::statics::path`].
 
+use super::chain::Task;
 use super::continuation::{Ended, newton, raise_load, raise_load_at_tensions, refine_chain};
 use super::guess::guess;
 use super::newton::Point;
@@ -25,8 +26,9 @@ use super::verdict::is_accepted;
 use super::without_load::{set_tensions, start_without_load, without_load};
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Effort};
-use crate::statics::outcome::{Failure, Found};
+use crate::statics::outcome::{Failure, Found, Open};
 use crate::statics::path::next_stable::next_stable;
+use crate::statics::runge_kutta::STAGES;
 use crate::statics::scales::Scales;
 use crate::statics::trace::Stage;
 
@@ -38,6 +40,7 @@ pub(super) fn solve_independent(
 ) -> Result<Found, Failure> {
     (scratch.trace.stage, scratch.trace.steps) = (Stage::Warm, problem.grid.len());
     (scratch.on_chain, scratch.sampled, scratch.stable) = (false, false, true);
+    scratch.side_by_side = false;
     scratch.differentiated = false;
     scratch.tensions.clear();
     scratch.tensions.resize(problem.commands.len(), 0.0);
@@ -50,6 +53,17 @@ pub(super) fn solve_independent(
     let Start { base_wrench: Some(wrench), stable, on_chain, chain, .. } = start else {
         return from_no_load(problem, scratch, None);
     };
+    // An answer under other tensions tells less than the guess does; one under the same, and an iterate that a budget ended, are gone on from.
+    let is_moved =
+        scratch.tensions.iter().zip(problem.commands).any(
+            |(&before, command)| matches!(*command, Command::Tension(given) if given != before),
+        );
+    set_tensions(problem.commands, &mut scratch.tensions);
+    if (start.side_by_side || is_moved && !start.is_iterate)
+        && let Some(found) = side_by_side(problem, start, scratch)
+    {
+        return Ok(found);
+    }
     if *on_chain
         && let Some(found) = refine_chain(problem, scratch, chain)
         && (!stable || is_accepted(problem, scratch))
@@ -58,7 +72,6 @@ pub(super) fn solve_independent(
         return Ok(found);
     }
     (scratch.on_chain, scratch.sampled) = (false, false);
-    set_tensions(problem.commands, &mut scratch.tensions);
     scratch.newton.point.base_moment = wrench.moment;
     scratch.newton.point.follower_force = scratch.applied.follower_share(wrench.force);
     scratch.newton.point.tensions.clone_from(&scratch.tensions);
@@ -136,8 +149,13 @@ fn from_no_load(
     if let Err(failure) = start_without_load(problem, scratch) {
         return from_loose_cables(problem, scratch).ok_or(failure);
     }
-    guess(problem, scratch, 1.0);
     scratch.trace.stage = Stage::Cold;
+    guess(problem, scratch, 1.0);
+    if steps_are_faster(problem, scratch)
+        && let Some(found) = close_steps(problem, scratch)
+    {
+        return Ok(found);
+    }
     let strong_followers = scratch.applied.any_follower()
         && scratch.newton.point.is_strong(&Scales::of(problem.grid, problem.length));
     // No energy tells which of several equilibria under followers is meant: it is the one the load
@@ -221,12 +239,68 @@ fn from_no_load(
     })
 }
 
+/// Whether the loads are so weak that the rod has one equilibrium under the given tensions, and lanes take its steps: all of them together take less time than one
+/// after the other.
+fn steps_are_faster(problem: &Problem<'_>, scratch: &Scratch) -> bool {
+    let Scratch { applied, tensions, corrected, .. } = scratch;
+    *corrected == 0.0
+        && !problem.commands.iter().any(Command::is_length)
+        && !applied.any_line()
+        && problem.is_clearly_stable(applied, tensions)
+        && problem.grid.step_table().is_some()
+}
+
+/// With the steps of the rod side by side, from its nodes on a grid with half as many steps, or from the rod without load at the tensions at hand; `None` where that is
+/// not faster or does not lead to an answer.
+fn side_by_side(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> Option<Found> {
+    if !steps_are_faster(problem, scratch) {
+        return None;
+    }
+    if start.side_by_side && start.chain.nodes.len() == problem.grid.len() + 1 {
+        scratch.chain.state.copy_from(&start.chain);
+        scratch.chain.state.tensions.clone_from(&scratch.tensions);
+        scratch.trajectory.refine(problem.grid);
+        if scratch.trajectory.strains().len() == STAGES * problem.grid.len() {
+            return close_steps(problem, scratch);
+        }
+    }
+    let Scratch { unloaded, tensions, poses, .. } = &mut *scratch;
+    unloaded.sweep(problem.grid, tensions, problem.sweep_options()).ok()?;
+    unloaded.integrate(problem.grid, poses);
+    guess(problem, scratch, 1.0);
+    close_steps(problem, scratch)
+}
+
+/// Closes the chain of steps from the guess; the answer is one of single shooting.
+fn close_steps(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
+    let Scratch { chain, trajectory, applied, trace, .. } = &mut *scratch;
+    let task = Task::of(problem, applied);
+    let (iterations, residual) = match chain.close_from_base(&task, trajectory, trace) {
+        Ok(solved) => solved,
+        Err(Open { iterations, gap, .. }) => {
+            if problem.meter.has_ended() && gap.is_finite() && scratch.open.is_none() {
+                let effort = Effort { iterations, residual: gap };
+                finish_chain(problem, scratch, effort);
+                (scratch.on_chain, scratch.open) = (false, Some(effort));
+            }
+            return None;
+        }
+    };
+    if problem.is_checked(applied, &chain.state.tensions) {
+        chain.sample(&task, trajectory).ok()?;
+    }
+    let found = finish_chain(problem, scratch, Effort { iterations, residual });
+    (scratch.on_chain, scratch.side_by_side) = (false, true);
+    scratch.stable = is_accepted(problem, scratch);
+    scratch.stable.then_some(found)
+}
+
 /// Lengths that only the loaded rod can take: from the rod without load whose cables are loose.
 fn from_loose_cables(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
     lengths::release(problem.commands, &mut scratch.tensions);
     set_tensions(problem.commands, &mut scratch.tensions);
     let Scratch { unloaded, tensions, .. } = scratch;
-    unloaded.sweep(problem.grid, tensions, false, false).ok()?;
+    unloaded.sweep(problem.grid, tensions, problem.sweep_options()).ok()?;
     scratch.unloaded.integrate(problem.grid, &mut scratch.poses);
     guess(problem, scratch, 1.0);
     let effort = shoot(problem, scratch, 1.0).ok()?;

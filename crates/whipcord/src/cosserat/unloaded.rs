@@ -10,15 +10,38 @@ use whipcord_numerics::{GAUSS_3, Pose, magnus_6};
 
 use super::sensitivity::work;
 use super::strain_guess::Guess;
+use crate::section::equilibrium::STEP_TOLERANCE;
 use crate::section::one_cable::OneCable;
-use crate::section::{BodyWrench, Fault, SectionFault, Strain, Tangent, equilibrium};
+use crate::section::{BodyWrench, Fault, SectionFault, Strain, Tangent, equilibrium_within};
 use crate::solution::Verdict;
 use crate::statics::grid::Grid;
 use crate::statics::lanes::columns::{strain_of, strains_of_steps};
 use crate::statics::lanes::one_cable::LaneReduced;
 use crate::statics::lanes::run::{Known, solve_run, stability_of_run};
 use crate::statics::one_cable_table::OneCableTable;
-use crate::statics::section_runs::{SectionRun, WIDTH};
+use crate::statics::section_runs::SectionRun;
+use crate::statics::section_table::WIDTH;
+
+/// How the sections of a rod without load are solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SweepOptions {
+    /// The last Newton step of each section, as a strain.
+    pub tolerance: f64,
+    /// Whether from the strains of the last sweep.
+    pub warm: bool,
+    /// Whether with the derivatives of the lengths by the tensions.
+    pub derivatives: bool,
+}
+
+impl SweepOptions {
+    /// Cold, and without derivatives.
+    pub const fn to(tolerance: f64) -> Self {
+        Self { tolerance, warm: false, derivatives: false }
+    }
+
+    /// [`Self::to`] rounding.
+    pub const EXACT: Self = Self::to(STEP_TOLERANCE);
+}
 
 /// Strains, lengths and their derivatives of a rod without load.
 #[derive(Clone, Debug, Default)]
@@ -43,8 +66,7 @@ struct Sweep<'a> {
     unloaded: &'a mut Unloaded,
     grid: &'a Grid,
     tensions: &'a [f64],
-    warm: bool,
-    derivatives: bool,
+    options: SweepOptions,
 }
 
 impl WithSimd for Sweep<'_> {
@@ -52,8 +74,8 @@ impl WithSimd for Sweep<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { unloaded, grid, tensions, warm, derivatives } = self;
-        unloaded.sweep_with(simd, grid, tensions, warm, derivatives)
+        let Self { unloaded, grid, tensions, options } = self;
+        unloaded.sweep_with(simd, grid, tensions, options)
     }
 }
 
@@ -128,16 +150,14 @@ pub(super) fn integrate(grid: &Grid, strains: &[Strain], poses: &mut Vec<Pose>) 
 }
 
 impl Unloaded {
-    /// Solves all sections for these tensions (N, in the order of the grid), starting from the
-    /// strains of the last sweep when `warm`; their derivatives by the tensions when `derivatives`.
+    /// Solves all sections for these tensions (N, in the order of the grid).
     pub fn sweep(
         &mut self,
         grid: &Grid,
         tensions: &[f64],
-        warm: bool,
-        derivatives: bool,
+        options: SweepOptions,
     ) -> Result<(), Fault> {
-        Arch::new().dispatch(Sweep { unloaded: self, grid, tensions, warm, derivatives })
+        Arch::new().dispatch(Sweep { unloaded: self, grid, tensions, options })
     }
 
     #[inline(always)]
@@ -146,8 +166,7 @@ impl Unloaded {
         simd: S,
         grid: &Grid,
         tensions: &[f64],
-        warm: bool,
-        derivatives: bool,
+        SweepOptions { tolerance, warm, derivatives }: SweepOptions,
     ) -> Result<(), Fault> {
         let cables = tensions.len();
         let nodes = 3 * grid.len();
@@ -164,11 +183,13 @@ impl Unloaded {
         for run in grid.gauss.runs.iter() {
             let Self { strains, departures, stretches, .. } = self;
             let mut known = Known { strains, departures, stretches, cables };
-            solve_run(simd, run, &grid.gauss, &tensions[..run.sections.cables], warm, &mut known)
-                .map_err(|(node, kind)| {
-                let step = &grid.steps[node / 3];
-                Fault { kind, arc_length: step.start + GAUSS_3.nodes[node % 3] * step.length }
-            })?;
+            let active = &tensions[..run.sections.cables];
+            solve_run(simd, run, &grid.gauss, active, (tolerance, warm), &mut known).map_err(
+                |(node, kind)| {
+                    let step = &grid.steps[node / 3];
+                    Fault { kind, arc_length: step.start + GAUSS_3.nodes[node % 3] * step.length }
+                },
+            )?;
         }
         let mut runs = grid.gauss.runs.iter().peekable();
         let mut guess = Guess::default();
@@ -224,7 +245,9 @@ impl Unloaded {
                         true => self.strains[number],
                         false => guess.at(arc_length).unwrap_or_else(|| section.rest_strain()),
                     };
-                    equilibrium(section, crossings, active, none, &mut strain).map_err(fault)?;
+                    let cables = (crossings, &[][..]);
+                    equilibrium_within(tolerance, section, cables, active, none, &mut strain)
+                        .map_err(fault)?;
                     strain
                 };
                 guess.learn(arc_length, strain);

@@ -2,7 +2,7 @@
 
 use super::problem::Problem;
 use super::scratch::Scratch;
-use super::unloaded::Unloaded;
+use super::unloaded::{SweepOptions, Unloaded};
 use crate::section::Fault;
 use crate::shape::Wrench;
 use crate::statics::command::Command;
@@ -35,7 +35,7 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
     if commands.iter().all(|c| matches!(c, Command::Tension(_))) {
         set_tensions(commands, &mut scratch.tensions);
         let Scratch { unloaded, tensions, .. } = scratch;
-        let Err(fault) = unloaded.sweep(problem.grid, tensions, false, false) else {
+        let Err(fault) = unloaded.sweep(problem.grid, tensions, problem.sweep_options()) else {
             return Ok(Effort::default());
         };
         let borne = borne_fraction(problem.grid, tensions, unloaded);
@@ -44,7 +44,8 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
     let Scratch { unloaded, tensions, length_scratch, trace, .. } = &mut *scratch;
     let given =
         Given { length: problem.length, commands, bracket: problem.bracket, meter: problem.meter };
-    let mut rod = Sections { grid: problem.grid, unloaded, trace };
+    let options = problem.sweep_options();
+    let mut rod = Sections { grid: problem.grid, options, unloaded, trace };
     lengths::solve(&given, tensions, &mut rod, length_scratch)
         .map_err(|fault| fault.failure(|fault| Failure::of_section(fault, &scratch.tensions, 0.0)))
 }
@@ -52,13 +53,15 @@ pub(super) fn sections(problem: &Problem<'_>, scratch: &mut Scratch) -> Result<E
 /// All cross-sections of the rod without load.
 struct Sections<'a> {
     grid: &'a Grid,
+    options: SweepOptions,
     unloaded: &'a mut Unloaded,
     trace: &'a mut Trace,
 }
 
 impl TensionResponse for Sections<'_> {
     fn respond(&mut self, tensions: &[f64], warm: bool) -> Result<(), Fault> {
-        self.unloaded.sweep(self.grid, tensions, warm, true)
+        let options = SweepOptions { warm, derivatives: true, ..self.options };
+        self.unloaded.sweep(self.grid, tensions, options)
     }
 
     fn lengths(&self) -> &[f64] {
@@ -81,7 +84,7 @@ fn borne_fraction(grid: &Grid, tensions: &[f64], unloaded: &mut Unloaded) -> f64
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (borne + folded);
         let scaled: Vec<f64> = tensions.iter().map(|t| t * middle).collect();
-        match unloaded.sweep(grid, &scaled, false, false) {
+        match unloaded.sweep(grid, &scaled, SweepOptions::EXACT) {
             Ok(()) => borne = middle,
             Err(_) => folded = middle,
         }

@@ -5,7 +5,7 @@ use whipcord_numerics::lanes::{LaneVec3, Lanes};
 use whipcord_numerics::{Pose, Twist};
 
 use super::quadrature::{POINTS, Quadrature};
-use crate::statics::section_runs::WIDTH;
+use crate::statics::section_table::WIDTH;
 
 /// How the ends of all steps and the lengths of all cables change with the tension of each cable, in memory that is kept.
 #[derive(Clone, Debug, Default)]

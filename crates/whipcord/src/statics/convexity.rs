@@ -20,9 +20,14 @@
 //! In equilibrium `‖v − e₃‖ ≤ (‖F‖ + Στᵢ)/κ`, so that every equilibrium is a strict minimum; an energy that grows with the strains has
 //! one minimum then, since between two there would be a pass.
 //!
+//! A dead moment `l` that acts at a place adds `∫ l·(ω × ω′) ds` from the base to there, no more than `‖l‖` to `m`, to the symmetric part of the tangent, and
+//! `½ l·(ω₁ × ω₂)` there to the skew part. There is no energy then. Where (16) is positive even with `½‖l‖ρ²` taken off, each equilibrium is stable
+//! whatever the skew part does, and its tangent has a positive determinant. The degree of the equations, the sum of the signs of these determinants, is that of the rod
+//! without load, 1: there is one equilibrium.
+//!
 //! Where it is so for all tensions up to some limits, cables of given lengths have one equilibrium within these limits, too: the least energy `W(τ)` under
 //! tensions is a concave function with the lengths for its slope, so that the tensions that give them solve a convex problem, (6) of [`super::lengths`], and of two
-//! solutions either has the shape of the other.
+//! solutions either has the shape of the other. Under dead moments the lengths are no slope, but a monotone function of the tensions, which is as good.
 
 use super::grid::{Grid, SHOOTING_NODES, Softest};
 use super::loads::AppliedLoads;
@@ -30,19 +35,27 @@ use super::loads::AppliedLoads;
 /// Whether (16) shows that an equilibrium under these tensions (N, in the order of the grid) and the loads is the only one, with
 /// `E″ ≥ least ∫ δuᵀ K δu ds`.
 pub(crate) fn is_shown(grid: &Grid, applied: &AppliedLoads, tensions: &[f64], least: f64) -> bool {
-    if applied.any_follower() || applied.any_dead_moment() {
+    if applied.any_follower() {
         return false;
     }
     let (mut y, mut moment) = (0.0, 0.0);
     for (k, (step, softest)) in grid.steps.iter().zip(&grid.softest).enumerate().rev() {
         let Some(Softest { bending, compliance }) = *softest else { return false };
+        let at_end = applied.moment(k + 1).norm();
+        let spread = applied.line(k).map_or(0.0, |line| {
+            let [start, end] = [0.0, 1.0].map(|t| line.moment(t).norm());
+            start.max(end)
+        });
+        y += 0.5 * at_end;
+        moment += at_end + spread * step.length;
         let squares = (0..SHOOTING_NODES.len()).map(|j| applied.force(k, j).norm_squared());
         let force = squares.fold(0.0, f64::max).sqrt();
         let tension: f64 = tensions.iter().take(step.active).sum();
         let stretch = 1.0 + (force + tension) * compliance;
         let stiffness = (1.0 - least) * bending;
         moment += force * stretch * step.length;
-        let q = force * (stretch + force * compliance) + 0.25 * moment * moment / stiffness;
+        let by_forces = force * (stretch + force * compliance);
+        let q = by_forces + 0.25 * moment * moment / stiffness + 0.5 * spread;
         // The greatest `m` of a step counts for all of it, and what `q` adds: no less than the solution.
         let near = y + q * step.length;
         let left = 1.0 - near * step.length / stiffness;

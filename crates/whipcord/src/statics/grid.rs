@@ -5,7 +5,7 @@
 //! integrators keep their order.
 
 use std::collections::BinaryHeap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use whipcord_numerics::{GAUSS_3, Vec3};
 
@@ -16,7 +16,9 @@ use crate::section::of_robot::section_at;
 use crate::section::one_cable::Reduced;
 use crate::section::{BodyWrench, CableGroup, Crossing, Section};
 use crate::statics::one_cable_table::OneCableTable;
-use crate::statics::section_runs::{Place, SectionRun};
+use crate::statics::section_runs::SectionRun;
+use crate::statics::section_table::Place;
+use crate::statics::step_table::StepTable;
 
 /// Places of the nodes in a step at which [`whipcord_numerics::BUTCHER_5`] evaluates.
 pub(crate) const SHOOTING_NODES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -196,6 +198,8 @@ pub(crate) struct Grid {
     pub loads: Vec<usize>,
     /// For each anchor of the layout the number of steps before it.
     pub anchors: Vec<usize>,
+    /// Its steps side by side, made when they are first asked for.
+    step_table: OnceLock<Option<StepTable>>,
 }
 
 /// What does not depend on how fine the grid is.
@@ -322,7 +326,13 @@ impl Grid {
             loads: layout.loads.iter().map(place).collect(),
             anchors: layout.anchors.iter().map(place).collect(),
             steps: grid_steps,
+            step_table: OnceLock::new(),
         })
+    }
+
+    /// Its sections step beside step; `None` where one's stiffness is not diagonal.
+    pub fn step_table(&self) -> Option<&StepTable> {
+        self.step_table.get_or_init(|| StepTable::new(self)).as_ref()
     }
 
     /// Arc lengths in m of the ends of its steps, the base first.

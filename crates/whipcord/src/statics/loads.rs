@@ -208,6 +208,11 @@ impl AppliedLoads {
             || self.lines.iter().any(|line| line.dead.iter().any(is_moment))
     }
 
+    /// Whether something beside a dead force is spread along a step.
+    pub fn any_line(&self) -> bool {
+        self.any_line
+    }
+
     /// Whether nothing but dead moments acts.
     pub fn only_dead_moments(&self) -> bool {
         !self.any_follower && self.forces.iter().all(|&force| force == Vec3::ZERO)

@@ -1,6 +1,6 @@
 //! Sections that one cable crosses, on a rod without load: what eq. (9) has there beside the tension, side by side in slots.
 
-use super::section_runs::{Row, WIDTH};
+use super::section_table::{Row, WIDTH};
 use crate::section::one_cable::Reduced;
 
 /// The sections of a grid that one cable crosses and that are equally stiff about x and y.

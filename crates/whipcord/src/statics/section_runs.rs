@@ -7,17 +7,7 @@
 
 use core::ops::Range;
 
-use whipcord_numerics::Vec3;
-
-use crate::section::{Crossing, Section, reach};
-
-/// A section that others are solved beside: how the cables through its step cross it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Place<'a> {
-    pub section: &'a Section,
-    pub crossings: &'a [Crossing],
-    pub arc_length: f64,
-}
+use super::section_table::{Place, SectionTable, WIDTH};
 
 /// Nodes one behind the other, through which the same cables run.
 #[derive(Clone, Debug)]
@@ -30,26 +20,6 @@ pub(crate) struct SectionRun {
     /// Those of its nodes that are in the middle of a step, and what is known of their sections.
     pub middles: Vec<usize>,
     pub of_middles: SectionTable,
-}
-
-/// What is known of sections in slots: those of [`WIDTH`] slots one number after the other.
-#[derive(Clone, Debug)]
-pub(crate) struct SectionTable {
-    rows: Vec<Row>,
-    /// How many cables cross each section.
-    pub cables: usize,
-}
-
-/// One number of the sections in neighbouring slots.
-pub(crate) type Row = [f64; WIDTH];
-
-/// Rows of [`WIDTH`] neighbouring slots.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rows<'a> {
-    /// Shear x, y, z, bending x, y, z, pivots x, y, z, rest curvature x, y, z, the compliances of shear and bending likewise, reach.
-    pub section: &'a [Row; OF_SECTION],
-    /// Of each cable offset x, y, slope x, y, z, and at rest the unit tangent x, y, z and `1/‖p′‖`.
-    pub cables: &'a [[Row; OF_CABLE]],
 }
 
 /// Sections that are solved beside one another.
@@ -72,15 +42,10 @@ pub(crate) enum WaveStart {
     Between { nodes: [usize; 4], weights: [f64; 3] },
 }
 
-/// Of the widest vectors.
-pub(crate) const WIDTH: usize = 8;
 /// The sections of the first wave.
 const FIRST: usize = 8;
 /// The last wave begins where no more than so many neighbours are left together.
 const LEFT: usize = 3;
-/// Rows of a section, and of each cable beside these.
-const OF_SECTION: usize = 19;
-const OF_CABLE: usize = 9;
 
 impl SectionRun {
     /// The runs of a grid, from its nodes in order: the place of each, or `None` where it is solved otherwise.
@@ -143,61 +108,16 @@ impl SectionRun {
         let mut middles: Vec<usize> = (0..count).filter(of_step).collect();
         let last = middles.last().copied().unwrap_or(0);
         let nodes = middles.iter().map(|at| first + at).collect();
+        let cables = places.first().map_or(0, |place| place.crossings.len());
         middles.resize(middles.len().next_multiple_of(WIDTH), last);
         Some(Self {
             nodes: first..first + count,
             waves: all,
-            sections: SectionTable::of(&in_slots, places),
+            sections: SectionTable::of(&in_slots, places, cables),
             middles: nodes,
-            of_middles: SectionTable::of(&middles, places),
+            of_middles: SectionTable::of(&middles, places, cables),
         })
     }
-}
-
-impl SectionTable {
-    /// Of the places in the slots, whose number is a multiple of [`WIDTH`].
-    fn of(in_slots: &[usize], places: &[Place<'_>]) -> Self {
-        let cables = places.first().map_or(0, |place| place.crossings.len());
-        let of_group = OF_SECTION + OF_CABLE * cables;
-        let mut rows = Vec::with_capacity(in_slots.len() / WIDTH * of_group);
-        for group in in_slots.chunks(WIDTH) {
-            let mut of = vec![[0.0; WIDTH]; of_group];
-            for (slot, &at) in group.iter().enumerate() {
-                let numbers = numbers_of(&places[at]);
-                of.iter_mut().zip(numbers).for_each(|(row, number)| row[slot] = number);
-            }
-            rows.extend(of);
-        }
-        Self { rows, cables }
-    }
-
-    /// Of the slots beside this one, which are a multiple of [`WIDTH`] and those behind it; none behind the last.
-    #[inline(always)]
-    pub fn rows(&self, slot: usize) -> Option<Rows<'_>> {
-        let of_group = OF_SECTION + OF_CABLE * self.cables;
-        let rows = self.rows.get(slot / WIDTH * of_group..)?.get(..of_group)?;
-        let (section, cables) = rows.split_first_chunk()?;
-        Some(Rows { section, cables: cables.as_chunks().0 })
-    }
-}
-
-/// The numbers of a section, then those of each cable that crosses it.
-fn numbers_of<'a>(Place { section, crossings, .. }: &Place<'a>) -> impl Iterator<Item = f64> + 'a {
-    let vectors = [
-        section.stiffness.shear,
-        section.stiffness.bending,
-        section.pivots(),
-        section.rest_curvature,
-        section.compliance.shear,
-        section.compliance.bending,
-    ];
-    let numbers = vectors.into_iter().flat_map(|of| of.to_array()).chain([reach(crossings)]);
-    let rest = section.rest_strain();
-    numbers.chain(crossings.iter().flat_map(move |crossing| {
-        let (Vec3 { x, y, .. }, [p, q, r]) = (crossing.offset, crossing.slope.to_array());
-        let (unit, per_stretch) = crossing.direction(&rest);
-        [x, y, p, q, r, unit.x, unit.y, unit.z, per_stretch]
-    }))
 }
 
 /// The start of a place between known ones, all of them counted from the first node of the run.
@@ -220,7 +140,7 @@ fn between(first: usize, places: &[Place<'_>], known: &[usize], at: usize) -> Wa
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::section::Stiffness;
+    use crate::section::{Crossing, Section, Stiffness};
     use whipcord_numerics::Vec3;
 
     #[test]

@@ -1,4 +1,4 @@
-//! [`super::super::loaded`] in lanes: rods under dead forces that have one equilibrium, whatever their tensions up to those given.
+//! [`super::super::loaded`] in lanes: rods under dead loads that have one equilibrium, whatever their tensions up to those given.
 //!
 //! The base moment is found by Newton's method with a Jacobian from differences of shots, which cost little in lanes, and then by Broyden's.
 
@@ -7,11 +7,12 @@ use whipcord_numerics::lanes::{LaneMask, LanePose, LaneTwist, LaneVec3, Lanes};
 use whipcord_numerics::{BUTCHER_5, Vec3};
 
 use super::section::{Guess, Several};
-use crate::section::{Crossing, Section, Stiffness};
+use crate::section::{Crossing, Section, Stiffness, step_tolerance};
 use crate::solution::Diagnostics;
 use crate::statics::convexity;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
-use crate::statics::lanes::one_cable::LaneReduced;
+use crate::statics::lanes::one_cable::{LaneCrossed, LaneReduced};
+use crate::statics::lanes::rod_step::{LaneState, StepSections, advance};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::runge_kutta::{NODE_OF_STAGE, STAGES};
 use crate::statics::scales::Scales;
@@ -42,14 +43,6 @@ enum LoadedSection {
     Several(Several),
 }
 
-/// A rod at a place in each lane.
-#[derive(Clone, Copy)]
-struct State<S: Simd> {
-    pose: LanePose<S>,
-    /// In the base frame.
-    moment: LaneVec3<S>,
-}
-
 /// Memory of the shots of a group of rows.
 pub(super) struct Shots<S: Simd> {
     /// Of the last shot, at the ends of all steps.
@@ -70,8 +63,7 @@ pub(super) struct Found<S: Simd> {
 impl LoadedGrid {
     /// `None` where the lanes cannot take the sections or the loads.
     pub fn new(grid: &Grid, applied: AppliedLoads, length: f64) -> Option<Self> {
-        let has_lines = (0..grid.len()).any(|k| applied.line(k).is_some());
-        if applied.any_follower() || applied.any_dead_moment() || has_lines {
+        if applied.any_follower() || applied.any_line() {
             return None;
         }
         let mut sections = Vec::with_capacity(SHOOTING_NODES.len() * grid.len());
@@ -132,23 +124,28 @@ impl<S: Simd> Shots<S> {
         let zero = Lanes::splat(simd, 0.0);
         let null = LaneVec3::new(zero, zero, zero);
         self.is_started = false;
+        let tolerance = step_tolerance(residual);
         // Without load: what the loads exert on that shape is where Newton's method starts from.
         let all = zero.at_most(zero);
-        self.shoot(simd, of, tensions, (0.0, null), all);
+        self.shoot(simd, of, tensions, (0.0, null), tolerance, all);
         let mut moment = null;
         for (k, pair) in self.poses.windows(2).enumerate() {
             let force = LaneVec3::splat(simd, of.applied.force(k, 2));
-            moment = moment + (pair[1].position - pair[0].position).cross(force);
+            let at_end = LaneVec3::splat(simd, of.applied.moment(k + 1));
+            moment = moment + (pair[1].position - pair[0].position).cross(force) + at_end;
         }
-        let (mut left, is_shot) = self.shoot(simd, of, tensions, (1.0, moment), all);
+        let (mut left, is_shot) = self.shoot(simd, of, tensions, (1.0, moment), tolerance, all);
         let step = Lanes::splat(simd, DIFFERENCE * of.scales.moment);
         let x = LaneVec3::new(step, zero, zero);
         let y = LaneVec3::new(zero, step, zero);
         let z = LaneVec3::new(zero, zero, step);
         let per_step = 1.0 / (DIFFERENCE * of.scales.moment);
-        let a = (self.shoot(simd, of, tensions, (1.0, moment + x), all).0 - left) * per_step;
-        let b = (self.shoot(simd, of, tensions, (1.0, moment + y), all).0 - left) * per_step;
-        let c = (self.shoot(simd, of, tensions, (1.0, moment + z), all).0 - left) * per_step;
+        let a =
+            (self.shoot(simd, of, tensions, (1.0, moment + x), tolerance, all).0 - left) * per_step;
+        let b =
+            (self.shoot(simd, of, tensions, (1.0, moment + y), tolerance, all).0 - left) * per_step;
+        let c =
+            (self.shoot(simd, of, tensions, (1.0, moment + z), tolerance, all).0 - left) * per_step;
         // Rows of the inverse of the Jacobian of these columns.
         let (u, v, w) = (b.cross(c), c.cross(a), a.cross(b));
         let per_determinant = Lanes::splat(simd, 1.0) / a.dot(u);
@@ -169,7 +166,7 @@ impl<S: Simd> Shots<S> {
             let [p, q, r] = inverse;
             let step = LaneVec3::new(-p.dot(left), -q.dot(left), -r.dot(left));
             moment = select(running, moment + step, moment);
-            let (next, is_shot) = self.shoot(simd, of, tensions, (1.0, moment), running);
+            let (next, is_shot) = self.shoot(simd, of, tensions, (1.0, moment), tolerance, running);
             running = running.and(is_shot);
             // Broyden's update: the inverse takes the change of what is left to the step.
             let change = next - left;
@@ -202,73 +199,39 @@ impl<S: Simd> Shots<S> {
         of: &LoadedGrid,
         tensions: &[Lanes<S>],
         (load, base_moment): (f64, LaneVec3<S>),
+        tolerance: f64,
         moving: LaneMask<S>,
     ) -> (LaneVec3<S>, LaneMask<S>) {
-        let LoadedGrid { grid, applied, sections, .. } = of;
+        let LoadedGrid { grid, .. } = of;
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         let null = LaneVec3::new(zero, zero, zero);
-        let mut is_shot = zero.at_most(one);
-        let mut last = LaneTwist { linear: LaneVec3::splat(simd, Vec3::Z), angular: null };
+        let last = LaneTwist { linear: LaneVec3::splat(simd, Vec3::Z), angular: null };
         self.strains.resize(STAGES * grid.len(), last);
         self.poses.clear();
-        let mut state = State { pose: LanePose::identity(simd), moment: base_moment };
+        let mut state = LaneState { pose: LanePose::identity(simd), moment: base_moment };
         self.poses.push(state.pose);
+        let is_shot = zero.at_most(one);
+        let (is_started, strains) = (self.is_started, &mut self.strains[..]);
+        let mut sections = Sections {
+            of,
+            step: 0,
+            load,
+            tensions,
+            tolerance,
+            moving,
+            is_started,
+            strains,
+            last,
+            is_shot,
+        };
         for (k, step) in grid.steps.iter().enumerate() {
-            let h = step.length;
-            let at_rest =
-                State { pose: LanePose { position: null, w: zero, v: null }, moment: null };
-            let mut slopes = [at_rest; STAGES];
-            for i in 0..STAGES {
-                let mut stage = state;
-                for (slope, &weight) in slopes[..i].iter().zip(&BUTCHER_5.a[i]) {
-                    if weight != 0.0 {
-                        stage = stage.plus(slope, h * weight);
-                    }
-                }
-                let rotation = stage.pose.unit();
-                let force = LaneVec3::splat(simd, load * applied.force(k, NODE_OF_STAGE[i]));
-                let wrench = [rotation.to_body(force), rotation.to_body(stage.moment)];
-                let slot = STAGES * k + i;
-                let start = if self.is_started { self.strains[slot] } else { last };
-                match &sections[SHOOTING_NODES.len() * k + NODE_OF_STAGE[i]] {
-                    LoadedSection::Bare { soft, rest_curvature } => {
-                        let [force, moment] = wrench;
-                        let linear = LaneVec3::splat(simd, soft.shear).scale(force);
-                        let angular = LaneVec3::splat(simd, soft.bending).scale(moment);
-                        last = LaneTwist {
-                            linear: LaneVec3::splat(simd, Vec3::Z) + linear,
-                            angular: LaneVec3::splat(simd, *rest_curvature) + angular,
-                        };
-                    }
-                    LoadedSection::One(section, crossing) => {
-                        let at = LaneReduced::under(simd, section, crossing, wrench);
-                        let found = at.solve(simd, tensions[0]);
-                        last = found.strain;
-                        is_shot = is_shot.and(found.is_solved);
-                    }
-                    LoadedSection::Several(section) => {
-                        let (found, is_solved) = section.under(simd, wrench, start, tensions);
-                        last = LaneTwist {
-                            linear: select(moving, found.linear, start.linear),
-                            angular: select(moving, found.angular, start.angular),
-                        };
-                        is_shot = is_shot.and(is_solved);
-                    }
-                }
-                self.strains[slot] = last;
-                let velocity = rotation.to_base(last.linear);
-                let (w, v) = rotation.rate(last.angular);
-                let pose = LanePose { position: velocity, w, v };
-                slopes[i] = State { pose, moment: force.cross(velocity) };
-            }
-            for (slope, &weight) in slopes.iter().zip(&BUTCHER_5.b) {
-                if weight != 0.0 {
-                    state = state.plus(slope, h * weight);
-                }
-            }
-            state.pose = state.pose.unit();
+            sections.step = k;
+            state = advance(simd, Lanes::splat(simd, step.length), state, &mut sections);
+            let at_end = load * of.applied.moment(k + 1);
+            state.moment = state.moment - LaneVec3::splat(simd, at_end);
             self.poses.push(state.pose);
         }
+        let is_shot = sections.is_shot;
         self.is_started = true;
         (state.moment, is_shot)
     }
@@ -298,16 +261,70 @@ impl<S: Simd> Shots<S> {
     }
 }
 
-impl<S: Simd> State<S> {
-    /// The state this far along a slope.
+/// The sections of a shot, step by step.
+struct Sections<'a, S: Simd> {
+    of: &'a LoadedGrid,
+    step: usize,
+    load: f64,
+    tensions: &'a [Lanes<S>],
+    tolerance: f64,
+    moving: LaneMask<S>,
+    /// Whether the strains are those of the last shot.
+    is_started: bool,
+    strains: &'a mut [LaneTwist<S>],
+    /// Of the last stage.
+    last: LaneTwist<S>,
+    is_shot: LaneMask<S>,
+}
+
+impl<S: Simd> StepSections<S> for Sections<'_, S> {
     #[inline(always)]
-    fn plus(self, slope: &Self, f: f64) -> Self {
-        let pose = LanePose {
-            position: self.pose.position + slope.pose.position * f,
-            w: self.pose.w + slope.pose.w * f,
-            v: self.pose.v + slope.pose.v * f,
+    fn force(&self, simd: S, stage: usize) -> LaneVec3<S> {
+        let force = self.of.applied.force(self.step, NODE_OF_STAGE[stage]);
+        LaneVec3::splat(simd, self.load * force)
+    }
+
+    #[inline(always)]
+    fn strain(
+        &mut self,
+        simd: S,
+        stage: usize,
+        _: &LanePose<S>,
+        wrench: [LaneVec3<S>; 2],
+    ) -> LaneTwist<S> {
+        let slot = STAGES * self.step + stage;
+        let start = if self.is_started { self.strains[slot] } else { self.last };
+        let section = &self.of.sections[SHOOTING_NODES.len() * self.step + NODE_OF_STAGE[stage]];
+        let strain = match section {
+            LoadedSection::Bare { soft, rest_curvature } => {
+                let [force, moment] = wrench;
+                let linear = LaneVec3::splat(simd, soft.shear).scale(force);
+                let angular = LaneVec3::splat(simd, soft.bending).scale(moment);
+                LaneTwist {
+                    linear: LaneVec3::splat(simd, Vec3::Z) + linear,
+                    angular: LaneVec3::splat(simd, *rest_curvature) + angular,
+                }
+            }
+            LoadedSection::One(section, crossing) => {
+                let crossed = LaneCrossed::splat(simd, section, crossing);
+                let found =
+                    LaneReduced::under(simd, &crossed, wrench).solve(simd, self.tensions[0]);
+                self.is_shot = self.is_shot.and(found.is_solved);
+                found.strain
+            }
+            LoadedSection::Several(section) => {
+                let (found, is_solved) =
+                    section.under(simd, wrench, start, self.tensions, self.tolerance);
+                self.is_shot = self.is_shot.and(is_solved);
+                LaneTwist {
+                    linear: select(self.moving, found.linear, start.linear),
+                    angular: select(self.moving, found.angular, start.angular),
+                }
+            }
         };
-        Self { pose, moment: self.moment + slope.moment * f }
+        self.strains[slot] = strain;
+        self.last = strain;
+        strain
     }
 }
 

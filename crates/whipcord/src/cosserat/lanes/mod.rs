@@ -17,9 +17,10 @@ use pulp::{Simd, WithSimd};
 use whipcord_numerics::lanes::{LanePose, LaneTwist, LaneVec3, Lanes, Width, magnus_6_exponent};
 use whipcord_numerics::{Pose, UnitQuaternion};
 
-use super::prepared::Cosserat;
+use super::prepared::{COARSER_RESIDUAL, Cosserat};
 use crate::cancel::Cancel;
 use crate::case::Loads;
+use crate::section::step_tolerance;
 use crate::solution::{NoStability, Verdict};
 use crate::statics::grid::Grid;
 use crate::statics::lanes::one_cable::LaneReduced;
@@ -59,10 +60,18 @@ pub(crate) struct Setting {
     pub order: Vec<usize>,
     /// The loads that all rows carry, and how the base is turned in their frame; `None` where there is none.
     pub loads: Option<(Loads, UnitQuaternion)>,
-    /// Of an equilibrium under loads.
+    /// Of an answer.
     pub residual: f64,
     /// Where it is set, no further rows are solved.
     pub cancel: Cancel,
+}
+
+impl Setting {
+    /// On the grid whose steps are halved so often: on the first one no more is asked than its steps are worth.
+    fn residual_at(&self, level: usize) -> f64 {
+        let is_coarse = level == 0 && self.tolerance.is_some();
+        if is_coarse { COARSER_RESIDUAL * self.residual } else { self.residual }
+    }
 }
 
 /// A grid, made ready for lanes.
@@ -232,9 +241,11 @@ impl<F: FnMut(LaneAnswer<'_>)> WithSimd for Solve<'_, F> {
             for (level, grid) in (0..).map_while(|level| robot.grid(level)).enumerate() {
                 core::mem::swap(&mut frames, &mut coarse_frames);
                 match grid {
-                    ReadyGrid::Unloaded(grid) => sweep.run(grid, &mut frames),
+                    ReadyGrid::Unloaded(grid) => {
+                        sweep.run(grid, step_tolerance(setting.residual_at(level)), &mut frames);
+                    }
                     ReadyGrid::Loaded(grid, kept) => {
-                        sweep.run_loaded(grid, kept, setting.residual, &mut frames);
+                        sweep.run_loaded(grid, kept, setting.residual_at(level), &mut frames);
                     }
                 }
                 out = out.max(sweep.bad);
@@ -411,7 +422,7 @@ impl<S: Simd> Sweep<S> {
 
     /// Sections and frames; the frames at the kept places are left as numbers × lanes for each place.
     #[inline(always)]
-    fn run(&mut self, grid: &LaneGrid, frames: &mut [f64]) {
+    fn run(&mut self, grid: &LaneGrid, tolerance: f64, frames: &mut [f64]) {
         let Self { simd, tensions, lengths, stretches, strains, departures, .. } = self;
         let simd = *simd;
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -428,7 +439,7 @@ impl<S: Simd> Sweep<S> {
         departures.resize(if grid.first.is_empty() { 0 } else { grid.nodes.len() }, last);
         for &at in &grid.first {
             if let LaneSection::Several(section) = &grid.nodes[at].section {
-                let solved = section.solve(simd, &before, departures, tensions);
+                let solved = section.solve(simd, &before, departures, tensions, tolerance);
                 bad = bad.max(solved.is_solved.select(zero, one));
                 (strains[at], departures[at]) = (solved.strain, solved.departure);
             }
@@ -460,7 +471,7 @@ impl<S: Simd> Sweep<S> {
                             if node.is_first {
                                 last = strains[3 * k + j];
                             } else {
-                                let solved = at.solve(simd, &before, &[], tensions);
+                                let solved = at.solve(simd, &before, &[], tensions, tolerance);
                                 last = solved.strain;
                                 bad = bad.max(solved.is_solved.select(zero, one));
                             }

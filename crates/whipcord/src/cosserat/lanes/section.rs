@@ -7,7 +7,7 @@ use whipcord_numerics::lanes::{LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 use crate::section::reach;
 use crate::section::{Crossing, Section, Stiffness};
 use crate::statics::lanes::section::{
-    InLanes, LaneBare, LaneCrossing, equilibrium, no_wrench, reduced, response_at_rest,
+    InLanes, LaneBare, LaneCrossing, equilibrium_within, no_wrench, reduced, response_at_rest,
 };
 use crate::statics::section_runs::WaveStart;
 
@@ -125,7 +125,7 @@ impl Several {
         self.stiffness.bending
     }
 
-    /// The strain from those of the last three sections before, and from the departures of those of its run.
+    /// The strain from those of the last three sections before, and from the departures of those of its run, to a last step of `tolerance`.
     #[inline(always)]
     pub fn solve<S: Simd>(
         &self,
@@ -133,6 +133,7 @@ impl Several {
         before: &[LaneTwist<S>; 3],
         departures: &[LaneTwist<S>],
         tensions: &[Lanes<S>],
+        tolerance: f64,
     ) -> Solved<S> {
         let [a, b, c] = *before;
         let pulled = Pulled { section: self, tensions, wrench: no_wrench(simd) };
@@ -156,11 +157,11 @@ impl Several {
                 }
             }
         };
-        let (strain, is_solved) = equilibrium(&pulled, simd, start);
+        let (strain, is_solved) = equilibrium_within(tolerance, &pulled, simd, start);
         Solved { strain, departure: strain - response, is_solved }
     }
 
-    /// The strain under a wrench from another one, and in which lanes there is one.
+    /// The strain under a wrench from another one, and in which lanes there is one, likewise.
     #[inline(always)]
     pub fn under<S: Simd>(
         &self,
@@ -168,8 +169,9 @@ impl Several {
         wrench: [LaneVec3<S>; 2],
         start: LaneTwist<S>,
         tensions: &[Lanes<S>],
+        tolerance: f64,
     ) -> (LaneTwist<S>, LaneMask<S>) {
-        equilibrium(&Pulled { section: self, tensions, wrench }, simd, start)
+        equilibrium_within(tolerance, &Pulled { section: self, tensions, wrench }, simd, start)
     }
 
     /// Writes the stretches of its cables at a strain.

@@ -4,7 +4,7 @@ use pulp::Simd;
 use whipcord_numerics::lanes::{LaneTwist, LaneVec3, Lanes};
 
 use crate::section::Strain;
-use crate::statics::section_runs::WIDTH;
+use crate::statics::section_table::WIDTH;
 
 /// The strains at nodes, one in each lane; lanes without a node repeat the last one.
 #[inline(always)]
@@ -13,7 +13,7 @@ pub(crate) fn strains_at<S: Simd>(simd: S, strains: &[Strain], nodes: &[usize]) 
     for lane in 0..Lanes::<S>::COUNT.min(WIDTH) {
         put(&mut columns, lane, &strains[nodes[lane.min(nodes.len() - 1)]]);
     }
-    of_columns(simd, &columns)
+    of_columns(simd, &columns, 0)
 }
 
 /// The strains at one of three places of steps that follow one another; lanes without a step repeat the last one.
@@ -27,21 +27,30 @@ pub(crate) fn strains_of_steps<S: Simd>(
     for lane in 0..Lanes::<S>::COUNT.min(WIDTH) {
         put(&mut columns, lane, &strains[lane.min(strains.len() - 1)][place]);
     }
-    of_columns(simd, &columns)
+    of_columns(simd, &columns, 0)
 }
 
+/// Writes the numbers of a strain into a lane.
 #[inline(always)]
-fn put(columns: &mut [[f64; WIDTH]; 6], lane: usize, Strain { linear, angular }: &Strain) {
+pub(crate) fn put(
+    columns: &mut [[f64; WIDTH]; 6],
+    lane: usize,
+    Strain { linear, angular }: &Strain,
+) {
     let numbers = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
     for (column, number) in columns.iter_mut().zip(numbers) {
         column[lane] = number;
     }
 }
 
-/// From the numbers of strains, those of all lanes one behind the other.
+/// From the numbers of strains from a lane on, those of all lanes one behind the other.
 #[inline(always)]
-pub(crate) fn of_columns<S: Simd>(simd: S, columns: &[[f64; WIDTH]; 6]) -> LaneTwist<S> {
-    let load = |i: usize| Lanes::load(simd, &columns[i], 0);
+pub(crate) fn of_columns<S: Simd>(
+    simd: S,
+    columns: &[[f64; WIDTH]; 6],
+    first: usize,
+) -> LaneTwist<S> {
+    let load = |i: usize| Lanes::load(simd, &columns[i], first);
     LaneTwist {
         linear: LaneVec3::new(load(0), load(1), load(2)),
         angular: LaneVec3::new(load(3), load(4), load(5)),

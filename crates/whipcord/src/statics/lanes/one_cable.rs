@@ -6,7 +6,7 @@ use whipcord_numerics::lanes::{LaneMask, LaneTwist, LaneVec3, Lanes};
 
 use crate::section::one_cable::{MAX_ITERATIONS, MET, NEAR, Reduced};
 use crate::section::{Crossing, FOLDED, Section};
-use crate::statics::section_runs::Row;
+use crate::statics::section_table::Row;
 
 /// [`Reduced`] in each lane.
 #[derive(Clone, Copy)]
@@ -33,6 +33,36 @@ pub(crate) struct LaneOneCable<S: Simd> {
     pub stretch_by_tension: Lanes<S>,
     /// In which lanes there is an answer.
     pub is_solved: LaneMask<S>,
+}
+
+/// A section in each lane that one cable crosses and that is equally stiff about x and y.
+#[derive(Clone, Copy)]
+pub(crate) struct LaneCrossed<S: Simd> {
+    /// Compliances.
+    pub shear: LaneVec3<S>,
+    pub bending: LaneVec3<S>,
+    pub rest_curvature: LaneVec3<S>,
+    /// Of the cable, without a z component, and the unit vector along it.
+    pub offset: LaneVec3<S>,
+    pub slope: LaneVec3<S>,
+    pub radial: [Lanes<S>; 2],
+}
+
+impl<S: Simd> LaneCrossed<S> {
+    /// The same in each lane.
+    #[inline(always)]
+    pub fn splat(simd: S, section: &Section, crossing: &Crossing) -> Self {
+        let vector = |v: Vec3| LaneVec3::splat(simd, v);
+        let Crossing { offset, slope, radial } = *crossing;
+        Self {
+            shear: vector(section.compliance.shear),
+            bending: vector(section.compliance.bending),
+            rest_curvature: vector(section.rest_curvature),
+            offset: vector(offset),
+            slope: vector(slope),
+            radial: [Lanes::splat(simd, radial.x), Lanes::splat(simd, radial.y)],
+        }
+    }
 }
 
 impl<S: Simd> LaneReduced<S> {
@@ -80,30 +110,21 @@ impl<S: Simd> LaneReduced<S> {
         }
     }
 
-    /// [`Reduced::of`] the same section under a wrench in each lane.
+    /// [`Reduced::of`] sections under a wrench in each lane.
     #[inline(always)]
-    pub fn under(
-        simd: S,
-        section: &Section,
-        crossing: &Crossing,
-        [force, moment]: [LaneVec3<S>; 2],
-    ) -> Self {
-        let vector = |v: Vec3| LaneVec3::splat(simd, v);
+    pub fn under(simd: S, of: &LaneCrossed<S>, [force, moment]: [LaneVec3<S>; 2]) -> Self {
         let one = Lanes::splat(simd, 1.0);
-        let soft = section.compliance;
-        let (shear, bending) = (vector(soft.shear), vector(soft.bending));
-        let (r, slope) = (vector(crossing.offset), vector(crossing.slope));
-        let [x, y] = [crossing.radial.x, crossing.radial.y].map(|x| Lanes::splat(simd, x));
-        let linear = vector(Vec3::Z) + shear.scale(force);
-        let angular = vector(section.rest_curvature) + bending.scale(moment);
+        let LaneCrossed { shear, bending, rest_curvature, offset: r, slope, radial: [x, y] } = *of;
+        let linear = LaneVec3::splat(simd, Vec3::Z) + shear.scale(force);
+        let angular = rest_curvature + bending.scale(moment);
         let free = linear + angular.cross(r) + slope;
         let w = LaneVec3::new(free.x * x + free.y * y, free.y * x - free.x * y, free.z);
-        let squared_radius = crossing.offset.norm_squared();
-        let c = vector(Vec3::new(
-            soft.shear.x,
-            soft.shear.x + squared_radius * soft.bending.z,
-            soft.shear.z + squared_radius * soft.bending.x,
-        ));
+        let squared_radius = r.x * r.x + r.y * r.y;
+        let c = LaneVec3::new(
+            shear.x,
+            shear.x + squared_radius * bending.z,
+            shear.z + squared_radius * bending.x,
+        );
         let squares = w.scale(w);
         let c_squared = c.scale(c);
         let size_squared = squares.x + squares.y + squares.z;
@@ -116,7 +137,7 @@ impl<S: Simd> LaneReduced<S> {
             linear,
             angular,
             offset: r,
-            radial: [x, y],
+            radial: of.radial,
             w,
             c,
             size,

@@ -5,13 +5,12 @@ use whipcord_numerics::lanes::{LaneSym3, LaneVec3, Lanes};
 use whipcord_numerics::{Mat3, Vec3};
 
 use super::columns::{of_columns, strain_of, strains_at};
-use super::section::{
-    InLanes, LaneBare, LaneCrossing, LanePull, equilibrium, linearize, no_wrench, reduced,
-    response_at_rest,
-};
+use super::section::{InLanes, LanePull, equilibrium_within, linearize, reduced, response_at_rest};
+use super::slots::Slots;
 use crate::section::{BodyWrench, SectionFault, Strain, equilibrium as of_section};
 use crate::statics::grid::Nodes;
-use crate::statics::section_runs::{Rows, SectionRun, SectionTable, WIDTH, Wave, WaveStart};
+use crate::statics::section_runs::{SectionRun, Wave, WaveStart};
+use crate::statics::section_table::WIDTH;
 
 /// What is known of all sections of a rod.
 pub(crate) struct Known<'a> {
@@ -25,74 +24,7 @@ pub(crate) struct Known<'a> {
     pub cables: usize,
 }
 
-/// The sections in so many lanes of a run, under these tensions.
-struct Slots<'a> {
-    rows: Rows<'a>,
-    /// Slot of the first lane in the rows.
-    first: usize,
-    tensions: &'a [f64],
-}
-
-impl<'a> Slots<'a> {
-    /// From a slot of a table on; `None` behind the last.
-    #[inline(always)]
-    fn from(table: &'a SectionTable, slot: usize, tensions: &'a [f64]) -> Option<Self> {
-        Some(Self { rows: table.rows(slot)?, first: slot % WIDTH, tensions })
-    }
-
-    #[inline(always)]
-    fn vector<S: Simd>(&self, simd: S, row: usize) -> LaneVec3<S> {
-        let load = |i: usize| Lanes::load(simd, &self.rows.section[row + i], self.first);
-        LaneVec3::new(load(0), load(1), load(2))
-    }
-}
-
-impl<S: Simd> InLanes<S> for Slots<'_> {
-    #[inline(always)]
-    fn cables(&self) -> usize {
-        self.rows.cables.len()
-    }
-
-    #[inline(always)]
-    fn is_slack(&self, cable: usize) -> bool {
-        self.tensions[cable] == 0.0
-    }
-
-    #[inline(always)]
-    fn bare(&self, simd: S) -> LaneBare<S> {
-        LaneBare {
-            shear: self.vector(simd, 0),
-            bending: self.vector(simd, 3),
-            pivots: self.vector(simd, 6),
-            rest_curvature: self.vector(simd, 9),
-            reach: Lanes::load(simd, &self.rows.section[18], self.first),
-            wrench: no_wrench(simd),
-        }
-    }
-
-    #[inline(always)]
-    fn crossing(&self, simd: S, cable: usize) -> (LaneCrossing<S>, Lanes<S>) {
-        let of = &self.rows.cables[cable];
-        let load = |row: usize| Lanes::load(simd, &of[row], self.first);
-        let slope = LaneVec3::new(load(2), load(3), load(4));
-        let crossing = LaneCrossing { offset: [load(0), load(1)], slope };
-        (crossing, Lanes::splat(simd, self.tensions[cable]))
-    }
-
-    #[inline(always)]
-    fn compliances(&self, simd: S) -> [LaneVec3<S>; 2] {
-        [self.vector(simd, 12), self.vector(simd, 15)]
-    }
-
-    #[inline(always)]
-    fn direction_at_rest(&self, simd: S, cable: usize) -> (LaneVec3<S>, Lanes<S>) {
-        let of = &self.rows.cables[cable];
-        let load = |row: usize| Lanes::load(simd, &of[row], self.first);
-        (LaneVec3::new(load(5), load(6), load(7)), load(8))
-    }
-}
-
-/// Solves the sections of a run, from their strains as they are where those are `warm`.
+/// Solves the sections of a run to a last step of `tolerance`, as a strain, from their strains as they are where those are `warm`.
 ///
 /// # Errors
 /// The first node, along the rod, that has no answer.
@@ -102,7 +34,7 @@ pub(crate) fn solve_run<S: Simd>(
     run: &SectionRun,
     nodes: &Nodes,
     tensions: &[f64],
-    warm: bool,
+    (tolerance, warm): (f64, bool),
     known: &mut Known<'_>,
 ) -> Result<(), (usize, SectionFault)> {
     let cables = run.sections.cables;
@@ -114,7 +46,7 @@ pub(crate) fn solve_run<S: Simd>(
             let slot = slots.start + number * lanes;
             let Some(of) = Slots::from(&run.sections, slot, tensions) else { break };
             let response = match warm {
-                true => of_columns(simd, &[[0.0; WIDTH]; 6]),
+                true => of_columns(simd, &[[0.0; WIDTH]; 6], 0),
                 false => response_at_rest(&of, simd),
             };
             let mut columns = [[0.0; WIDTH]; 6];
@@ -138,8 +70,8 @@ pub(crate) fn solve_run<S: Simd>(
                     column[lane] = number;
                 }
             }
-            let start = response + of_columns(simd, &columns);
-            let (found, met) = equilibrium(&of, simd, start);
+            let start = response + of_columns(simd, &columns, 0);
+            let (found, met) = equilibrium_within(tolerance, &of, simd, start);
             let met = met.select(Lanes::splat(simd, 1.0), Lanes::splat(simd, 0.0));
             let departure = found - response;
             for (lane, &node) in group.iter().enumerate() {

@@ -5,7 +5,7 @@ use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneLdlt3, LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
 use crate::section::Crossing;
-use crate::section::equilibrium::{MORE_STEPS, PART_OF_SQUARE, STEP_TOLERANCE, UNDAMPED};
+use crate::section::equilibrium::{MORE_STEPS, PART_OF_SQUARE, UNDAMPED};
 
 /// Sections in lanes, and what crosses them: one of many robots, or those of a run of one robot.
 pub(crate) trait InLanes<S: Simd> {
@@ -126,17 +126,18 @@ impl<S: Simd> LaneCrossing<S> {
     }
 }
 
-/// The strain of sections from these, and in which lanes there is one.
+/// The strain of sections from these, and in which lanes there is one, where a Newton step of `tolerance`, as a strain, is the last.
 #[inline(always)]
-pub(crate) fn equilibrium<S: Simd>(
+pub(crate) fn equilibrium_within<S: Simd>(
+    tolerance: f64,
     of: &impl InLanes<S>,
     simd: S,
     mut strain: LaneTwist<S>,
 ) -> (LaneTwist<S>, LaneMask<S>) {
     let bare = of.bare(simd);
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let tolerance = Lanes::splat(simd, STEP_TOLERANCE);
-    let square = Lanes::splat(simd, PART_OF_SQUARE * (STEP_TOLERANCE * STEP_TOLERANCE));
+    let square = Lanes::splat(simd, PART_OF_SQUARE * (tolerance * tolerance));
+    let tolerance = Lanes::splat(simd, tolerance);
     let mut running = zero.at_most(one);
     let mut met = one.at_most(zero);
     for _ in 0..UNDAMPED {

@@ -410,7 +410,8 @@ fn a_path_is_the_same_for_any_threads_and_near_the_cold_answers() {
     let iterations = |batch: &Batch| -> usize {
         batch.outcomes().iter().flatten().map(|solved| solved.diagnostics.iterations).sum()
     };
-    assert!(iterations(&one) < iterations(&cold));
+    let (warm, cold) = (iterations(&one), iterations(&cold));
+    assert!(warm <= cold, "{warm} from row to row, {cold} cold");
 }
 
 #[test]

@@ -39,27 +39,57 @@ fn a_column_has_one_equilibrium_up_to_nine_tenths_of_eulers_load() {
 }
 
 #[test]
-fn nothing_is_said_of_loads_without_energy() {
+fn nothing_is_said_of_followers() {
     let weak = 1e-6;
     let case = |loads| Case { loads, ..Case::default() };
-    let moment = Loads { tip_moment: Vec3::X * weak, ..Loads::default() };
-    let follower = Loads { tip_force: Vec3::X * weak, tip_follower: true, ..Loads::default() };
-    let point = PointLoad { at: 0.5, force: Vec3::ZERO, moment: Vec3::X * weak, follower: false };
+    let tip = Loads { tip_force: Vec3::X * weak, tip_follower: true, ..Loads::default() };
+    let point = PointLoad { at: 0.5, force: Vec3::X * weak, moment: Vec3::ZERO, follower: true };
     let along = Loads { points: vec![point], ..Loads::default() };
-    for loads in [moment, follower, along] {
+    for loads in [tip, along] {
         assert!(!has_one(&column(), &case(loads)));
     }
     assert!(has_one(&column(), &case(Loads::default())));
 }
 
-const WILD: Wildness = Wildness { cables: 6, tension: 0.8, force: 1.5, moment: 0.0, weight: 1.0 };
+/// (16) counts a dead moment from the base to where it acts.
+#[test]
+fn a_dead_moment_counts_between_the_base_and_where_it_acts() {
+    let at = |at: f64, moment: f64| {
+        let point = PointLoad { at, force: Vec3::ZERO, moment: Vec3::Z * moment, follower: false };
+        let loads = Loads { points: vec![point], ..Loads::default() };
+        has_one(&column(), &Case { loads, ..Case::default() })
+    };
+    // y′ = −m²/4 − y² with y = m/2 where it acts has a solution as far as m a/2 < π/4 from there.
+    let greatest = core::f64::consts::FRAC_PI_2;
+    assert!(at(1.0, 0.85 * greatest) && !at(1.0, greatest));
+    assert!(at(0.5, 1.7 * greatest) && !at(0.5, 2.0 * greatest));
+}
+
+const WILD: Wildness = Wildness { cables: 6, tension: 0.8, force: 1.5, moment: 0.5, weight: 1.0 };
+
+fn without_moments(case: &mut Case) {
+    case.loads.points.clear();
+    case.loads.tip_moment = Vec3::ZERO;
+}
 
 #[test]
 fn what_has_one_equilibrium_is_stable_and_found_from_anywhere() {
+    is_found_from_anywhere(without_moments);
+}
+
+/// Moments have no energy: that a shape is stable is then more than that it is the only one.
+#[test]
+fn what_has_one_equilibrium_under_dead_moments_is_stable_and_found_from_anywhere() {
+    is_found_from_anywhere(|case| {
+        case.loads.points.iter_mut().for_each(|point| point.follower = false);
+        case.loads.tip_follower = false;
+    });
+}
+
+fn is_found_from_anywhere(change: impl Fn(&mut Case)) {
     let (mut shown, mut found) = (0, 0);
     for (robot, mut case) in samples(robot(WILD), 400) {
-        case.loads.points.clear();
-        case.loads.tip_moment = Vec3::ZERO;
+        change(&mut case);
         if !has_one(&robot, &case) {
             continue;
         }
@@ -89,8 +119,7 @@ fn what_has_one_equilibrium_is_stable_and_found_from_anywhere() {
 fn cables_of_given_lengths_have_one_equilibrium_within_limits() {
     let (mut shown, mut found) = (0, 0);
     for (robot, mut case) in samples(robot(WILD), 200) {
-        case.loads.points.clear();
-        case.loads.tip_moment = Vec3::ZERO;
+        without_moments(&mut case);
         let mut prepared = prepared(&robot, &case.loads, StabilityAnalysis::Verdict);
         let Ok(answer) = prepared.solve(&case, None) else { continue };
         let shortening = |cable: &whipcord::CableState| CableCommand {

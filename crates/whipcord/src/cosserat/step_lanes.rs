@@ -1,0 +1,553 @@
+//! All steps of a rod side by side in lanes, each from a start of its own: [`super::loaded`] for [`super::chain`].
+
+use pulp::{Arch, Simd, WithSimd};
+use whipcord_numerics::lanes::{LaneMask, LanePose, LaneTwist, LaneVec3, Lanes};
+use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
+
+use super::loaded::{SAMPLED_NODES, Target, Trajectory};
+use super::state::Node;
+use crate::section::{BodyWrench, Fault, Strain, Tangent};
+use crate::shape::Wrench;
+use crate::statics::grid::{Grid, SHOOTING_NODES};
+use crate::statics::lanes::columns::{of_columns, put, strain_of};
+use crate::statics::lanes::one_cable::{LaneCrossed, LaneReduced};
+use crate::statics::lanes::rod_step::{LaneState, StepSections, advance};
+use crate::statics::lanes::section::equilibrium_within;
+use crate::statics::lanes::slots::LoadedSlots;
+use crate::statics::loads::AppliedLoads;
+use crate::statics::quadratic_form::Sample;
+use crate::statics::runge_kutta::{NODE_OF_STAGE, SAMPLED_STAGES, STAGES};
+use crate::statics::section_table::{Row, WIDTH};
+use crate::statics::step_table::StepTable;
+
+/// The end of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepEnd {
+    /// Frame, with the position relative to the start.
+    pub pose: Pose,
+    /// Rotation from the next node, in the body frame.
+    pub turn: Vec3,
+    /// In the body frame.
+    pub moment: Vec3,
+    /// Of the followers, in the base frame.
+    pub force: Vec3,
+}
+
+impl StepEnd {
+    /// A step that ends with this frame and this cut in the base frame before a node that is turned like this.
+    pub fn of(pose: Pose, cut: Wrench, next: UnitQuaternion) -> Self {
+        let turn = (next.conjugate() * pose.rotation).log();
+        let moment = pose.rotation.conjugate().rotate(cut.moment);
+        Self { pose, turn, moment, force: cut.force }
+    }
+}
+
+/// Memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct StepLanes {
+    pub ends: Vec<StepEnd>,
+    /// Force, moment and quaternion of the sections that are sampled: three for the steps in neighbouring slots, then for the next.
+    sampled: Vec<[Row; 10]>,
+    group: Group,
+    /// Tensions of all cables at each shooting node in turn of the steps side by side.
+    tensions: Vec<Row>,
+}
+
+/// Rods that are shot.
+struct ShootSteps<'a> {
+    table: &'a StepTable,
+    grid: &'a Grid,
+    loads: &'a AppliedLoads,
+    target: &'a Target<'a>,
+    nodes: &'a [Node],
+    strains: &'a mut [Strain],
+    memory: &'a mut StepLanes,
+}
+
+/// Steps side by side, and what acts on them.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    length: Row,
+    rotation: [Row; 4],
+    /// Of the nodes behind the steps.
+    next: [Row; 4],
+    /// In the base frame.
+    moment: [Row; 3],
+    /// At each shooting node, in the base frame.
+    forces: [[Row; 3]; SHOOTING_NODES.len()],
+    /// At each stage, where the sections start from.
+    strains: [[Row; 6]; STAGES],
+}
+
+impl StepLanes {
+    /// Shoots every step of a rod from its node; `false` where lanes cannot take the sections or the loads, or a section finds no strain.
+    pub fn shoot(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        target: &Target<'_>,
+        nodes: &[Node],
+        strains: &mut [Strain],
+    ) -> bool {
+        let Some(table) = grid.step_table().filter(|_| !loads.any_line()) else { return false };
+        if strains.len() != STAGES * grid.len() {
+            return false;
+        }
+        let memory = self;
+        Arch::new().dispatch(ShootSteps { table, grid, loads, target, nodes, strains, memory })
+    }
+
+    /// How the middles of so many steps are turned in the last shot, and their moments in the body frame, to the order of its stages.
+    pub fn middles(&self, steps: usize) -> impl Iterator<Item = (UnitQuaternion, Vec3)> {
+        (0..steps).map(|k| {
+            let (wrench, rotation) = self.cut(k, 1);
+            (rotation, wrench.angular)
+        })
+    }
+
+    /// Wrench and rotation at sample `q` of step `k` of the last shot.
+    #[inline(always)]
+    fn cut(&self, k: usize, q: usize) -> (BodyWrench, UnitQuaternion) {
+        let [a, b, c, d, e, f, w, x, y, z] = &self.sampled[SAMPLED_NODES.len() * (k / WIDTH) + q];
+        let vector = |rows: [&Row; 3]| {
+            let [x, y, z] = rows.map(|row| row[k % WIDTH]);
+            Vec3::new(x, y, z)
+        };
+        let wrench = BodyWrench { linear: vector([a, b, c]), angular: vector([d, e, f]) };
+        (wrench, UnitQuaternion { w: w[k % WIDTH], v: vector([x, y, z]) })
+    }
+
+    /// Takes sample `q` of step `k` of the last shot.
+    #[inline(always)]
+    fn sample(
+        &self,
+        (grid, target): (&Grid, &Target<'_>),
+        strains: &[Strain],
+        (k, q): (usize, usize),
+        sample: &mut Sample,
+    ) -> Result<(), Fault> {
+        let (step, j) = (grid.steps[k], SAMPLED_NODES[q]);
+        (sample.wrench, sample.rotation) = self.cut(k, q);
+        let (node, crossings) = grid.shooting.at(k, j, step.active);
+        let cables = (crossings, grid.shooting.groups(k, j, step.active));
+        let strain = strains[STAGES * k + SAMPLED_STAGES[q]];
+        let tensions = target.tensions_at(k, j, step.active);
+        let arc_length = step.start + SHOOTING_NODES[j] * step.length;
+        sample.strain = strain;
+        sample.tangent = Tangent::by_groups(&node.section, cables, tensions, &strain)
+            .map_err(|kind| Fault { kind, arc_length })?;
+        Ok(())
+    }
+}
+
+/// Samples of the last shot with the instructions that the processor has.
+struct Samples<'a> {
+    of: &'a StepLanes,
+    at: (&'a Grid, &'a Target<'a>),
+    strains: &'a [Strain],
+    /// Whether those in the middle of the steps are enough.
+    only_middles: bool,
+    samples: &'a mut [Sample],
+}
+
+impl WithSimd for Samples<'_> {
+    type Output = Result<(), Fault>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { of, at, strains, only_middles, samples } = self;
+        for (k, of_step) in samples.chunks_exact_mut(SAMPLED_NODES.len()).enumerate() {
+            for (q, sample) in of_step.iter_mut().enumerate() {
+                if q == 1 || !only_middles {
+                    of.sample(at, strains, (k, q), sample)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl WithSimd for ShootSteps<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { table, grid, nodes, strains, memory, .. } = self;
+        let StepLanes { ends, sampled, group: at, tensions } = memory;
+        ends.clear();
+        sampled.resize(SAMPLED_NODES.len() * grid.len().div_ceil(WIDTH), [[0.0; WIDTH]; 10]);
+        let cables = table.cables();
+        let lanes = Lanes::<S>::COUNT.min(WIDTH);
+        let one = Lanes::splat(simd, 1.0);
+        for group in (0..grid.len()).step_by(WIDTH) {
+            at.gather((grid, self.loads, self.target), nodes, group);
+            if !table.is_crossed_once {
+                at.gather_strains(strains, group, grid.len());
+            }
+            gather_tensions((grid, self.target), group, cables, tensions);
+            for first in (0..WIDTH.min(grid.len() - group)).step_by(lanes) {
+                let load = |row: &Row| Lanes::load(simd, row, first);
+                let [w, x, y, z] = &at.rotation;
+                let v = LaneVec3::new(load(x), load(y), load(z));
+                let zero = Lanes::splat(simd, 0.0);
+                let null = LaneVec3::new(zero, zero, zero);
+                let [p, q, r] = &at.moment;
+                let start = LaneState {
+                    pose: LanePose { position: null, w: load(w), v },
+                    moment: LaneVec3::new(load(p), load(q), load(r)),
+                };
+                let strain = LaneTwist { linear: null, angular: null };
+                let mut sections = Sections {
+                    table,
+                    at,
+                    tensions,
+                    cables,
+                    step: group + first,
+                    first,
+                    tolerance: self.target.step_tolerance,
+                    is_solved: one.at_most(one),
+                    strains: [strain; STAGES],
+                    sampled: [(start.pose, [null; 2]); SAMPLED_STAGES.len()],
+                };
+                let end = advance(simd, load(&at.length), start, &mut sections);
+                if !sections.is_solved.all() {
+                    return false;
+                }
+                let [w, x, y, z] = &at.next;
+                let v = LaneVec3::new(load(x), load(y), load(z));
+                let next = LanePose { position: null, w: load(w), v };
+                let (turn, moment) = (end.pose.turn_from(&next), end.pose.to_body(end.moment));
+                let of_group = SAMPLED_NODES.len() * (group / WIDTH);
+                for (rows, (pose, [n, m])) in sampled[of_group..].iter_mut().zip(&sections.sampled)
+                {
+                    let numbers =
+                        [n.x, n.y, n.z, m.x, m.y, m.z, pose.w, pose.v.x, pose.v.y, pose.v.z];
+                    for (row, number) in rows.iter_mut().zip(&numbers) {
+                        row[first..first + lanes].copy_from_slice(number.as_slice());
+                    }
+                }
+                for lane in 0..lanes.min(grid.len() - group - first) {
+                    let k = group + first + lane;
+                    for (i, strain) in sections.strains.iter().enumerate() {
+                        strains[STAGES * k + i] = strain_of(strain, lane);
+                    }
+                    let pose = end.pose.of(lane);
+                    ends.push(match turn {
+                        Some(turn) => {
+                            let (turn, moment) = (turn.of(lane), moment.of(lane));
+                            StepEnd { pose, turn, moment, force: nodes[k].force }
+                        }
+                        None => {
+                            let cut = Wrench { force: nodes[k].force, moment: end.moment.of(lane) };
+                            StepEnd::of(pose, cut, nodes[k + 1].rotation)
+                        }
+                    });
+                }
+            }
+        }
+        true
+    }
+}
+
+impl Group {
+    /// Takes the steps from `first` on.
+    #[inline(always)]
+    fn gather(
+        &mut self,
+        (grid, loads, target): (&Grid, &AppliedLoads, &Target<'_>),
+        nodes: &[Node],
+        first: usize,
+    ) {
+        for slot in 0..WIDTH {
+            let k = (first + slot).min(grid.len() - 1);
+            let Node { rotation, moment, force } = nodes[k];
+            self.length[slot] = grid.steps[k].length;
+            for (row, number) in self.rotation.iter_mut().zip(rotation.wxyz()) {
+                row[slot] = number;
+            }
+            for (row, number) in self.next.iter_mut().zip(nodes[k + 1].rotation.wxyz()) {
+                row[slot] = number;
+            }
+            put_vector(&mut self.moment, slot, rotation.rotate(moment));
+            for (j, rows) in self.forces.iter_mut().enumerate() {
+                put_vector(rows, slot, target.load * loads.force(k, j) + force);
+            }
+        }
+    }
+
+    /// Takes the strains of as many of all steps.
+    #[inline(always)]
+    fn gather_strains(&mut self, strains: &[Strain], first: usize, steps: usize) {
+        for slot in 0..WIDTH {
+            let k = (first + slot).min(steps - 1);
+            for (rows, strain) in self.strains.iter_mut().zip(&strains[STAGES * k..]) {
+                put(rows, slot, strain);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn put_vector(rows: &mut [Row; 3], slot: usize, vector: Vec3) {
+    for (row, number) in rows.iter_mut().zip(vector.to_array()) {
+        row[slot] = number;
+    }
+}
+
+/// Tensions of the steps from `first` on: zero behind the end of a cable.
+#[inline(always)]
+fn gather_tensions(
+    (grid, target): (&Grid, &Target<'_>),
+    first: usize,
+    cables: usize,
+    rows: &mut Vec<Row>,
+) {
+    rows.clear();
+    rows.resize(cables * SHOOTING_NODES.len(), [0.0; WIDTH]);
+    for slot in 0..WIDTH {
+        let k = (first + slot).min(grid.len() - 1);
+        let active = grid.steps[k].active;
+        for j in 0..SHOOTING_NODES.len() {
+            for (cable, tension) in target.tensions_at(k, j, active).iter().enumerate() {
+                rows[cables * j + cable][slot] = *tension;
+            }
+        }
+    }
+}
+
+/// The sections of the steps in as many lanes.
+struct Sections<'a, S: Simd> {
+    table: &'a StepTable,
+    at: &'a Group,
+    tensions: &'a [Row],
+    cables: usize,
+    /// Of the first lane, and its slot.
+    step: usize,
+    first: usize,
+    tolerance: f64,
+    is_solved: LaneMask<S>,
+    strains: [LaneTwist<S>; STAGES],
+    sampled: [(LanePose<S>, [LaneVec3<S>; 2]); SAMPLED_STAGES.len()],
+}
+
+impl<S: Simd> StepSections<S> for Sections<'_, S> {
+    #[inline(always)]
+    fn force(&self, simd: S, stage: usize) -> LaneVec3<S> {
+        let [x, y, z] = &self.at.forces[NODE_OF_STAGE[stage]];
+        let load = |row: &Row| Lanes::load(simd, row, self.first);
+        LaneVec3::new(load(x), load(y), load(z))
+    }
+
+    #[inline(always)]
+    fn strain(
+        &mut self,
+        simd: S,
+        stage: usize,
+        rotation: &LanePose<S>,
+        wrench: [LaneVec3<S>; 2],
+    ) -> LaneTwist<S> {
+        let j = NODE_OF_STAGE[stage];
+        let (strain, is_solved) = match self.table.slots(self.step, j) {
+            Some(slots) if self.table.is_crossed_once => {
+                let crossed: LaneCrossed<S> = slots.crossed(simd);
+                let tension = match self.tensions.get(j) {
+                    Some(row) => Lanes::load(simd, row, self.first),
+                    None => Lanes::splat(simd, 0.0),
+                };
+                let found = LaneReduced::under(simd, &crossed, wrench).solve(simd, tension);
+                (found.strain, found.is_solved)
+            }
+            Some(slots) => {
+                let tensions = &self.tensions[self.cables * j..self.cables * (j + 1)];
+                let of = LoadedSlots { slots, tensions, wrench };
+                let start = of_columns(simd, &self.at.strains[stage], self.first);
+                equilibrium_within(self.tolerance, &of, simd, start)
+            }
+            // Each node of each step has its slots.
+            None => (self.strains[stage], self.is_solved),
+        };
+        self.is_solved = self.is_solved.and(is_solved);
+        self.strains[stage] = strain;
+        for (q, sampled) in self.sampled.iter_mut().enumerate() {
+            if SAMPLED_STAGES[q] == stage {
+                *sampled = (*rotation, wrench);
+            }
+        }
+        strain
+    }
+}
+
+impl Trajectory {
+    /// Shoots every step from its node, in lanes and without samples, which [`Self::sample_steps`] takes; `false` where lanes do not.
+    pub fn shoot_steps(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        target: &Target<'_>,
+        nodes: &[Node],
+    ) -> bool {
+        self.samples.clear();
+        let is_shot = self.in_lanes.shoot(grid, loads, target, nodes, &mut self.strains);
+        if is_shot {
+            self.steps_left = self.steps_left.saturating_sub(grid.len());
+        }
+        is_shot
+    }
+
+    /// Takes the samples of the last shot of [`Self::shoot_steps`].
+    pub fn sample_steps(&mut self, grid: &Grid, target: &Target<'_>) -> Result<(), Fault> {
+        let Self { in_lanes: of, strains, samples, .. } = self;
+        samples.resize(SAMPLED_NODES.len() * grid.len(), Sample::default());
+        let at = (grid, target);
+        let taken = Arch::new().dispatch(Samples { of, at, strains, only_middles: false, samples });
+        if taken.is_err() {
+            samples.clear();
+        }
+        taken
+    }
+
+    /// The same in the middle of each step alone, among three to a step.
+    pub fn sample_middles(
+        &self,
+        grid: &Grid,
+        target: &Target<'_>,
+        samples: &mut Vec<Sample>,
+    ) -> Result<(), Fault> {
+        let Self { in_lanes: of, strains, .. } = self;
+        samples.resize(SAMPLED_NODES.len() * grid.len(), Sample::default());
+        let at = (grid, target);
+        Arch::new().dispatch(Samples { of, at, strains, only_middles: true, samples })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::section::step_tolerance;
+    use crate::statics::grid::Layout;
+    use crate::{
+        Along, Backbone, Cable, Disks, DistributedLoad, Loads, Material, PointLoad, Profile, Robot,
+        Routing, Section as Bar,
+    };
+
+    /// With cables that end one before the other.
+    fn robot(cables: usize) -> Robot {
+        let material =
+            Material { young_modulus: Some(1e9), poisson_ratio: Some(0.3), ..Material::default() };
+        let outer = Along::At { arc_lengths: vec![0.0, 0.18], values: vec![0.003, 0.002] };
+        let section = Bar::Round { outer, inner: Along::Uniform(0.0) };
+        let backbone = Backbone { material, section: Some(section), ..Backbone::new(0.18) };
+        let disks = Disks::equally_spaced(0.18, 10, 0.008);
+        let cable = |i: usize| {
+            let start_angle = 2.0 * i as f64;
+            let routing = Routing::Helix { start_angle, turns: 0.4, radius: 0.008 };
+            let ends_at = Some(0.18 - 0.04 * i as f64);
+            Cable { ends_at, ..Cable::new(format!("{i}"), routing) }
+        };
+        Robot::new(backbone, disks, (0..cables).map(cable).collect()).unwrap()
+    }
+
+    fn follower() -> Loads {
+        let point = PointLoad {
+            at: 0.12,
+            force: Vec3::new(0.02, -0.01, 0.0),
+            moment: Vec3::ZERO,
+            follower: true,
+        };
+        let tip_force = Vec3::new(0.05, 0.0, 0.02);
+        Loads { tip_force, points: vec![point], ..Loads::default() }
+    }
+
+    #[test]
+    fn steps_in_lanes_are_those_of_steps_one_by_one() {
+        for (cables, per_node) in [(0, 0), (1, 0), (1, 1), (3, 0), (3, 3)] {
+            for steps in [10, 19] {
+                let (robot, loads) = (robot(cables), follower());
+                let layout = Layout::new(&robot, Vec::new(), &loads);
+                let grid = Grid::new(&robot, &layout, steps).unwrap();
+                let mut applied = AppliedLoads::default();
+                applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+                let nodes = SHOOTING_NODES.len() * grid.len();
+                let along = |i: usize| [2.1, 1.2, 0.4][i % 3] * (1.0 - 1e-3 * i as f64);
+                let tensions: Vec<f64> = match per_node {
+                    0 => [2.1, 1.2, 0.4][..cables].to_vec(),
+                    _ => (0..cables * nodes).map(along).collect(),
+                };
+                let turned = |k: usize| UnitQuaternion::exp(Vec3::new(0.1, 0.03, 0.0) * k as f64);
+                let node = |k: usize| Node {
+                    rotation: turned(k),
+                    moment: Vec3::new(1e-3, 3e-3, 2e-4) * (k as f64).cos(),
+                    force: Vec3::new(0.0, 0.01, 0.01),
+                };
+                let nodes: Vec<Node> = (0..=grid.len()).map(node).collect();
+                let target = Target {
+                    tensions: &tensions,
+                    per_node,
+                    base_moment: Vec3::ZERO,
+                    follower_force: Vec3::ZERO,
+                    load: 0.7,
+                    sample: true,
+                    step_tolerance: step_tolerance(0.0),
+                };
+                let mut side_by_side = Trajectory::default();
+                side_by_side.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
+                let mut one_by_one = side_by_side.clone();
+                assert!(side_by_side.shoot_steps(&grid, &applied, &target, &nodes));
+                side_by_side.sample_steps(&grid, &target).unwrap();
+                for (k, end) in side_by_side.in_lanes.ends.iter().enumerate() {
+                    let Node { rotation, moment, force } = nodes[k];
+                    let target = Target { follower_force: force, ..target };
+                    let moment = rotation.rotate(moment);
+                    let (pose, cut) = one_by_one
+                        .shoot_step(&grid, &applied, &target, k, rotation, moment)
+                        .unwrap();
+                    let expected = StepEnd::of(pose, cut, nodes[k + 1].rotation);
+                    assert!((end.pose.position - pose.position).max_abs() < 1e-14);
+                    assert!((end.turn - expected.turn).max_abs() < 1e-12, "{cables} {k}");
+                    assert!((end.moment - expected.moment).max_abs() < 1e-14);
+                    assert_eq!(end.force, force);
+                }
+                let strains = side_by_side.strains().iter().zip(one_by_one.strains());
+                for (a, b) in strains {
+                    assert!((a.linear - b.linear).max_abs() < 1e-12);
+                    assert!((a.angular - b.angular).max_abs() < 1e-9);
+                }
+                for (a, b) in side_by_side.samples.iter().zip(&one_by_one.samples) {
+                    assert!((a.wrench.linear - b.wrench.linear).max_abs() < 1e-13);
+                    assert!((a.wrench.angular - b.wrench.angular).max_abs() < 1e-13);
+                    let [p, q] = [a, b].map(|of| of.tangent.compliance()[2]);
+                    assert!((0..3).all(|i| (p.rows[i] - q.rows[i]).max_abs() < 1e-6));
+                }
+            }
+        }
+    }
+
+    const AT_REST: Strain = Strain { linear: Vec3::Z, angular: Vec3::ZERO };
+
+    #[test]
+    fn steps_that_lanes_do_not_take_are_left_to_others() {
+        let robot = robot(1);
+        let (force, moment) = (Vec3::X, Vec3::X * 1e-3);
+        let profile = Profile::Constant { from: 0.0, to: 0.18, force, moment };
+        let line = DistributedLoad { profile, follower: false };
+        let loads = Loads { distributed: vec![line], ..Loads::default() };
+        let layout = Layout::new(&robot, Vec::new(), &loads);
+        let grid = Grid::new(&robot, &layout, 10).unwrap();
+        let mut applied = AppliedLoads::default();
+        applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+        let target = Target {
+            tensions: &[1.0],
+            per_node: 0,
+            base_moment: Vec3::ZERO,
+            follower_force: Vec3::ZERO,
+            load: 1.0,
+            sample: true,
+            step_tolerance: step_tolerance(0.0),
+        };
+        let nodes = vec![Node::default(); grid.len() + 1];
+        let mut trajectory = Trajectory::default();
+        assert!(!trajectory.shoot_steps(&grid, &applied, &target, &nodes));
+        trajectory.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
+        assert!(!trajectory.shoot_steps(&grid, &applied, &target, &nodes));
+    }
+}
