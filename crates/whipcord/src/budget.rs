@@ -45,7 +45,7 @@ pub(crate) struct Meter {
 /// An integration step takes about as long as the elimination of a dense matrix takes for so much of the cube of its rows.
 const ELIMINATION: usize = 10_000;
 /// The same of a solve with factors that are known, of the square of its rows.
-const SUBSTITUTION: usize = 400;
+const SUBSTITUTION: usize = 600;
 /// The same of the response of a rod, of the product of its unknowns and its nodes.
 const RESPONSE: usize = 320;
 
