@@ -30,6 +30,10 @@ use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::quadratic_form::Sample;
 use crate::statics::scales::Scales;
 
+/// Of the greatest tension: a bound that is nearer is met. Neighbouring nodes on a curve come to their bounds one shortly after the other: those that do so within
+/// what is far below the error of a substep are one event.
+const MET: f64 = 1e-7;
+
 /// The nodes of a robot on a grid, as holes.
 #[derive(Clone, Debug)]
 pub(super) struct Friction {
@@ -73,6 +77,7 @@ impl Friction {
             at_rest,
             length,
             compliance,
+            met: MET,
             drives: Default::default(),
         };
         holes.at_rest = holes.beyond(&lengths, &vec![0.0; lengths.len()]);

@@ -108,7 +108,7 @@ impl CondensedHoles {
         self.add_wrenches(wrenches);
         let Self { scratch, history, by_wrench, columns, lu, .. } = self;
         let law = Law { holes, commands, before: &history.beyond, modes: None };
-        scratch.solve(&law)?;
+        scratch.solve(&law, None)?;
         let FrictionScratch { tensions, at, beyond, modes, problem, changes, .. } = &*scratch;
         lu.factor(tensions.len(), problem.matrix()).ok()?;
         columns.resize_with(1 + by_wrench.len(), Vec::new);
@@ -175,7 +175,7 @@ impl CondensedHoles {
         self.add_wrenches(changes);
         let Self { scratch, history, columns, .. } = self;
         let law = Law { holes, commands, before: &history.beyond, modes: None };
-        if scratch.solve(&law).is_some() {
+        if scratch.solve(&law, None).is_some() {
             return scratch.changes.clone();
         }
         let mut sum = columns[0].clone();

@@ -9,18 +9,16 @@
 use super::holes::Holes;
 use super::law::{Iterate, Law, Mode};
 use super::linear_problem::LinearProblem;
+use super::pivoting::{Complementarity, Condition, Cover, Outcome, Pivoting};
 use super::response::Response;
 use super::trail::Trigger;
 use crate::budget::Meter;
 use crate::solution::SlipState;
 use crate::statics::command::Command;
 
-/// How often all holes that must change their modes at one event at once, and then one after the other, this often for each hole.
-const MOST_CHANGES: [usize; 2] = [6, 2];
-/// Of the greatest tension: a bound that is nearer is met.
-const MET: f64 = 1e-9;
-/// Of the greatest tension, and of the length: rates that are rounding.
-const STILL: f64 = 1e-10;
+/// Of the tension by which a bound is met, and of what that shortens a cable by: rates that change nothing in a substep. Where a cable hardly moves,
+/// neighbouring nodes on a curve would else change between sticking and sliding again and again.
+const STILL: f64 = 0.1;
 /// So many times what the linear response misses is a margin.
 const SURE: f64 = 4.0;
 /// Parts of a substep in which the response is that in their middle, at most.
@@ -54,6 +52,8 @@ pub(super) struct Events {
     pub beyond: Vec<f64>,
     /// Number of events.
     pub count: usize,
+    /// The fraction of the substep where no modes agree with their rates: no equilibrium goes on from there.
+    pub fold: Option<f64>,
     /// Whether it is noted where holes come to rest, for derivatives.
     pub keeps_stops: bool,
     /// These places beyond the start, in order.
@@ -75,6 +75,9 @@ pub(super) struct Events {
     /// The state from which the coefficients of the linear problem are taken.
     at: Coefficients,
     pub problem: LinearProblem,
+    pivoting: Pivoting,
+    /// The greatest tension or rate of a tension, in N.
+    scale: f64,
 }
 
 /// Where holes come to rest within a substep.
@@ -135,7 +138,7 @@ impl Events {
         let missed = end.map_or(0.0, |(_, missed)| missed);
         let end = end.map(|(end, _)| end);
         self.start(law, from, start, end);
-        self.count = 0;
+        (self.count, self.fold) = (0, None);
         let slots = ((missed / RESOLVED).sqrt() as usize).clamp(1, SLOTS).next_power_of_two();
         let mut most = MOST_EVENTS * law.holes.count() + 32;
         for slot in 0..slots {
@@ -153,6 +156,7 @@ impl Events {
                 is_known = true;
                 self.problem.charge(meter);
                 if !is_chosen || most == 0 || meter.has_ended() {
+                    self.fold = (!is_chosen).then_some(now);
                     return false;
                 }
                 if now == 0.0 {
@@ -303,26 +307,35 @@ impl Events {
     /// problem stay as they are from one event to the next.
     fn choose(&mut self, law: &Law<'_>, is_known: bool) -> bool {
         self.modes_before.clone_from(&self.modes);
-        for change in 0..MOST_CHANGES[0] + MOST_CHANGES[1] * self.modes.len() {
-            let has_rates = is_known && change == 0;
-            if !has_rates && !self.solve(law) {
-                return false;
+        let mut pivoting = core::mem::take(&mut self.pivoting);
+        let mut problem = RatesOfHoles { events: self, law };
+        let (outcome, changes) = pivoting.find(&mut problem, is_known, true);
+        self.pivoting = pivoting;
+        self.count += changes;
+        for p in 0..self.modes.len() {
+            // A hole that stops remembers where.
+            if self.modes[p] == Mode::Sticks && self.modes_before[p] != Mode::Sticks {
+                self.rest[p] = self.beyond[p];
+                if self.keeps_stops && self.now > 0.0 {
+                    self.note_stop(p);
+                }
             }
-            if self.agree(law, change >= MOST_CHANGES[0]) {
-                return true;
-            }
-            self.count += 1;
         }
-        false
+        outcome == Outcome::Agree
     }
 
     /// The rates in the modes as they are.
-    fn solve(&mut self, law: &Law<'_>) -> bool {
+    fn solve(&mut self, law: &Law<'_>, covers: Option<&[Cover]>) -> bool {
         let Self { at, beyond, rates, modes, response, problem, .. } = self;
         let here = Iterate { tensions: &at.tensions, beyond, turns: &at.turns };
         let now = Law { commands: &at.commands, ..*law };
         let Rates { commands, tensions, beyond, turns } = rates;
         if !problem.solve(&now, here, modes, response, Some(commands), tensions) {
+            return false;
+        }
+        if let Some(covers) = covers
+            && !problem.add_covers(covers, tensions)
+        {
             return false;
         }
         turns.resize(tensions.len(), 0.0);
@@ -335,6 +348,9 @@ impl Events {
                 }
                 _ => beyond[p] = problem.beyond(p, tensions),
             }
+        }
+        if covers.is_none() {
+            self.scale = self.greatest_tension();
         }
         true
     }
@@ -383,72 +399,6 @@ impl Events {
         tensions.chain(self.tensions.iter().copied()).chain(rates).fold(f64::MIN_POSITIVE, f64::max)
     }
 
-    /// Whether the modes of all holes agree with the rates; else those that do not change, or where it is `one_by_one` the
-    /// one that agrees least.
-    fn agree(&mut self, law: &Law<'_>, one_by_one: bool) -> bool {
-        let tension = self.greatest_tension();
-        let kappa = law.holes.compliance;
-        let (met, still) = (MET * tension, STILL * tension);
-        let resting = STILL * (kappa * tension).min(law.holes.length);
-        let (mut agree, mut worst) = (true, (0.0, 0, Mode::Free));
-        for ((cable, place), p) in law.holes.all() {
-            let mode = self.modes[p];
-            let sliding = self.rates.beyond[p];
-            let (next, violated) = match mode {
-                Mode::Free => continue,
-                Mode::Pulled if sliding > resting => (Mode::Sticks, sliding),
-                Mode::Released if sliding < -resting => (Mode::Sticks, -sliding),
-                Mode::Held => {
-                    let rate = self.rates.tensions[p];
-                    if self.tensions[p] > met || rate >= -still {
-                        continue;
-                    }
-                    (Mode::Slack, -kappa * rate)
-                }
-                Mode::Slack => {
-                    let (lack, rate) = self.lack(law, cable);
-                    if lack < -resting || rate <= resting {
-                        continue;
-                    }
-                    (Mode::Held, rate)
-                }
-                Mode::Sticks => {
-                    let [below, above] = self.bounds(law, (cable, place));
-                    let leaves = |bound: (f64, f64)| bound.0 <= met && bound.1 < -still;
-                    if leaves(below) && (!leaves(above) || below.1 <= above.1) {
-                        (Mode::Pulled, -kappa * below.1)
-                    } else if leaves(above) {
-                        (Mode::Released, -kappa * above.1)
-                    } else {
-                        continue;
-                    }
-                }
-                Mode::Pulled | Mode::Released => continue,
-            };
-            agree = false;
-            if !one_by_one {
-                self.change(p, next);
-            } else if violated > worst.0 {
-                worst = (violated, p, next);
-            }
-        }
-        if one_by_one && !agree {
-            self.change(worst.1, worst.2);
-        }
-        agree
-    }
-
-    /// A hole that stops remembers where.
-    fn change(&mut self, p: usize, mode: Mode) {
-        if mode == Mode::Sticks {
-            self.rest[p] = self.beyond[p];
-            if self.keeps_stops && self.now > 0.0 {
-                self.note_stop(p);
-            }
-        }
-        self.modes[p] = mode;
-    }
-
     fn note_stop(&mut self, p: usize) {
         let Self { now, beyond, modes_before, trigger, stops, .. } = self;
         match stops.last_mut().filter(|last| last.at == *now) {
@@ -483,7 +433,7 @@ impl Events {
             }
         };
         let tension = self.greatest_tension();
-        let still = STILL * tension;
+        let still = STILL * law.holes.met * tension;
         for ((cable, place), p) in law.holes.all() {
             match self.modes[p] {
                 Mode::Sticks => {
@@ -499,7 +449,7 @@ impl Events {
                 }
                 Mode::Slack => {
                     let (lack, rate) = self.lack(law, cable);
-                    if rate > STILL * law.holes.compliance * tension {
+                    if rate > still * law.holes.compliance {
                         meets((-lack, -rate), Trigger::Taut { cable });
                     }
                 }
@@ -507,5 +457,64 @@ impl Events {
             }
         }
         (least, next)
+    }
+}
+
+/// The rates of all holes at an event, whose modes are to agree with them.
+struct RatesOfHoles<'a> {
+    events: &'a mut Events,
+    law: &'a Law<'a>,
+}
+
+impl Complementarity for RatesOfHoles<'_> {
+    fn modes(&self) -> &[Mode] {
+        &self.events.modes
+    }
+
+    fn set_mode(&mut self, p: usize, mode: Mode) {
+        self.events.modes[p] = mode;
+    }
+
+    fn solve(&mut self, covers: Option<&[Cover]>) -> bool {
+        self.events.solve(self.law, covers)
+    }
+
+    fn conditions(&self, hole: (usize, usize), p: usize) -> [Option<Condition>; 2] {
+        let Self { events, law } = self;
+        let kappa = law.holes.compliance;
+        let met = law.holes.met * events.scale;
+        let part = STILL * law.holes.met;
+        let still = part * kappa * events.scale;
+        let resting = still.min(part * law.holes.length);
+        let sliding = events.rates.beyond[p];
+        let holds =
+            |value: f64, rounding: f64, next: Mode| Some(Condition { value, rounding, next });
+        match events.modes[p] {
+            Mode::Free => [None; 2],
+            Mode::Pulled => [holds(-sliding, resting, Mode::Sticks), None],
+            Mode::Released => [holds(sliding, resting, Mode::Sticks), None],
+            Mode::Held if events.tensions[p] > met => [None; 2],
+            Mode::Held => [holds(kappa * events.rates.tensions[p], still, Mode::Slack), None],
+            Mode::Slack => match events.lack(law, hole.0) {
+                (lack, _) if lack < -resting => [None; 2],
+                (_, rate) => [holds(-rate, resting, Mode::Held), None],
+            },
+            Mode::Sticks => {
+                let [below, above] = events.bounds(law, hole);
+                let at = |bound: (f64, f64), next: Mode| match bound.0 <= met {
+                    true => holds(kappa * bound.1, still, next),
+                    false => None,
+                };
+                [at(below, Mode::Pulled), at(above, Mode::Released)]
+            }
+        }
+    }
+
+    fn holes(&self) -> &Holes {
+        self.law.holes
+    }
+
+    fn unit(&self) -> f64 {
+        self.law.holes.compliance * self.events.scale
     }
 }

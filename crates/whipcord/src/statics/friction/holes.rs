@@ -5,6 +5,9 @@ use crate::robot::Robot;
 use crate::solution::SlipState;
 use crate::statics::command::Command;
 
+/// Of the greatest tension: what rounding leaves of a bound that is met.
+const MET: f64 = 1e-9;
+
 /// Drives whose motion is computed elsewhere, beside the holes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Drives {
@@ -31,6 +34,8 @@ pub(crate) struct Holes {
     pub length: f64,
     /// By how much a tension of 1 N shortens a cable, in m: its order of magnitude, `κ` of eq. (2).
     pub compliance: f64,
+    /// Of the greatest tension: a bound of eq. (1) that is nearer is met.
+    pub met: f64,
     pub drives: Drives,
 }
 
@@ -62,6 +67,7 @@ impl Holes {
             at_rest,
             length,
             compliance,
+            met: MET,
             drives: Drives::default(),
         };
         let lengths = holes.at_rest.clone();

@@ -19,6 +19,7 @@
 //! the one at the base.
 
 use super::holes::Holes;
+use super::pivoting::Condition;
 use crate::solution::SlipState;
 use crate::statics::command::Command;
 
@@ -170,30 +171,27 @@ impl Law<'_> {
         }
     }
 
-    /// The case at a hole after a linear step to these values, and how much it was violated, in m: of the
-    /// case before, as long as that goes. `now` is where the step begins, and `turn` how the angle changes.
-    pub fn next_mode(
+    /// What must hold in the case of a hole after a linear step to these values, as long as that goes. `now` is where the step begins.
+    pub fn conditions(
         &self,
         (cable, place): (usize, usize),
         mode: Mode,
         now: Iterate<'_>,
         after: Iterate<'_>,
-    ) -> (Mode, f64) {
+        rounding: f64,
+    ) -> [Option<Condition>; 2] {
         let kappa = self.holes.compliance;
         let p = self.holes.of_cable[cable][place];
         let slip = self.before[p] - after.beyond[p];
         let tension = after.tensions[p];
+        let holds = |value: f64, next: Mode| Some(Condition { value, rounding, next });
         match mode {
-            _ if self.modes.is_some() => (mode, 0.0),
-            Mode::Free => (mode, 0.0),
-            Mode::Slack => {
-                let lack = self.lack(cable, after);
-                if lack > 0.0 { (Mode::Held, lack) } else { (mode, 0.0) }
-            }
-            Mode::Held if tension < 0.0 => (Mode::Slack, -kappa * tension),
-            Mode::Pulled if slip < 0.0 => (Mode::Sticks, -slip),
-            Mode::Released if slip > 0.0 => (Mode::Sticks, slip),
-            Mode::Held | Mode::Pulled | Mode::Released => (mode, 0.0),
+            _ if self.modes.is_some() => [None; 2],
+            Mode::Free => [None; 2],
+            Mode::Slack => [holds(-self.lack(cable, after), Mode::Held), None],
+            Mode::Held => [holds(kappa * tension, Mode::Slack), None],
+            Mode::Pulled => [holds(slip, Mode::Sticks), None],
+            Mode::Released => [holds(-slip, Mode::Sticks), None],
             Mode::Sticks => {
                 let [before, incoming] = [now, after]
                     .map(|at| self.incoming((cable, place), at.tensions).unwrap_or_default());
@@ -204,14 +202,10 @@ impl Law<'_> {
                     let factor = (coefficient * now.turns[p]).exp();
                     factor * (incoming + coefficient * before * turned)
                 };
-                let (above, below) = (tension - bound(-1.0), bound(1.0) - tension);
-                if above < 0.0 && above <= below {
-                    (Mode::Pulled, -kappa * above)
-                } else if below < 0.0 {
-                    (Mode::Released, -kappa * below)
-                } else {
-                    (mode, 0.0)
-                }
+                [
+                    holds(kappa * (tension - bound(-1.0)), Mode::Pulled),
+                    holds(kappa * (bound(1.0) - tension), Mode::Released),
+                ]
             }
         }
     }

@@ -4,6 +4,7 @@ use whipcord_numerics::{Factors, ReplacedRows, dot};
 
 use super::holes::Holes;
 use super::law::{Iterate, Law, Mode, Row};
+use super::pivoting::Cover;
 use super::response::Response;
 use crate::budget::Meter;
 use crate::statics::command::LENGTH_REGULARISATION;
@@ -18,6 +19,7 @@ pub(super) struct LinearProblem {
     modes: Vec<Mode>,
     changed: Vec<usize>,
     system: ReplacedRows,
+    by_cover: Vec<f64>,
     /// What was solved and is not counted yet, and how many of that with factors of its own.
     solves: usize,
     factors: usize,
@@ -118,6 +120,21 @@ impl LinearProblem {
         let solved = self.system.solve_changed(&self.matrix, &self.changed, changes);
         self.factors += usize::from(solved != Ok(Factors::Kept));
         solved.is_ok() && changes.iter().all(|x| x.is_finite())
+    }
+
+    /// Adds to the solution that was found last what a right-hand side of the covers of Lemke's method changes; whether that is finite.
+    pub fn add_covers(&mut self, covers: &[Cover], solution: &mut [f64]) -> bool {
+        self.by_cover.clear();
+        let rows = covers.iter().zip(&self.modes);
+        self.by_cover.extend(rows.map(|(cover, &mode)| cover.right_side(mode)));
+        if self.by_cover.iter().all(|&of| of == 0.0) {
+            return true;
+        }
+        self.solves += 1;
+        let solved = self.system.solve_changed(&self.matrix, &[], &mut self.by_cover);
+        self.factors += usize::from(solved != Ok(Factors::Kept));
+        solution.iter_mut().zip(&self.by_cover).for_each(|(sum, by)| *sum += by);
+        solved.is_ok() && self.by_cover.iter().all(|x| x.is_finite())
     }
 
     fn set_row(

@@ -29,6 +29,7 @@ mod law;
 mod linear_problem;
 mod moving_holes;
 mod newton;
+mod pivoting;
 mod response;
 mod standing;
 mod substeps;

@@ -7,9 +7,12 @@
 //! case to another until all of them agree with the step (the method of Josephy and Newton).
 
 use super::events::{Events, Station};
+use super::holes::Holes;
 use super::law::{Iterate, Law, Mode};
 use super::linear_problem::LinearProblem;
+use super::pivoting::{Complementarity, Condition, Cover, Outcome, Pivoting};
 use super::response::{PassageResponse, Passages, Response};
+use crate::budget::Meter;
 use crate::solution::SlipState;
 use crate::statics::lengths::Effort;
 use crate::statics::outcome::Open;
@@ -25,8 +28,6 @@ const ROUNDING: [f64; 2] = [1e-9, 1e-8];
 const TOLERANCE: f64 = 1e-12;
 /// What the equilibrium of the shape may leave for that.
 const CLOSED: f64 = 1e-11;
-/// How often the holes of one linearised problem change their cases: all that must at once, then one after the other.
-const MOST_CHANGES: [usize; 2] = [6, 20];
 /// Of the length: what rounding makes of a violated case.
 const VIOLATED: f64 = 1e-13;
 
@@ -50,6 +51,11 @@ pub(crate) struct FrictionScratch {
     pub(super) response: Response,
     pub(super) changes: Vec<f64>,
     pub(super) problem: LinearProblem,
+    pivoting: Pivoting,
+    /// Whether the linear problem of an iteration had no cases that agree with it.
+    has_disagreed: bool,
+    /// Whether an equilibrium is looked for that is not near, on the way to which an iteration may lead where none goes on.
+    pub(super) is_leap: bool,
 }
 
 impl FrictionScratch {
@@ -64,6 +70,7 @@ impl FrictionScratch {
             self.measure(model, law).map_err(|fault| failed(0, f64::INFINITY, Some(fault)))?;
         let closed = model.tolerance().min(CLOSED);
         let mut recent = [f64::INFINITY; 3];
+        self.has_disagreed = false;
         'newton: for iteration in 1..=MAX_ITERATIONS {
             if model.meter().has_ended() {
                 break;
@@ -158,33 +165,75 @@ impl FrictionScratch {
         if !model.respond(&self.tensions, &mut self.response) {
             return None;
         }
-        self.solve(law)?;
+        self.has_disagreed |= self.solve(law, Some(model.meter()))? != Outcome::Agree;
+        if self.has_disagreed && !self.is_leap {
+            return None;
+        }
         model.prepare(&self.changes)
     }
 
-    /// The linear step of the tensions by the response as it is, in cases that agree with it; `None` where there is none.
-    pub(super) fn solve(&mut self, law: &Law<'_>) -> Option<()> {
+    /// The linear step of the tensions by the response as it is, in cases that agree with it, if there are any; `None` where there is none.
+    pub(super) fn solve(&mut self, law: &Law<'_>, meter: Option<&Meter>) -> Option<Outcome> {
         self.problem.begin(law.holes, &self.response);
-        for change in 0..MOST_CHANGES[1] {
-            self.assemble(law)?;
-            if self.agree(law, change >= MOST_CHANGES[0]) {
-                break;
-            }
+        let mut pivoting = core::mem::take(&mut self.pivoting);
+        let rounding = VIOLATED * law.holes.length;
+        let mut step = LinearStep { scratch: self, law, meter, rounding };
+        // A path that was followed in vain is not followed again.
+        let follows = !step.scratch.has_disagreed;
+        let (outcome, _) = pivoting.find(&mut step, false, follows);
+        self.pivoting = pivoting;
+        (outcome != Outcome::Singular).then_some(outcome)
+    }
+
+    /// The state that was found last as an end of a substep; `false` where the shape has no response there.
+    pub(super) fn station<M: PassageResponse>(
+        &mut self,
+        model: &mut M,
+        into: &mut Station,
+    ) -> bool {
+        if !model.respond(&self.tensions, &mut self.response) {
+            return false;
         }
-        Some(())
+        into.tensions.clone_from(&self.tensions);
+        into.beyond.clone_from(&self.beyond);
+        into.turns.clone_from(&self.at.turns);
+        into.slip_states.clone_from(&self.slip_states);
+        into.response.lengths.clone_from(&self.response.lengths);
+        into.response.turns.clone_from(&self.response.turns);
+        true
+    }
+}
+
+/// The linear step from an iterate, whose cases are to agree with it.
+struct LinearStep<'a> {
+    scratch: &'a mut FrictionScratch,
+    law: &'a Law<'a>,
+    meter: Option<&'a Meter>,
+    rounding: f64,
+}
+
+impl Complementarity for LinearStep<'_> {
+    fn modes(&self) -> &[Mode] {
+        &self.scratch.modes
     }
 
-    /// Solves the linear problem of the Newton step in the cases as they are.
-    fn assemble(&mut self, law: &Law<'_>) -> Option<()> {
-        let Self { tensions, at, beyond, modes, response, changes, problem, .. } = self;
+    fn set_mode(&mut self, p: usize, mode: Mode) {
+        self.scratch.modes[p] = mode;
+    }
+
+    fn solve(&mut self, covers: Option<&[Cover]>) -> bool {
+        let FrictionScratch {
+            tensions, at, beyond, modes, response, changes, problem, after, ..
+        } = &mut *self.scratch;
         let here = Iterate { tensions, beyond, turns: &at.turns };
-        problem.solve(law, here, modes, response, None, changes).then_some(())
-    }
-
-    /// Whether the cases of all holes agree with the linear step; else those that do not change, or where it is `one_by_one` the
-    /// one that agrees least.
-    fn agree(&mut self, law: &Law<'_>, one_by_one: bool) -> bool {
-        let Self { tensions, at, beyond, modes, response, changes, problem, after, .. } = self;
+        if !problem.solve(self.law, here, modes, response, None, changes) {
+            return false;
+        }
+        if let Some(covers) = covers
+            && !problem.add_covers(covers, changes)
+        {
+            return false;
+        }
         let n = tensions.len();
         let [new_tensions, new_beyond, new_turns] = after;
         new_tensions.clear();
@@ -204,42 +253,27 @@ impl FrictionScratch {
                 }
             }
         }
-        let now = Iterate { tensions, beyond, turns: &at.turns };
-        let then = Iterate { tensions: new_tensions, beyond: new_beyond, turns: new_turns };
-        let least = VIOLATED * law.holes.length;
-        let (mut agree, mut worst) = (true, (0.0, 0, Mode::Free));
-        for (hole, p) in law.holes.all() {
-            let (mode, violated) = law.next_mode(hole, modes[p], now, then);
-            if mode != modes[p] && violated > least {
-                agree = false;
-                if !one_by_one {
-                    modes[p] = mode;
-                } else if violated > worst.0 {
-                    worst = (violated, p, mode);
-                }
-            }
-        }
-        if one_by_one && !agree {
-            modes[worst.1] = worst.2;
-        }
-        agree
+        true
     }
 
-    /// The state that was found last as an end of a substep; `false` where the shape has no response there.
-    pub(super) fn station<M: PassageResponse>(
-        &mut self,
-        model: &mut M,
-        into: &mut Station,
-    ) -> bool {
-        if !model.respond(&self.tensions, &mut self.response) {
-            return false;
-        }
-        into.tensions.clone_from(&self.tensions);
-        into.beyond.clone_from(&self.beyond);
-        into.turns.clone_from(&self.at.turns);
-        into.slip_states.clone_from(&self.slip_states);
-        into.response.lengths.clone_from(&self.response.lengths);
-        into.response.turns.clone_from(&self.response.turns);
-        true
+    fn conditions(&self, hole: (usize, usize), p: usize) -> [Option<Condition>; 2] {
+        let FrictionScratch { tensions, at, beyond, modes, after, .. } = &*self.scratch;
+        let [new_tensions, new_beyond, new_turns] = after;
+        let now = Iterate { tensions, beyond, turns: &at.turns };
+        let then = Iterate { tensions: new_tensions, beyond: new_beyond, turns: new_turns };
+        self.law.conditions(hole, modes[p], now, then, self.rounding)
+    }
+
+    fn holes(&self) -> &Holes {
+        self.law.holes
+    }
+
+    fn unit(&self) -> f64 {
+        let greatest = self.scratch.tensions.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        (self.law.holes.compliance * greatest).max(1e-6 * self.law.holes.length)
+    }
+
+    fn has_ended(&self) -> bool {
+        self.meter.is_some_and(Meter::has_ended)
     }
 }

@@ -39,6 +39,11 @@ const LENGTH_RATIO: f64 = 0.8;
 const LEAST: f64 = 1.0 / 4096.0;
 /// Of substeps whose only fault is their error, the shortest.
 const LEAST_ACCURATE: f64 = 1.0 / 256.0;
+/// The error of a substep that is as long as on another mesh, in units of what it may be elsewhere: a greater one differs from mesh to mesh by more
+/// than the meshes do.
+const MOST_OF_COURSE: f64 = 10.0;
+/// A substep that would go beyond a limit point ends at so much of the way to it: where that is, is known well only near by.
+const BEFORE_FOLD: f64 = 0.5;
 /// Where equilibria are looked for beyond the end of a path, as parts of what is left of the step.
 const LEAPS: [f64; 4] = [1.0 / 16.0, 0.25, 0.5, 1.0];
 /// The first substep after one of them, of the step.
@@ -103,6 +108,7 @@ pub(crate) fn step<M: PassageResponse>(
         stops: Vec::new(),
         iterations: 0,
         fault,
+        fold: None,
         is_first,
         stands: false,
         scratch,
@@ -258,6 +264,14 @@ impl Way<'_> {
         self.stands = false;
         self.scratch.events.keeps_stops = history.trail.is_some();
         let is_followed = is_known && self.follow(history, None, model.meter());
+        if let Some(fold) = self.scratch.events.fold.filter(|_| is_known && !is_followed)
+            && history.shape.is_some()
+            && !self.is_first
+        {
+            // No iteration finds an equilibrium beyond it that goes on from the last one.
+            self.fold = Some(fold);
+            return Err(None);
+        }
         let no_event = self.scratch.events.count == 0;
         rest.clear();
         rest.extend_from_slice(if is_followed {
@@ -391,9 +405,10 @@ impl Way<'_> {
             let near = answer.as_ref().filter(|_| length >= left);
             match self.substep(model, history, near, &mut rest) {
                 // The last substep takes what is left, which is up to a third longer than it would be. One of another mesh is as long as
-                // there, so that the answers differ by what the meshes do, unless its error cannot be told.
+                // there, so that the answers differ by what the meshes do, unless its error is too great for that or cannot be told.
                 Ok((effort, error))
-                    if (!given.is_empty() && error.is_some())
+                    if (!given.is_empty()
+                        && error.is_some_and(|error| error <= MOST_OF_COURSE))
                         || error.is_some_and(|error| error <= 1.0)
                         || 0.75 * length <= shortest(error) =>
                 {
@@ -417,7 +432,10 @@ impl Way<'_> {
                 }
                 Err(open) => {
                     self.stands = false;
-                    length *= 0.25;
+                    length *= match self.fold.take() {
+                        Some(fold) => BEFORE_FOLD * fold,
+                        None => 0.25,
+                    };
                     if length >= LEAST && !model.meter().has_ended() {
                         continue;
                     }
@@ -458,7 +476,10 @@ impl Way<'_> {
                 } else if from_last || self.start_uniformly(model, history).is_err() {
                     continue;
                 }
-                if let Ok(effort) = self.converge(model, &history.beyond) {
+                self.scratch.is_leap = true;
+                let found = self.converge(model, &history.beyond);
+                self.scratch.is_leap = false;
+                if let Ok(effort) = found {
                     return Some((part, effort));
                 }
             }

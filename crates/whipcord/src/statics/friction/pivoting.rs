@@ -1,0 +1,276 @@
+//! The complementarity problem of the holes: the modes of all of them that agree with the solution of their linear problem.
+//!
+//! The modes are found by block principal pivoting (Júdice and Pires, 1994): all holes that do not agree change their modes at once, as long as this
+//! makes them fewer, then the one that agrees least, until they are fewer again. Both may go in circles where several cables act on one another, as near a limit point. Lemke's method
+//! then follows a path: each condition gets a term that is proportional to a number `z`, so that the first modes agree for a great
+//! `z`, and at a time one hole changes its mode, where its condition is met with equality, until `z` is zero. A path on which `z` grows without end means
+//! that Lemke's method has no solution to offer, which is the case beyond a limit point.
+
+use super::holes::Holes;
+use super::law::Mode;
+
+/// How often all holes that do not agree change at once without becoming fewer.
+const CHANCES: usize = 4;
+/// How often a hole changes alone before it goes in a circle.
+const CIRCLE: u8 = 3;
+/// Pivots of Lemke's method, for each hole and besides.
+const MOST_PIVOTS: [usize; 2] = [3, 20];
+/// How much the terms of Lemke's method differ from hole to hole, so that no two of them meet their conditions at once: a part of them.
+const APART: f64 = 0.5;
+
+/// What has to hold in the mode of a hole: `value ≥ 0`, in m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Condition {
+    pub value: f64,
+    /// What rounding makes of it.
+    pub rounding: f64,
+    /// The mode where it does not hold.
+    pub next: Mode,
+}
+
+/// What the number `z` of Lemke's method adds at a hole, in m: to the conditions of a hole that sticks or a cable that is held, and to the slip of one
+/// that slides or the slack of a cable.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Cover {
+    pub stick: f64,
+    pub slip: f64,
+}
+
+impl Cover {
+    /// What it adds to the right-hand side of the row of a hole in this mode.
+    pub const fn right_side(self, mode: Mode) -> f64 {
+        match mode {
+            Mode::Free => 0.0,
+            Mode::Sticks | Mode::Held => self.slip,
+            Mode::Pulled | Mode::Slack => -self.stick,
+            Mode::Released => self.stick,
+        }
+    }
+
+    /// What it adds to a condition of a hole in this mode.
+    const fn on_condition(self, mode: Mode) -> f64 {
+        match mode {
+            Mode::Free => 0.0,
+            Mode::Sticks | Mode::Held => self.stick,
+            Mode::Pulled | Mode::Slack => self.slip,
+            Mode::Released => -self.slip,
+        }
+    }
+}
+
+/// A linear problem of the holes in modes that are to agree with its solution.
+pub(super) trait Complementarity {
+    fn modes(&self) -> &[Mode];
+
+    fn set_mode(&mut self, p: usize, mode: Mode);
+
+    /// Solves the linear problem in the modes as they are, with `z = 1` where the terms of Lemke's method are given and else without them; whether
+    /// there is a finite solution.
+    fn solve(&mut self, covers: Option<&[Cover]>) -> bool;
+
+    /// The conditions of a hole in its mode at the solution, without what `z` adds.
+    fn conditions(&self, hole: (usize, usize), p: usize) -> [Option<Condition>; 2];
+
+    fn holes(&self) -> &Holes;
+
+    /// The order of magnitude of the conditions, in m.
+    fn unit(&self) -> f64;
+
+    /// Whether the solve has ended.
+    fn has_ended(&self) -> bool {
+        false
+    }
+}
+
+/// How the search for modes ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// All agree.
+    Agree,
+    /// None were found that agree.
+    Disagree,
+    /// The linear problem is singular.
+    Singular,
+}
+
+/// Memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pivoting {
+    first: Vec<Mode>,
+    violated: Vec<(usize, Mode, f64)>,
+    /// How often each hole changed alone.
+    alone: Vec<u8>,
+    covers: Vec<Cover>,
+    at_zero: Vec<[Option<Condition>; 2]>,
+    at_one: Vec<[Option<Condition>; 2]>,
+}
+
+impl Pivoting {
+    /// Finds modes that agree, from those that are set, and tells how often modes changed; the linear problem may be solved in these already, and
+    /// where nothing else leads to modes that agree it is told whether to follow the path of Lemke's method. Leaves the solution in the modes that were found.
+    pub fn find(
+        &mut self,
+        problem: &mut impl Complementarity,
+        is_solved: bool,
+        follows: bool,
+    ) -> (Outcome, usize) {
+        self.first.clear();
+        self.first.extend_from_slice(problem.modes());
+        self.alone.clear();
+        self.alone.resize(self.first.len(), 0);
+        let (mut fewest, mut chances, mut changes) = (usize::MAX, CHANCES, 0);
+        loop {
+            let has_solution = (is_solved && changes == 0) || problem.solve(None);
+            if !has_solution {
+                return match changes {
+                    0 => (Outcome::Singular, changes),
+                    _ => self.follow(problem, changes),
+                };
+            }
+            self.note_violated(problem);
+            let Some(&worst) = self.violated.iter().max_by(|a, b| a.2.total_cmp(&b.2)) else {
+                return (Outcome::Agree, changes);
+            };
+            changes += 1;
+            if self.violated.len() < fewest {
+                (fewest, chances) = (self.violated.len(), CHANCES);
+                self.alone.fill(0);
+            } else {
+                chances = chances.saturating_sub(1);
+            }
+            if chances > 0 {
+                for &(p, next, _) in &self.violated {
+                    problem.set_mode(p, next);
+                }
+                continue;
+            }
+            let (p, next, _) = worst;
+            self.alone[p] += 1;
+            if self.alone[p] > CIRCLE || problem.has_ended() {
+                return match follows {
+                    true => self.follow(problem, changes),
+                    false => (Outcome::Disagree, changes),
+                };
+            }
+            problem.set_mode(p, next);
+        }
+    }
+
+    fn note_violated(&mut self, problem: &impl Complementarity) {
+        self.violated.clear();
+        for (hole, p) in problem.holes().all() {
+            let lacks = |condition: &Condition| condition.value < -condition.rounding;
+            let conditions = problem.conditions(hole, p).into_iter().flatten().filter(lacks);
+            if let Some(worst) = conditions.min_by(|a, b| a.value.total_cmp(&b.value)) {
+                self.violated.push((p, worst.next, -worst.value));
+            }
+        }
+    }
+
+    /// Lemke's method from the first modes.
+    fn follow(
+        &mut self,
+        problem: &mut impl Complementarity,
+        mut changes: usize,
+    ) -> (Outcome, usize) {
+        let n = self.first.len();
+        for (p, &mode) in self.first.iter().enumerate() {
+            problem.set_mode(p, mode);
+        }
+        let unit = problem.unit();
+        let first = self.first.iter().enumerate();
+        self.covers.clear();
+        self.covers.extend(first.map(|(p, mode)| {
+            // The golden ratio spreads them evenly.
+            let size = unit * (1.0 + APART * (p as f64 * 0.618_033_988_749_895).fract());
+            match mode {
+                Mode::Free => Cover::default(),
+                Mode::Sticks | Mode::Held => Cover { stick: size, slip: 0.0 },
+                Mode::Pulled | Mode::Slack => Cover { stick: 0.0, slip: size },
+                Mode::Released => Cover { stick: 0.0, slip: -size },
+            }
+        }));
+        let (mut z, mut grows) = (f64::INFINITY, false);
+        let mut last: Option<usize> = None;
+        for _ in 0..MOST_PIVOTS[0] * n + MOST_PIVOTS[1] {
+            if problem.has_ended() {
+                break;
+            }
+            if !problem.solve(None) {
+                return (Outcome::Singular, changes);
+            }
+            self.at_zero.resize(n, [None; 2]);
+            self.at_one.resize(n, [None; 2]);
+            for (hole, p) in problem.holes().all() {
+                self.at_zero[p] = problem.conditions(hole, p);
+            }
+            if !problem.solve(Some(&self.covers)) {
+                return (Outcome::Singular, changes);
+            }
+            for (hole, p) in problem.holes().all() {
+                self.at_one[p] = problem.conditions(hole, p);
+            }
+            // Conditions as lines over z.
+            let line = |p: usize, which: usize| {
+                let at_zero = self.at_zero[p][which]?;
+                let at_one = self.at_one[p][which]?;
+                let slope =
+                    at_one.value + self.covers[p].on_condition(problem.modes()[p]) - at_zero.value;
+                Some((at_zero.value, slope, at_zero))
+            };
+            if let Some(p) = last {
+                // Of the hole that changed, what must hold now was met with equality and has to grow.
+                let came = (0..2).filter_map(|which| line(p, which));
+                let nearest =
+                    came.min_by(|a, b| (a.0 + z * a.1).abs().total_cmp(&(b.0 + z * b.1).abs()));
+                if let Some((_, slope, _)) = nearest {
+                    grows = slope > 0.0;
+                }
+            }
+            let mut next: Option<(f64, usize, Mode)> = None;
+            for p in 0..n {
+                for which in 0..2 {
+                    let Some((value, slope, condition)) = line(p, which) else { continue };
+                    let value = value + condition.rounding;
+                    // Where the line comes to zero in the direction of the path.
+                    let falls = if grows { slope < 0.0 } else { slope > 0.0 };
+                    if !falls
+                        || Some(p) == last
+                            && (value + z * slope).abs() <= 1e-9 * (value.abs() + (z * slope).abs())
+                    {
+                        continue;
+                    }
+                    let at = -value / slope;
+                    // No farther back than to where the path is.
+                    let at = if grows { at.max(z) } else { at.min(z) };
+                    let is_nearer =
+                        next.is_none_or(|(other, ..)| if grows { at < other } else { at > other });
+                    if is_nearer {
+                        next = Some((at, p, condition.next));
+                    }
+                }
+            }
+            match next {
+                _ if !grows && next.is_none_or(|(at, ..)| at <= 0.0) => {
+                    return match problem.solve(None) {
+                        true => (Outcome::Agree, changes),
+                        false => (Outcome::Singular, changes),
+                    };
+                }
+                None => break,
+                Some((at, p, mode)) => {
+                    problem.set_mode(p, mode);
+                    changes += 1;
+                    (z, last) = (at, Some(p));
+                }
+            }
+        }
+        for (p, &mode) in self.first.iter().enumerate() {
+            problem.set_mode(p, mode);
+        }
+        match problem.solve(None) {
+            true => (Outcome::Disagree, changes),
+            false => (Outcome::Singular, changes),
+        }
+    }
+}
