@@ -55,6 +55,8 @@ pub(super) fn solve(
     if stability_check::is_above_without_load(problem, bound, scratch) != Some(false) {
         return Ok(found);
     }
+    // What is left of an attempt says nothing of where the way to a stable one ends.
+    problem.meter.end_attempt();
     if problem.by_length()
         && let Some(found) = load_continuation::bring_lengths(problem, scratch)
     {
