@@ -78,6 +78,7 @@ impl Pairs {
     ) -> bool {
         let watched = model.watched();
         let mut added = Vec::new();
+        let mut moved: Vec<(usize, f64)> = Vec::new();
         let last = watched.len() - 1;
         let mut distance = DistanceBound::new(obstacle);
         // The gap at the place before, where it is known.
@@ -127,6 +128,20 @@ impl Pairs {
             if closely && here < overlap && self.near.iter().any(is_beside) {
                 (arc_length, least) = (watched[i], here);
             }
+            // Shear tilts the cross-sections, so that the gap need not be least where a contact has come to along the backbone.
+            let has_come_beside = |pair: &Pair| {
+                pair.obstacle == number
+                    && pair.member.part == Part::Backbone
+                    && pair.slide.is_some()
+                    && (pair.member.arc_length - watched[i]).abs() < BETWEEN * apart
+            };
+            if closely
+                && here < overlap
+                && let Some(beside) = self.near.iter().position(has_come_beside)
+            {
+                moved.push((beside, watched[i]));
+                continue;
+            }
             let spacing = match (closely && here < overlap, closely && least < overlap) {
                 (true, _) => APART * self.length,
                 (false, true) => BETWEEN * apart,
@@ -156,7 +171,11 @@ impl Pairs {
             });
             self.added.extend(added.iter().map(|&(s, _)| (number, s)));
         }
-        let mut elsewhere = false;
+        let mut elsewhere = !moved.is_empty();
+        for (beside, watched) in moved {
+            self.move_to(beside, watched, model, scene);
+            self.near[beside].is_placed = true;
+        }
         for (arc_length, rounding) in added {
             // Tractions act at the surface: contacts that are nearer to one another than their moments shift the force may hold
             // in several ways. Where a backbone that rubs lies on an obstacle they are watched places.

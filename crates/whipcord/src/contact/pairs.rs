@@ -59,7 +59,11 @@ impl Pairs {
     /// An equilibrium is looked for anew.
     pub fn begin_search(&mut self) {
         self.added.clear();
-        self.near.iter_mut().for_each(|pair| pair.moved = f64::INFINITY);
+        for pair in &mut self.near {
+            pair.moved = f64::INFINITY;
+            // One that rubs keeps its place from equilibrium to equilibrium.
+            pair.is_placed &= pair.grip.is_some();
+        }
     }
 
     /// The most pairs that memory and time allow.

@@ -332,7 +332,7 @@ const SLOW: f64 = 1000.0;
 
 /// Robots of the study that come to an answer in small steps of actuation come to one at once: those that lose their equilibrium where none is near, those that
 /// come to rest in contact only from the shape without obstacles, those whose cables contradict each other where they leave the shape at rest, and those whose backbone
-/// slides on the edge of a box.
+/// slides on the edge of a box, also where shear has tilted its cross-sections.
 #[test]
 fn what_small_steps_lead_to_is_found_at_once() {
     let named = |name: &str| MODELS.iter().find(|model| model.name == name).unwrap();
@@ -342,6 +342,7 @@ fn what_small_steps_lead_to_is_found_at_once() {
         ("rigid bodies by length", &[128, 490, 594, 771, 938]),
         ("four-bar by length", &[256, 279]),
         ("cosserat-disks by length", &[357]),
+        ("cosserat-disks by tension", &[989]),
     ] {
         let robots: Vec<Range<usize>> = robots.iter().map(|&n| n..n + 1).collect();
         let outcomes = Outcomes::of(named(name), &robots, false);
