@@ -6,7 +6,7 @@
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
 //! the step is then at right angles to a given direction ([`crate::statics::path`]).
 
-use whipcord_numerics::{Equations, Mat3, NewtonOptions, Pose, Vec3, newton};
+use whipcord_numerics::{Equations, Mat3, NewtonOptions, Pose, Reuse, Vec3, newton};
 
 use super::loaded::{Target, Trajectory};
 use super::problem::Problem;
@@ -16,7 +16,7 @@ use super::step_lanes::StepEnd;
 use crate::budget::Meter;
 use crate::derivatives::StepGap;
 use crate::section::lanes::{Lane, LaneVec};
-use crate::section::{Fault, step_tolerance};
+use crate::section::{Fault, SectionFault, step_tolerance};
 use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination, Size};
@@ -99,6 +99,9 @@ const NEWTON: NewtonOptions = NewtonOptions {
     trusted: 0,
 };
 
+/// From the base, tangents serve as long as a step leaves a tenth of the gaps: the rule that carries them is no better.
+const TANGENTS: Reuse = Reuse { at_start: false, near: 0.1, ratio: 0.1 };
+
 /// How the linear system of a step is solved.
 #[derive(Clone, Copy)]
 enum LinearSolve<'a> {
@@ -121,18 +124,23 @@ impl Equations for Shooting<'_> {
     type Fault = Fault;
 
     fn residual(&mut self) -> Result<f64, Fault> {
-        self.chain.shoot_unsampled(self.task, self.trajectory)
+        let Self { chain, task, trajectory, .. } = self;
+        match self.by {
+            LinearSolve::Elimination(_) => chain.shoot(task, trajectory),
+            // Its steps need what lanes leave.
+            LinearSolve::FromBase => {
+                let shot = chain.shoot_in_lanes(task, trajectory);
+                shot.ok_or(Fault { kind: SectionFault::Diverged, arc_length: 0.0 })
+            }
+        }
     }
 
-    fn step(&mut self, _fresh: bool) -> Option<f64> {
+    fn step(&mut self, fresh: bool) -> Option<f64> {
         let Self { chain, task, .. } = self;
         task.meter.iterate();
         let is_solved = match self.by {
-            LinearSolve::FromBase => chain.solve_from_base(task, self.trajectory),
-            LinearSolve::Elimination(by) => {
-                chain.sample(task, self.trajectory).ok()?;
-                chain.solve_step(task, by, self.trajectory)
-            }
+            LinearSolve::FromBase => chain.solve_from_base(task, self.trajectory, fresh),
+            LinearSolve::Elimination(by) => chain.solve_step(task, by, self.trajectory),
         };
         if !is_solved {
             return None;
@@ -168,13 +176,7 @@ impl Chain {
         trace: &mut Trace,
     ) -> Result<(usize, f64), Open> {
         let by = across.map_or(Step::Close, Step::Across);
-        let solved = self.solve(task, LinearSolve::Elimination(by), trajectory, trace)?;
-        match self.sample(task, trajectory) {
-            Ok(()) => Ok(solved),
-            Err(fault) => {
-                Err(Open { iterations: solved.0, gap: f64::INFINITY, fault: Some(fault) })
-            }
-        }
+        self.solve(task, LinearSolve::Elimination(by), trajectory, trace)
     }
 
     /// [`Self::newton`] at its load for weak dead loads and cables that are driven by their tensions, where lanes take the steps; the shot has the strains
@@ -195,7 +197,11 @@ impl Chain {
         trajectory: &mut Trajectory,
         trace: &mut Trace,
     ) -> Result<(usize, f64), Open> {
-        let options = NewtonOptions { tolerance: task.tolerance, ..NEWTON };
+        let reuse = match by {
+            LinearSolve::FromBase => Some(TANGENTS),
+            LinearSolve::Elimination(_) => None,
+        };
+        let options = NewtonOptions { tolerance: task.tolerance, reuse, ..NEWTON };
         let solved = newton(&mut Shooting { chain: self, task, by, trajectory, trace }, &options)?;
         Ok((solved.iterations, solved.residual))
     }
@@ -248,19 +254,17 @@ impl Chain {
 
     /// Shoots every step from its node; the greatest gap.
     pub fn shoot(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Result<f64, Fault> {
-        let greatest = self.shoot_unsampled(task, trajectory)?;
+        let Some(greatest) = self.shoot_in_lanes(task, trajectory) else {
+            return self.shoot_through(task, trajectory, true, |_| false);
+        };
         self.sample(task, trajectory)?;
         Ok(greatest)
     }
 
-    /// [`Self::shoot`] without samples where lanes take the steps.
-    pub fn shoot_unsampled(
-        &mut self,
-        task: &Task<'_>,
-        trajectory: &mut Trajectory,
-    ) -> Result<f64, Fault> {
+    /// [`Self::shoot`] without samples; `None` where lanes do not take the steps.
+    pub fn shoot_in_lanes(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Option<f64> {
         if !trajectory.shoot_steps(task.grid, task.loads, &self.target(task), &self.state.nodes) {
-            return self.shoot_through(task, trajectory, true, |_| false);
+            return None;
         }
         task.meter.integrate(task.grid.len());
         self.gaps.clear();
@@ -272,7 +276,7 @@ impl Chain {
             greatest = greatest.max(size(&change, &self.state.nodes[k + 1], &scales));
             self.gaps.push(Gap { change, end: end.pose });
         }
-        Ok(greatest.max(self.lengths_left(task, trajectory, &scales)))
+        Some(greatest.max(self.lengths_left(task, trajectory, &scales)))
     }
 
     /// Takes the samples of the last shot, unless it has them.
@@ -391,11 +395,13 @@ impl Chain {
 
     /// Solves eq. (10) for the steps that have been shot, whose tangents in the middle stand for all of a step, into `self.step`; `false` where the system is
     /// singular.
-    fn solve_from_base(&mut self, task: &Task<'_>, trajectory: &Trajectory) -> bool {
+    fn solve_from_base(&mut self, task: &Task<'_>, trajectory: &Trajectory, fresh: bool) -> bool {
         let mut middles = core::mem::take(&mut self.middles);
-        let taken = trajectory.sample_middles(task.grid, &self.target(task), &mut middles);
+        let target = self.target(task);
+        let is_taken =
+            !fresh || trajectory.sample_middles(task.grid, &target, &mut middles).is_ok();
         self.middles = middles;
-        if taken.is_err() {
+        if !is_taken {
             return false;
         }
         let Self { state, gaps, step, sensitivity, middles, .. } = self;

@@ -302,9 +302,13 @@ impl ContactRod for ContactResponse {
             nodes.expand(grid, tensions, &contact_grid.profile, varying);
         }
         let is_free = |node: usize| is_new.get(node).is_some_and(|is_new| *is_new);
-        let looked = match is_new.contains(&true) || rubs {
-            true => self.chain.shoot_through(&task, &mut self.trajectory, rubs, is_free),
-            false => self.chain.shoot_unsampled(&task, &mut self.trajectory),
+        let in_lanes = match is_new.contains(&true) || rubs {
+            true => None,
+            false => self.chain.shoot_in_lanes(&task, &mut self.trajectory),
+        };
+        let looked = match in_lanes {
+            Some(gap) => Ok(gap),
+            None => self.chain.shoot_through(&task, &mut self.trajectory, rubs, is_free),
         };
         self.gap = looked.map_err(|f| fault(&self.chain.state.tensions, f))?;
         self.trajectory.measure(grid);

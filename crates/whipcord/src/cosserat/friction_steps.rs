@@ -465,5 +465,5 @@ fn leave(holes: &Holes, base: &[f64], of_passages: &[f64], scratch: &mut Scratch
     tensions.extend_from_slice(base);
     chain.state.tensions.clone_from(tensions);
     scratch.base_wrench = base_wrench(scratch);
-    (scratch.on_chain, scratch.sampled) = (true, true);
+    (scratch.on_chain, scratch.side_by_side, scratch.sampled) = (true, false, true);
 }

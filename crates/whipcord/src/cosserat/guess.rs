@@ -29,34 +29,38 @@ pub(super) fn guess(problem: &Problem<'_>, scratch: &mut Scratch, load: f64) {
     of_chain.clone_from(tensions);
     *at_load = load;
     guess.wrenches.resize(grid.len(), BodyWrench::default());
-    let mut at_base = carry(grid, applied, poses, load, |k, middle, start| {
+    let mut at_base = carry(grid, applied, poses, load, |k, middle, _| {
         // A step turns by little: its ends serve for its middle.
         let [near, far] = [k, k + 1].map(|k: usize| poses[k].rotation.conjugate());
         guess.wrenches[k] = BodyWrench {
             linear: 0.5 * (near.rotate(middle.force) + far.rotate(middle.force)),
             angular: 0.5 * (near.rotate(middle.moment) + far.rotate(middle.moment)),
         };
-        nodes[k].bear(start);
     });
     let strains = &unloaded.strains;
     let better = guess.relax(grid, tensions, strains).then(|| {
         integrate(grid, &guess.strains, &mut guess.poses);
-        carry(grid, applied, &guess.poses, load, |_, _, _| ())
+        turn(nodes, &guess.poses);
+        carry(grid, applied, &guess.poses, load, |k, _, start| nodes[k].bear(start))
     });
     let change = |better: &Wrench| (better.moment - at_base.moment).norm();
     if let Some(better) = better.filter(|b| change(b) <= MOST_CHANGE * at_base.moment.norm()) {
         at_base = better;
         trajectory.seed(grid, &guess.strains);
-        for (node, pose) in nodes.iter_mut().zip(&guess.poses) {
-            node.rotation = pose.rotation;
-        }
-        carry(grid, applied, &guess.poses, load, |k, _, start| nodes[k].bear(start));
     } else {
         trajectory.seed(grid, strains);
+        turn(nodes, poses);
+        carry(grid, applied, poses, load, |k, _, start| nodes[k].bear(start));
     }
     newton.point.base_moment = at_base.moment;
     newton.point.follower_force = at_base.force;
     newton.point.tensions.clone_from(tensions);
+}
+
+fn turn(nodes: &mut [Node], poses: &[Pose]) {
+    for (node, pose) in nodes.iter_mut().zip(poses) {
+        node.rotation = pose.rotation;
+    }
 }
 
 /// What the base would exert if the loads acted on this shape. `pass` is told, from the tip down, force and moment in the middle of each

@@ -166,7 +166,7 @@ pub(super) fn shoot(
 pub(super) fn finish(problem: &Problem<'_>, scratch: &mut Scratch, effort: Effort) -> Found {
     let Scratch { trajectory, applied, newton, .. } = scratch;
     trajectory.measure(problem.grid);
-    scratch.on_chain = false;
+    (scratch.on_chain, scratch.side_by_side) = (false, false);
     scratch.sampled = trajectory.samples.len() == SAMPLED_STAGES.len() * problem.grid.len();
     scratch.poses.clone_from(&trajectory.poses);
     scratch.lengths.clone_from(&trajectory.lengths);
@@ -187,7 +187,7 @@ pub(super) fn finish_chain(problem: &Problem<'_>, scratch: &mut Scratch, effort:
     scratch.tensions.clone_from(&chain.state.tensions);
     let base = chain.state.nodes[0];
     scratch.base_wrench = Wrench { force: applied.base_force() + base.force, moment: base.moment };
-    scratch.on_chain = true;
+    (scratch.on_chain, scratch.side_by_side) = (true, false);
     scratch.sampled = trajectory.samples.len() == SAMPLED_STAGES.len() * problem.grid.len();
     Found::with(effort)
 }

@@ -91,14 +91,15 @@ pub(super) fn solve_independent(
             }
             near = Some(scratch.newton.point.clone());
         }
-        Err(Failed { effort }) if problem.meter.has_ended() => {
-            let Effort { iterations, residual } = effort;
-            let advice = "the solve was ended";
-            return Err(Failure::NotConverged { iterations, residual, last_load: 0.0, advice });
-        }
+        Err(Failed { effort }) if problem.meter.has_ended() => return Err(ended(effort)),
         Err(_) => {}
     }
     from_no_load(problem, scratch, near)
+}
+
+/// A solve that was ended from outside, with the best shape so far in the place of the answer.
+fn ended(Effort { iterations, residual }: Effort) -> Failure {
+    Failure::NotConverged { iterations, residual, last_load: 0.0, advice: "the solve was ended" }
 }
 
 /// The rod without load as the start of a path, with the loads gathered; `None` where there is no
@@ -151,10 +152,13 @@ fn from_no_load(
     }
     scratch.trace.stage = Stage::Cold;
     guess(problem, scratch, 1.0);
-    if steps_are_faster(problem, scratch)
-        && let Some(found) = close_steps(problem, scratch)
-    {
-        return Ok(found);
+    if steps_are_faster(problem, scratch) {
+        if let Some(found) = close_steps(problem, scratch) {
+            return Ok(found);
+        }
+        if problem.meter.has_ended() {
+            return Err(ended(scratch.open.unwrap_or_default()));
+        }
     }
     let strong_followers = scratch.applied.any_follower()
         && scratch.newton.point.is_strong(&Scales::of(problem.grid, problem.length));
@@ -173,6 +177,7 @@ fn from_no_load(
                 // An unstable equilibrium: the load path may lead to another.
                 (effort.iterations, near.or_else(|| Some(scratch.newton.point.clone())))
             }
+            Err(Failed { effort }) if problem.meter.has_ended() => return Err(ended(effort)),
             Err(failed) => (failed.effort.iterations, near),
         }
     };
@@ -274,6 +279,8 @@ fn side_by_side(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> 
 /// Closes the chain of steps from the guess; the answer is one of single shooting.
 fn close_steps(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
     let Scratch { chain, trajectory, applied, trace, .. } = &mut *scratch;
+    // Tensions that friction left are not those of this solve.
+    chain.varying.clear();
     let task = Task::of(problem, applied);
     let (iterations, residual) = match chain.close_from_base(&task, trajectory, trace) {
         Ok(solved) => solved,

@@ -9,7 +9,7 @@ use super::state::Node;
 use crate::section::{BodyWrench, Fault, Strain, Tangent};
 use crate::shape::Wrench;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
-use crate::statics::lanes::columns::{of_columns, put, strain_of};
+use crate::statics::lanes::columns::{of_columns, put};
 use crate::statics::lanes::one_cable::{LaneCrossed, LaneReduced};
 use crate::statics::lanes::rod_step::{LaneState, StepSections, advance};
 use crate::statics::lanes::section::equilibrium_within;
@@ -49,11 +49,13 @@ pub(super) struct StepLanes {
     /// Force, moment and quaternion of the sections that are sampled: three for the steps in neighbouring slots, then for the next.
     sampled: Vec<[Row; 10]>,
     group: Group,
+    /// At each stage of the steps side by side where the sections start from, and then their strains; then of the next.
+    strains: Vec<[[Row; 6]; STAGES]>,
     /// Tensions of all cables at each shooting node in turn of the steps side by side.
     tensions: Vec<Row>,
 }
 
-/// Rods that are shot.
+/// The steps of a rod that are shot.
 struct ShootSteps<'a> {
     table: &'a StepTable,
     grid: &'a Grid,
@@ -75,8 +77,6 @@ struct Group {
     moment: [Row; 3],
     /// At each shooting node, in the base frame.
     forces: [[Row; 3]; SHOOTING_NODES.len()],
-    /// At each stage, where the sections start from.
-    strains: [[Row; 6]; STAGES],
 }
 
 impl StepLanes {
@@ -173,16 +173,19 @@ impl WithSimd for ShootSteps<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Self { table, grid, nodes, strains, memory, .. } = self;
-        let StepLanes { ends, sampled, group: at, tensions } = memory;
+        let StepLanes { ends, sampled, group: at, strains: of_groups, tensions } = memory;
         ends.clear();
-        sampled.resize(SAMPLED_NODES.len() * grid.len().div_ceil(WIDTH), [[0.0; WIDTH]; 10]);
+        let groups = grid.len().div_ceil(WIDTH);
+        sampled.resize(SAMPLED_NODES.len() * groups, [[0.0; WIDTH]; 10]);
+        of_groups.resize(groups, [[[0.0; WIDTH]; 6]; STAGES]);
         let cables = table.cables();
         let lanes = Lanes::<S>::COUNT.min(WIDTH);
         let one = Lanes::splat(simd, 1.0);
         for group in (0..grid.len()).step_by(WIDTH) {
             at.gather((grid, self.loads, self.target), nodes, group);
+            let of_stages = &mut of_groups[group / WIDTH];
             if !table.is_crossed_once {
-                at.gather_strains(strains, group, grid.len());
+                gather_strains(strains, group, of_stages);
             }
             gather_tensions((grid, self.target), group, cables, tensions);
             for first in (0..WIDTH.min(grid.len() - group)).step_by(lanes) {
@@ -196,41 +199,29 @@ impl WithSimd for ShootSteps<'_> {
                     pose: LanePose { position: null, w: load(w), v },
                     moment: LaneVec3::new(load(p), load(q), load(r)),
                 };
-                let strain = LaneTwist { linear: null, angular: null };
+                let [w, x, y, z] = &at.next;
+                let v = LaneVec3::new(load(x), load(y), load(z));
+                let next = LanePose { position: null, w: load(w), v };
+                let (length, of_group) = (load(&at.length), SAMPLED_NODES.len() * (group / WIDTH));
                 let mut sections = Sections {
                     table,
                     at,
+                    strains: of_stages,
+                    sampled: &mut sampled[of_group..],
                     tensions,
                     cables,
                     step: group + first,
                     first,
                     tolerance: self.target.step_tolerance,
                     is_solved: one.at_most(one),
-                    strains: [strain; STAGES],
-                    sampled: [(start.pose, [null; 2]); SAMPLED_STAGES.len()],
                 };
-                let end = advance(simd, load(&at.length), start, &mut sections);
+                let end = advance(simd, length, start, &mut sections);
                 if !sections.is_solved.all() {
                     return false;
                 }
-                let [w, x, y, z] = &at.next;
-                let v = LaneVec3::new(load(x), load(y), load(z));
-                let next = LanePose { position: null, w: load(w), v };
                 let (turn, moment) = (end.pose.turn_from(&next), end.pose.to_body(end.moment));
-                let of_group = SAMPLED_NODES.len() * (group / WIDTH);
-                for (rows, (pose, [n, m])) in sampled[of_group..].iter_mut().zip(&sections.sampled)
-                {
-                    let numbers =
-                        [n.x, n.y, n.z, m.x, m.y, m.z, pose.w, pose.v.x, pose.v.y, pose.v.z];
-                    for (row, number) in rows.iter_mut().zip(&numbers) {
-                        row[first..first + lanes].copy_from_slice(number.as_slice());
-                    }
-                }
                 for lane in 0..lanes.min(grid.len() - group - first) {
                     let k = group + first + lane;
-                    for (i, strain) in sections.strains.iter().enumerate() {
-                        strains[STAGES * k + i] = strain_of(strain, lane);
-                    }
                     let pose = end.pose.of(lane);
                     ends.push(match turn {
                         Some(turn) => {
@@ -243,6 +234,13 @@ impl WithSimd for ShootSteps<'_> {
                         }
                     });
                 }
+            }
+        }
+        // Only now: where a section finds no strain, others start from those that were there.
+        for (k, of_step) in strains.chunks_exact_mut(STAGES).enumerate() {
+            for (rows, strain) in of_groups[k / WIDTH].iter().zip(of_step) {
+                let [x, y, z, p, q, r] = rows.map(|row| row[k % WIDTH]);
+                *strain = Strain { linear: Vec3::new(x, y, z), angular: Vec3::new(p, q, r) };
             }
         }
         true
@@ -274,15 +272,15 @@ impl Group {
             }
         }
     }
+}
 
-    /// Takes the strains of as many of all steps.
-    #[inline(always)]
-    fn gather_strains(&mut self, strains: &[Strain], first: usize, steps: usize) {
-        for slot in 0..WIDTH {
-            let k = (first + slot).min(steps - 1);
-            for (rows, strain) in self.strains.iter_mut().zip(&strains[STAGES * k..]) {
-                put(rows, slot, strain);
-            }
+/// Takes the strains of the steps from `first` on.
+#[inline(always)]
+fn gather_strains(strains: &[Strain], first: usize, of_stages: &mut [[Row; 6]; STAGES]) {
+    for slot in 0..WIDTH {
+        let k = (first + slot).min(strains.len() / STAGES - 1);
+        for (rows, strain) in of_stages.iter_mut().zip(&strains[STAGES * k..]) {
+            put(rows, slot, strain);
         }
     }
 }
@@ -319,6 +317,8 @@ fn gather_tensions(
 struct Sections<'a, S: Simd> {
     table: &'a StepTable,
     at: &'a Group,
+    strains: &'a mut [[Row; 6]; STAGES],
+    sampled: &'a mut [[Row; 10]],
     tensions: &'a [Row],
     cables: usize,
     /// Of the first lane, and its slot.
@@ -326,8 +326,17 @@ struct Sections<'a, S: Simd> {
     first: usize,
     tolerance: f64,
     is_solved: LaneMask<S>,
-    strains: [LaneTwist<S>; STAGES],
-    sampled: [(LanePose<S>, [LaneVec3<S>; 2]); SAMPLED_STAGES.len()],
+}
+
+impl<S: Simd> Sections<'_, S> {
+    /// Writes numbers into the slots of the lanes.
+    #[inline(always)]
+    fn store<const N: usize>(first: usize, rows: &mut [Row; N], numbers: &[Lanes<S>; N]) {
+        let slots = first..first + Lanes::<S>::COUNT.min(WIDTH);
+        for (row, number) in rows.iter_mut().zip(numbers) {
+            row[slots.clone()].copy_from_slice(number.as_slice());
+        }
+    }
 }
 
 impl<S: Simd> StepSections<S> for Sections<'_, S> {
@@ -357,20 +366,28 @@ impl<S: Simd> StepSections<S> for Sections<'_, S> {
                 let found = LaneReduced::under(simd, &crossed, wrench).solve(simd, tension);
                 (found.strain, found.is_solved)
             }
-            Some(slots) => {
-                let tensions = &self.tensions[self.cables * j..self.cables * (j + 1)];
-                let of = LoadedSlots { slots, tensions, wrench };
-                let start = of_columns(simd, &self.at.strains[stage], self.first);
-                equilibrium_within(self.tolerance, &of, simd, start)
+            slots => {
+                let start = of_columns(simd, &self.strains[stage], self.first);
+                match slots {
+                    Some(slots) => {
+                        let tensions = &self.tensions[self.cables * j..self.cables * (j + 1)];
+                        let of = LoadedSlots { slots, tensions, wrench };
+                        equilibrium_within(self.tolerance, &of, simd, start)
+                    }
+                    // Each node of each step has its slots.
+                    None => (start, self.is_solved),
+                }
             }
-            // Each node of each step has its slots.
-            None => (self.strains[stage], self.is_solved),
         };
         self.is_solved = self.is_solved.and(is_solved);
-        self.strains[stage] = strain;
-        for (q, sampled) in self.sampled.iter_mut().enumerate() {
-            if SAMPLED_STAGES[q] == stage {
-                *sampled = (*rotation, wrench);
+        let (v, u) = (strain.linear, strain.angular);
+        let numbers = [v.x, v.y, v.z, u.x, u.y, u.z];
+        Self::store(self.first, &mut self.strains[stage], &numbers);
+        for (rows, of_sample) in self.sampled.iter_mut().zip(SAMPLED_STAGES) {
+            if of_sample == stage {
+                let ([n, m], LanePose { w, v, .. }) = (wrench, *rotation);
+                let numbers = [n.x, n.y, n.z, m.x, m.y, m.z, w, v.x, v.y, v.z];
+                Self::store(self.first, rows, &numbers);
             }
         }
         strain

@@ -20,14 +20,15 @@
 //! In equilibrium `‖v − e₃‖ ≤ (‖F‖ + Στᵢ)/κ`, so that every equilibrium is a strict minimum; an energy that grows with the strains has
 //! one minimum then, since between two there would be a pass.
 //!
-//! A dead moment `l` that acts at a place adds `∫ l·(ω × ω′) ds` from the base to there, no more than `‖l‖` to `m`, to the symmetric part of the tangent, and
-//! `½ l·(ω₁ × ω₂)` there to the skew part. There is no energy then. Where (16) is positive even with `½‖l‖ρ²` taken off, each equilibrium is stable
-//! whatever the skew part does, and its tangent has a positive determinant. The degree of the equations, the sum of the signs of these determinants, is that of the rod
-//! without load, 1: there is one equilibrium.
+//! A dead moment `l` that acts at a place has no energy. To the symmetric part of the tangent it adds `∫ l·(ω × ω′) ds` from the base to there, no more than `‖l‖` to `m`, and
+//! `½ l·(ω₁ × ω₂)` there to the skew part. Where (16) is positive the tangent of each equilibrium has a positive determinant, whatever its skew part. The strains of equilibria are
+//! bounded for all parts of the load, so that the degree of the equations, the sum of the signs of these determinants, is that of the rod without load, 1: there is one equilibrium.
+//! For a verdict of stability (16) has to be positive with `½‖l‖ρ²` taken off, too: the equilibrium cannot diverge then ([`crate::cosserat`], dead moments). Both are asked for at once.
 //!
 //! Where it is so for all tensions up to some limits, cables of given lengths have one equilibrium within these limits, too: the least energy `W(τ)` under
 //! tensions is a concave function with the lengths for its slope, so that the tensions that give them solve a convex problem, (6) of [`super::lengths`], and of two
-//! solutions either has the shape of the other. Under dead moments the lengths are no slope, but a monotone function of the tensions, which is as good.
+//! solutions either has the shape of the other. Under dead moments the lengths are no slope, but a monotone function of the tensions, which is as good: with the tangent `T` and the
+//! work `B` of unit tensions on the strains `δτᵀδℓ = −(B δτ)ᵀ T⁻¹ (B δτ)` is not positive.
 
 use super::grid::{Grid, SHOOTING_NODES, Softest};
 use super::loads::AppliedLoads;

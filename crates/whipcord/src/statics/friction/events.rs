@@ -53,7 +53,7 @@ pub(super) struct Events {
     /// Number of events.
     pub count: usize,
     /// The fraction of the substep where no modes agree with their rates: no equilibrium goes on from there.
-    pub fold: Option<f64>,
+    pub limit_point: Option<f64>,
     /// Whether it is noted where holes come to rest, for derivatives.
     pub keeps_stops: bool,
     /// These places beyond the start, in order.
@@ -138,7 +138,7 @@ impl Events {
         let missed = end.map_or(0.0, |(_, missed)| missed);
         let end = end.map(|(end, _)| end);
         self.start(law, from, start, end);
-        (self.count, self.fold) = (0, None);
+        (self.count, self.limit_point) = (0, None);
         let slots = ((missed / RESOLVED).sqrt() as usize).clamp(1, SLOTS).next_power_of_two();
         let mut most = MOST_EVENTS * law.holes.count() + 32;
         for slot in 0..slots {
@@ -146,17 +146,17 @@ impl Events {
             let (mut now, to) = (at(slot as f64), at(slot as f64 + 1.0));
             (self.now, self.trigger) = (now, None);
             self.respond(law, start, end, 0.5 * (now + to));
-            if !self.linearise(law, 0.5 * (to - now), end.is_some()) {
+            if !self.linearise(law, 0.5 * (to - now), end.is_some(), meter) {
                 return false;
             }
             // Until an event changes the modes the rates stay those that were found last.
             let mut is_known = false;
             while now < to - ROUNDED {
-                let is_chosen = self.choose(law, is_known);
+                let outcome = self.choose(law, is_known, meter);
                 is_known = true;
                 self.problem.charge(meter);
-                if !is_chosen || most == 0 || meter.has_ended() {
-                    self.fold = (!is_chosen).then_some(now);
+                if outcome != Outcome::Agree || most == 0 || meter.has_ended() {
+                    self.limit_point = (outcome == Outcome::Ray).then_some(now);
                     return false;
                 }
                 if now == 0.0 {
@@ -174,7 +174,9 @@ impl Events {
             // What happens at the very end shows that the response changed too much.
             (self.now, self.trigger) = (1.0, None);
             self.respond(law, start, end, 1.0);
-            if !self.linearise(law, 0.0, false) || !self.choose(law, false) {
+            if !self.linearise(law, 0.0, false, meter)
+                || self.choose(law, false, meter) != Outcome::Agree
+            {
                 return false;
             }
             self.note_margins(law);
@@ -183,13 +185,13 @@ impl Events {
     }
 
     /// Takes the coefficients of the linear problem from the state as it will be this part of the substep later.
-    fn linearise(&mut self, law: &Law<'_>, later: f64, moves: bool) -> bool {
+    fn linearise(&mut self, law: &Law<'_>, later: f64, moves: bool, meter: &Meter) -> bool {
         self.at.commands.clone_from(&self.commands);
         self.at.tensions.clone_from(&self.tensions);
         self.at.turns.clone_from(&self.turns);
         if moves {
             // The rates of the part before serve, where there is one.
-            if self.now == 0.0 && !self.choose(law, false) {
+            if self.now == 0.0 && self.choose(law, false, meter) != Outcome::Agree {
                 return false;
             }
             go(&mut self.at.tensions, &self.rates.tensions, later);
@@ -305,10 +307,10 @@ impl Events {
 
     /// The modes that agree with their rates, and the rates. Those of the modes as they are may be known: the coefficients of the linear
     /// problem stay as they are from one event to the next.
-    fn choose(&mut self, law: &Law<'_>, is_known: bool) -> bool {
+    fn choose(&mut self, law: &Law<'_>, is_known: bool, meter: &Meter) -> Outcome {
         self.modes_before.clone_from(&self.modes);
         let mut pivoting = core::mem::take(&mut self.pivoting);
-        let mut problem = RatesOfHoles { events: self, law };
+        let mut problem = RatesOfHoles { events: self, law, meter };
         let (outcome, changes) = pivoting.find(&mut problem, is_known, true);
         self.pivoting = pivoting;
         self.count += changes;
@@ -321,7 +323,7 @@ impl Events {
                 }
             }
         }
-        outcome == Outcome::Agree
+        outcome
     }
 
     /// The rates in the modes as they are.
@@ -464,6 +466,7 @@ impl Events {
 struct RatesOfHoles<'a> {
     events: &'a mut Events,
     law: &'a Law<'a>,
+    meter: &'a Meter,
 }
 
 impl Complementarity for RatesOfHoles<'_> {
@@ -480,7 +483,7 @@ impl Complementarity for RatesOfHoles<'_> {
     }
 
     fn conditions(&self, hole: (usize, usize), p: usize) -> [Option<Condition>; 2] {
-        let Self { events, law } = self;
+        let Self { events, law, .. } = self;
         let kappa = law.holes.compliance;
         let met = law.holes.met * events.scale;
         let part = STILL * law.holes.met;
@@ -516,5 +519,10 @@ impl Complementarity for RatesOfHoles<'_> {
 
     fn unit(&self) -> f64 {
         self.law.holes.compliance * self.events.scale
+    }
+
+    fn has_ended(&mut self) -> bool {
+        self.events.problem.charge(self.meter);
+        self.meter.has_ended()
     }
 }

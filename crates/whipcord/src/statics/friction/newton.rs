@@ -273,7 +273,10 @@ impl Complementarity for LinearStep<'_> {
         (self.law.holes.compliance * greatest).max(1e-6 * self.law.holes.length)
     }
 
-    fn has_ended(&self) -> bool {
-        self.meter.is_some_and(Meter::has_ended)
+    fn has_ended(&mut self) -> bool {
+        self.meter.is_some_and(|meter| {
+            self.scratch.problem.charge(meter);
+            meter.has_ended()
+        })
     }
 }

@@ -76,10 +76,8 @@ pub(super) trait Complementarity {
     /// The order of magnitude of the conditions, in m.
     fn unit(&self) -> f64;
 
-    /// Whether the solve has ended.
-    fn has_ended(&self) -> bool {
-        false
-    }
+    /// Counts the solves so far, and tells whether the solve has ended.
+    fn has_ended(&mut self) -> bool;
 }
 
 /// How the search for modes ended.
@@ -89,6 +87,8 @@ pub(super) enum Outcome {
     Agree,
     /// None were found that agree.
     Disagree,
+    /// The path of Lemke's method goes on without end: no modes agree, as beyond a limit point.
+    Ray,
     /// The linear problem is singular.
     Singular,
 }
@@ -122,9 +122,9 @@ impl Pivoting {
         loop {
             let has_solution = (is_solved && changes == 0) || problem.solve(None);
             if !has_solution {
-                return match changes {
-                    0 => (Outcome::Singular, changes),
-                    _ => self.follow(problem, changes),
+                return match changes > 0 && follows {
+                    true => self.follow(problem, changes),
+                    false => (Outcome::Singular, changes),
                 };
             }
             self.note_violated(problem);
@@ -159,8 +159,8 @@ impl Pivoting {
     fn note_violated(&mut self, problem: &impl Complementarity) {
         self.violated.clear();
         for (hole, p) in problem.holes().all() {
-            let lacks = |condition: &Condition| condition.value < -condition.rounding;
-            let conditions = problem.conditions(hole, p).into_iter().flatten().filter(lacks);
+            let is_violated = |condition: &Condition| condition.value < -condition.rounding;
+            let conditions = problem.conditions(hole, p).into_iter().flatten().filter(is_violated);
             if let Some(worst) = conditions.min_by(|a, b| a.value.total_cmp(&b.value)) {
                 self.violated.push((p, worst.next, -worst.value));
             }
@@ -192,6 +192,7 @@ impl Pivoting {
         }));
         let (mut z, mut grows) = (f64::INFINITY, false);
         let mut last: Option<usize> = None;
+        let mut end = Outcome::Disagree;
         for _ in 0..MOST_PIVOTS[0] * n + MOST_PIVOTS[1] {
             if problem.has_ended() {
                 break;
@@ -220,9 +221,9 @@ impl Pivoting {
             };
             if let Some(p) = last {
                 // Of the hole that changed, what must hold now was met with equality and has to grow.
-                let came = (0..2).filter_map(|which| line(p, which));
+                let lines = (0..2).filter_map(|which| line(p, which));
                 let nearest =
-                    came.min_by(|a, b| (a.0 + z * a.1).abs().total_cmp(&(b.0 + z * b.1).abs()));
+                    lines.min_by(|a, b| (a.0 + z * a.1).abs().total_cmp(&(b.0 + z * b.1).abs()));
                 if let Some((_, slope, _)) = nearest {
                     grows = slope > 0.0;
                 }
@@ -252,12 +253,20 @@ impl Pivoting {
             }
             match next {
                 _ if !grows && next.is_none_or(|(at, ..)| at <= 0.0) => {
-                    return match problem.solve(None) {
-                        true => (Outcome::Agree, changes),
-                        false => (Outcome::Singular, changes),
-                    };
+                    if !problem.solve(None) {
+                        return (Outcome::Singular, changes);
+                    }
+                    // Rounding may have led the path astray.
+                    self.note_violated(problem);
+                    if self.violated.is_empty() {
+                        return (Outcome::Agree, changes);
+                    }
+                    break;
                 }
-                None => break,
+                None => {
+                    end = Outcome::Ray;
+                    break;
+                }
                 Some((at, p, mode)) => {
                     problem.set_mode(p, mode);
                     changes += 1;
@@ -269,8 +278,166 @@ impl Pivoting {
             problem.set_mode(p, mode);
         }
         match problem.solve(None) {
-            true => (Outcome::Disagree, changes),
+            true => (end, changes),
             false => (Outcome::Singular, changes),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statics::friction::holes::Drives;
+    use whipcord_numerics::DenseLu;
+    use whipcord_numerics::random::SplitMix64;
+
+    /// `x ≥ 0`, `y = M x + q ≥ 0`, `xᵀy = 0`: a hole sticks where `y = 0` and slides where `x = 0`.
+    struct Linear {
+        matrix: Vec<Vec<f64>>,
+        constant: Vec<f64>,
+        modes: Vec<Mode>,
+        x: Vec<f64>,
+        y: Vec<f64>,
+        holes: Holes,
+    }
+
+    impl Linear {
+        fn new(matrix: Vec<Vec<f64>>, constant: Vec<f64>) -> Self {
+            let n = constant.len();
+            let holes = Holes {
+                of_cable: vec![(0..n).collect()],
+                coefficients: vec![0.1],
+                yielding: vec![0.0; n],
+                outside: vec![0.0],
+                at_rest: vec![0.0; n],
+                length: 1.0,
+                compliance: 1.0,
+                met: 1e-9,
+                drives: Drives::default(),
+            };
+            let zero = vec![0.0; n];
+            let modes = vec![Mode::Pulled; n];
+            Self { matrix, constant, modes, x: zero.clone(), y: zero, holes }
+        }
+    }
+
+    impl Complementarity for Linear {
+        fn modes(&self) -> &[Mode] {
+            &self.modes
+        }
+
+        fn set_mode(&mut self, p: usize, mode: Mode) {
+            self.modes[p] = mode;
+        }
+
+        fn solve(&mut self, covers: Option<&[Cover]>) -> bool {
+            let n = self.constant.len();
+            let added = |p: usize| covers.map_or(0.0, |of| of[p].right_side(self.modes[p]));
+            let mut rows = vec![0.0; n * n];
+            let mut right = vec![0.0; n];
+            for p in 0..n {
+                match self.modes[p] {
+                    Mode::Sticks => {
+                        rows[p * n..(p + 1) * n].copy_from_slice(&self.matrix[p]);
+                        right[p] = -self.constant[p] - added(p);
+                    }
+                    _ => {
+                        rows[p * n + p] = 1.0;
+                        right[p] = added(p);
+                    }
+                }
+            }
+            let mut lu = DenseLu::default();
+            if lu.factor(n, &rows).is_err() {
+                return false;
+            }
+            lu.solve(&mut right);
+            for p in 0..n {
+                let product: f64 = self.matrix[p].iter().zip(&right).map(|(m, x)| m * x).sum();
+                self.y[p] = product + self.constant[p];
+            }
+            self.x = right;
+            self.x.iter().all(|x| x.is_finite())
+        }
+
+        fn conditions(&self, _: (usize, usize), p: usize) -> [Option<Condition>; 2] {
+            let (value, next) = match self.modes[p] {
+                Mode::Sticks => (self.x[p], Mode::Pulled),
+                _ => (self.y[p], Mode::Sticks),
+            };
+            [Some(Condition { value, rounding: 1e-10, next }), None]
+        }
+
+        fn holes(&self) -> &Holes {
+            &self.holes
+        }
+
+        fn unit(&self) -> f64 {
+            1.0
+        }
+
+        fn has_ended(&mut self) -> bool {
+            false
+        }
+    }
+
+    fn is_complementary(of: &Linear) {
+        for (x, y) in of.x.iter().zip(&of.y) {
+            assert!(*x >= -1e-9 && *y >= -1e-9 && (x * y).abs() < 1e-9, "{:?} {:?}", of.x, of.y);
+        }
+    }
+
+    #[test]
+    fn modes_are_found_of_positive_definite_problems() {
+        let mut random = SplitMix64::new(7);
+        let mut number = || 2.0 * random.next_part() - 1.0;
+        for n in [1, 2, 5, 12, 30] {
+            for _ in 0..20 {
+                let factor: Vec<Vec<f64>> =
+                    (0..n).map(|_| (0..n).map(|_| number()).collect()).collect();
+                // Not symmetric, but with a positive definite symmetric part.
+                let entry = |i: usize, j: usize| {
+                    let square: f64 = (0..n).map(|k| factor[i][k] * factor[j][k]).sum();
+                    let skew = factor[i][j] - factor[j][i];
+                    square + skew + if i == j { 0.1 } else { 0.0 }
+                };
+                let matrix = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+                let mut problem = Linear::new(matrix, (0..n).map(|_| number()).collect());
+                let (outcome, _) = Pivoting::default().find(&mut problem, false, true);
+                assert_eq!(outcome, Outcome::Agree);
+                is_complementary(&problem);
+            }
+        }
+    }
+
+    /// Murty's example, on which the changes of all holes at once, and of the first one, go in circles.
+    #[test]
+    fn circles_are_left() {
+        let matrix = vec![vec![1.0, 2.0, 0.0], vec![0.0, 1.0, 2.0], vec![2.0, 0.0, 1.0]];
+        let mut problem = Linear::new(matrix, vec![-1.0; 3]);
+        let (outcome, _) = Pivoting::default().find(&mut problem, false, true);
+        assert_eq!(outcome, Outcome::Agree);
+        is_complementary(&problem);
+        assert!(problem.x.iter().all(|x| (x - 1.0 / 3.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_problem_without_a_solution_ends_in_a_ray() {
+        // y = −x − 1 is negative for every x ≥ 0.
+        let mut problem = Linear::new(vec![vec![-1.0]], vec![-1.0]);
+        let (outcome, _) = Pivoting::default().find(&mut problem, false, true);
+        assert_eq!(outcome, Outcome::Ray);
+        // What is not to be followed is not.
+        let mut problem = Linear::new(vec![vec![-1.0]], vec![-1.0]);
+        let (outcome, _) = Pivoting::default().find(&mut problem, false, false);
+        assert_eq!(outcome, Outcome::Disagree);
+    }
+
+    #[test]
+    fn a_singular_start_is_told() {
+        let mut problem = Linear::new(vec![vec![0.0]], vec![-1.0]);
+        problem.set_mode(0, Mode::Sticks);
+        let (outcome, _) = Pivoting::default().find(&mut problem, false, true);
+        assert_eq!(outcome, Outcome::Singular);
     }
 }

@@ -43,7 +43,7 @@ const LEAST_ACCURATE: f64 = 1.0 / 256.0;
 /// than the meshes do.
 const MOST_OF_COURSE: f64 = 10.0;
 /// A substep that would go beyond a limit point ends at so much of the way to it: where that is, is known well only near by.
-const BEFORE_FOLD: f64 = 0.5;
+const BEFORE_LIMIT_POINT: f64 = 0.5;
 /// Where equilibria are looked for beyond the end of a path, as parts of what is left of the step.
 const LEAPS: [f64; 4] = [1.0 / 16.0, 0.25, 0.5, 1.0];
 /// The first substep after one of them, of the step.
@@ -108,7 +108,7 @@ pub(crate) fn step<M: PassageResponse>(
         stops: Vec::new(),
         iterations: 0,
         fault,
-        fold: None,
+        limit_point: None,
         is_first,
         stands: false,
         scratch,
@@ -264,12 +264,13 @@ impl Way<'_> {
         self.stands = false;
         self.scratch.events.keeps_stops = history.trail.is_some();
         let is_followed = is_known && self.follow(history, None, model.meter());
-        if let Some(fold) = self.scratch.events.fold.filter(|_| is_known && !is_followed)
+        if let Some(limit_point) =
+            self.scratch.events.limit_point.filter(|_| is_known && !is_followed)
             && history.shape.is_some()
             && !self.is_first
         {
             // No iteration finds an equilibrium beyond it that goes on from the last one.
-            self.fold = Some(fold);
+            self.limit_point = Some(limit_point);
             return Err(None);
         }
         let no_event = self.scratch.events.count == 0;
@@ -432,8 +433,8 @@ impl Way<'_> {
                 }
                 Err(open) => {
                     self.stands = false;
-                    length *= match self.fold.take() {
-                        Some(fold) => BEFORE_FOLD * fold,
+                    length *= match self.limit_point.take() {
+                        Some(limit_point) => BEFORE_LIMIT_POINT * limit_point,
                         None => 0.25,
                     };
                     if length >= LEAST && !model.meter().has_ended() {

@@ -32,7 +32,7 @@ pub(super) struct Way<'a> {
     /// A fold that was met since the last state.
     pub fault: Option<Fault>,
     /// The fraction of the substep beyond which there is no equilibrium near by, where one is seen.
-    pub fold: Option<f64>,
+    pub limit_point: Option<f64>,
     pub scratch: &'a mut FrictionScratch,
 }
 

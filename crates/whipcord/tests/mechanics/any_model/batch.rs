@@ -252,10 +252,11 @@ fn lanes_answer_under_loads_as_single_solves_do() {
         let unit = common::bending_stiffness(&robot) / (length * length);
         let strength = [0.01, 0.2, 0.8, 5.0][i % 4] * unit;
         let push = strength * Vec3::new(0.6, -0.3, [-0.7, 0.7][i % 2]);
+        let moment = 0.3 * length * Vec3::new(push.y, push.z, push.x);
         let loads = match i % 3 {
-            0 => Loads { tip_force: push, ..Loads::default() },
+            0 => Loads { tip_force: push, tip_moment: moment, ..Loads::default() },
             1 => Loads {
-                points: vec![PointLoad { at: 0.4 * length, force: push, ..PointLoad::default() }],
+                points: vec![PointLoad { at: 0.4 * length, force: push, moment, follower: false }],
                 tip_force: -0.5 * push,
                 ..Loads::default()
             },

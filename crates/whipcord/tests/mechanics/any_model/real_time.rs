@@ -142,6 +142,37 @@ fn a_budget_of_one_iteration_a_cycle_comes_to_the_answer() {
     }
 }
 
+/// On prescribed steps there is no coarser answer: what is left is the last iterate.
+#[test]
+fn a_cold_solve_whose_budget_is_spent_leaves_its_last_iterate() {
+    let robot = weighty(vec![straight(0.0), straight(2.0)]);
+    let options = whipcord::cosserat::Options {
+        accuracy: whipcord::cosserat::Accuracy::Steps(12),
+        ..whipcord::cosserat::Options::default()
+    };
+    let model = Model::Cosserat(options);
+    for strength in [0.1, 1.0, 10.0] {
+        let mut loads = loads();
+        loads.tip_force = loads.tip_force * strength;
+        loads.tip_moment = loads.tip_moment * strength;
+        let case = Case { loads, ..Case::with_tensions(&[1.0, 0.5]) };
+        let expected = model.solve(&robot, &case).unwrap();
+        let bare = Case { loads: Loads::default(), ..case.clone() };
+        let unloaded = model.solve(&robot, &bare).unwrap();
+        let mut prepared = model.prepare(&robot, &case.loads).unwrap();
+        prepared.set_budget(Budget { iterations: 1, ..Budget::UNLIMITED });
+        let mut solution = Solution::empty(ModelKind::Cosserat);
+        let status = prepared.solve_into(&case, WarmStart::None, &mut solution);
+        assert_eq!(status, Ok(Status::BudgetSpent));
+        let apart = |a: &Solution, b: &Solution| a.disks.distances(&b.disks).fold(0.0, f64::max);
+        let bent = apart(&unloaded, &expected);
+        assert!(apart(&solution, &unloaded) > 0.3 * bent, "{strength}");
+        // One iteration is enough for weak loads.
+        assert!(strength > 1.0 || apart(&solution, &expected) < 0.3 * bent, "{strength}");
+        assert!(solution.diagnostics.residual > 0.0 && solution.diagnostics.residual.is_finite());
+    }
+}
+
 #[test]
 fn a_solve_whose_budget_is_spent_says_so() {
     let robot = weighty(vec![straight(0.0)]);

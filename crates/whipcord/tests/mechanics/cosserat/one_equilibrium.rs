@@ -117,9 +117,21 @@ fn is_found_from_anywhere(change: impl Fn(&mut Case)) {
 /// Of cables of given lengths there is one shape with tensions up to limits, wherever a solve starts from.
 #[test]
 fn cables_of_given_lengths_have_one_equilibrium_within_limits() {
+    is_one_within_limits(without_moments);
+}
+
+#[test]
+fn cables_of_given_lengths_have_one_equilibrium_within_limits_under_dead_moments() {
+    is_one_within_limits(|case| {
+        case.loads.points.iter_mut().for_each(|point| point.follower = false);
+        case.loads.tip_follower = false;
+    });
+}
+
+fn is_one_within_limits(change: impl Fn(&mut Case)) {
     let (mut shown, mut found) = (0, 0);
     for (robot, mut case) in samples(robot(WILD), 200) {
-        without_moments(&mut case);
+        change(&mut case);
         let mut prepared = prepared(&robot, &case.loads, StabilityAnalysis::Verdict);
         let Ok(answer) = prepared.solve(&case, None) else { continue };
         let shortening = |cable: &whipcord::CableState| CableCommand {
