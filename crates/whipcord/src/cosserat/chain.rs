@@ -8,11 +8,12 @@
 
 use whipcord_numerics::{Equations, Mat3, NewtonOptions, Pose, Reuse, Vec3, newton};
 
-use super::loaded::{Target, Trajectory};
+use super::loaded::Trajectory;
 use super::problem::Problem;
 use super::sensitivity::{BY_GAPS, Column, Sensitivity, Tensions, Unknowns};
 use super::state::{Direction, Node, State, weight};
 use super::step_lanes::StepEnd;
+use super::target::Target;
 use crate::budget::Meter;
 use crate::derivatives::StepGap;
 use crate::section::lanes::{Lane, LaneVec};
@@ -406,7 +407,7 @@ impl Chain {
         }
         let Self { state, gaps, step, sensitivity, middles, .. } = self;
         let behind = gaps.iter().map(|gap| (gap.change, gap.end.rotation));
-        sensitivity.from_base(task.grid, task.loads, state.load, middles, behind);
+        sensitivity.carry_from_base(task.grid, task.loads, state.load, middles, behind);
         let Some([_, at_tip]) = sensitivity.at_nodes.last() else { return false };
         let [x, y, z, by_gaps] = [0, 1, 2, BY_GAPS].map(|column| at_tip.get(column));
         let Some(inverse) = Mat3::from_columns(x, y, z).inverse() else { return false };

@@ -3,9 +3,10 @@
 use whipcord_numerics::UnitQuaternion;
 
 use super::friction::Friction;
-use super::loaded::{Target, Trajectory};
+use super::loaded::Trajectory;
 use super::prepared::Cosserat;
 use super::state::{Node, State};
+use super::target::Target;
 use crate::case::Case;
 use crate::error::SolveError;
 use crate::robot::Robot;

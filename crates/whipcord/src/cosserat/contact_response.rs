@@ -11,11 +11,12 @@ use whipcord_numerics::{Pose, Vec3};
 use super::chain::{Chain, Task};
 use super::contact_grid::{ContactGrid, carried, near};
 use super::friction::{Friction, ResponseScratch};
-use super::loaded::{Target, Trajectory};
+use super::loaded::Trajectory;
 use super::prepared::{Cosserat, Workspace};
 use super::scratch::Scratch;
 use super::stability::Equilibrium;
 use super::state::{Direction, State};
+use super::target::Target;
 use super::unloaded::SweepOptions;
 use crate::budget::Budget;
 use crate::case::Case;
@@ -133,8 +134,7 @@ impl ContactResponse {
             sample: false,
             step_tolerance: step_tolerance(0.0),
         };
-        let mut shot = Trajectory::default();
-        shot.steps_left = usize::MAX;
+        let mut shot = Trajectory { steps_left: usize::MAX, ..Trajectory::default() };
         shot.shoot(&fine, &loads, &target).ok()?;
         shot.measure(&fine);
         let mut coarse = Coarse::default();

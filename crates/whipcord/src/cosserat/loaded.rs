@@ -17,8 +17,10 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
+use super::state::Node;
 use super::step_lanes::StepLanes;
 use super::strain_guess::Guess;
+use super::target::Target;
 use crate::section::Fault;
 use crate::section::{BodyWrench, Strain, Tangent, equilibrium_within, is_iterated, one_cable};
 use crate::shape::Wrench;
@@ -27,9 +29,6 @@ use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
 use crate::statics::runge_kutta::{NODE_OF_STAGE, SAMPLED_STAGES, STAGES, State, pack, unpack};
 use whipcord_numerics::weighted_sum;
-
-/// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] the samples sit at.
-pub(super) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
 
 /// Weights of five equally spaced places in the polynomial through them, in the middle between each two neighbours.
 const BETWEEN: [[f64; 5]; 4] = {
@@ -59,33 +58,6 @@ pub(super) struct Trajectory {
     pub(super) in_lanes: StepLanes,
     /// Integration steps that the solve may still make, see [`super::strength`].
     pub steps_left: usize,
-}
-
-/// What is aimed at the tip.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Target<'a> {
-    /// Tensions in N, in the order of the grid: of all cables, or of all cables at each shooting node in turn.
-    pub tensions: &'a [f64],
-    /// How many of them belong to a node: none where they are the same at all nodes.
-    pub per_node: usize,
-    /// Moment at the base in N·m.
-    pub base_moment: Vec3,
-    /// Force at the base that follower forces exert, in N.
-    pub follower_force: Vec3,
-    /// Factor on all loads.
-    pub load: f64,
-    /// Whether [`Trajectory::samples`] are wanted.
-    pub sample: bool,
-    /// The last Newton step of each section, as a strain.
-    pub step_tolerance: f64,
-}
-
-impl Target<'_> {
-    /// Tensions of the first `active` cables at shooting node `j` of step `k`.
-    #[inline(always)]
-    pub(super) fn tensions_at(&self, k: usize, j: usize, active: usize) -> &[f64] {
-        &self.tensions[self.per_node * (k * SHOOTING_NODES.len() + j)..][..active]
-    }
 }
 
 /// [`Trajectory::shoot`] with the instructions that the processor has. No sum is reordered or fused: the
@@ -387,6 +359,44 @@ impl Trajectory {
             *follower_force -= h * weighted_sum(&pushes, &table.b);
         }
         Ok(())
+    }
+}
+
+impl Trajectory {
+    /// Shoots every step from its node, in lanes and without samples, which [`Self::sample_steps`] takes; `false` where lanes do not.
+    pub fn shoot_steps(
+        &mut self,
+        grid: &Grid,
+        loads: &AppliedLoads,
+        target: &Target<'_>,
+        nodes: &[Node],
+    ) -> bool {
+        self.samples.clear();
+        let is_shot = self.in_lanes.shoot(grid, loads, target, nodes, &mut self.strains);
+        if is_shot {
+            self.steps_left = self.steps_left.saturating_sub(grid.len());
+        }
+        is_shot
+    }
+
+    /// Takes the samples of the last shot of [`Self::shoot_steps`].
+    pub fn sample_steps(&mut self, grid: &Grid, target: &Target<'_>) -> Result<(), Fault> {
+        let Self { in_lanes, strains, samples, .. } = self;
+        let taken = in_lanes.samples((grid, target), strains, false, samples);
+        if taken.is_err() {
+            samples.clear();
+        }
+        taken
+    }
+
+    /// The same in the middle of each step alone, among three to a step.
+    pub fn sample_middles(
+        &self,
+        grid: &Grid,
+        target: &Target<'_>,
+        samples: &mut Vec<Sample>,
+    ) -> Result<(), Fault> {
+        self.in_lanes.samples((grid, target), &self.strains, true, samples)
     }
 }
 

@@ -27,6 +27,7 @@
 //! | `friction_derivatives` | exact derivatives where cables rub |
 //! | `bending_friction` | friction of the backbone against bending |
 //! | `command_changes` | derivatives by commands alone, for trials of inverse problems |
+//! | `target` | what a rod is shot at |
 //! | `lanes` | many rods at once, without load or under dead loads |
 //! | `step_lanes` | the steps of one rod at once, each from a start of its own |
 //! | `trace` | solves with a record of the iterations |
@@ -65,7 +66,10 @@ mod stability;
 mod state;
 mod statics;
 mod step_lanes;
+#[cfg(test)]
+mod step_tests;
 mod strain_guess;
+mod target;
 mod tension_nodes;
 mod trace;
 mod unloaded;

@@ -16,7 +16,6 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{Mat3, Pose, Twist, UnitQuaternion, Vec3};
 
-use super::loaded::SAMPLED_NODES;
 use crate::section::lanes::{LANES, Lane, LaneVec, along, cross, times, transpose_times};
 use crate::section::{BodyWrench, Strain};
 use crate::shape::Wrench;
@@ -24,6 +23,7 @@ use crate::statics::elimination::Change;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
+use crate::statics::runge_kutta::SAMPLED_NODES;
 
 /// Derivatives of a shot.
 #[derive(Clone, Debug, Default)]
@@ -41,7 +41,7 @@ pub(super) struct Sensitivity {
     pub follows_motions: bool,
     /// Motions of all nodes in turn with each unknown, base frame, where they are followed.
     pub motions: Vec<Twist>,
-    /// How each node behind the base turns and its moment changes, in the body frame, by [`Self::from_base`].
+    /// How each node behind the base turns and its moment changes, in the body frame, by [`Self::carry_from_base`].
     pub at_nodes: Vec<[LaneVec; 2]>,
 }
 
@@ -190,7 +190,7 @@ impl WithSimd for Compute<'_> {
     }
 }
 
-/// [`Sensitivity::from_base`] likewise.
+/// [`Sensitivity::carry_from_base`] likewise.
 struct FromBase<'a, G> {
     at_nodes: &'a mut Vec<[LaneVec; 2]>,
     grid: &'a Grid,
@@ -227,7 +227,7 @@ impl<G: Iterator<Item = (Change, UnitQuaternion)>> WithSimd for FromBase<'_, G> 
     }
 }
 
-/// Which of the columns of [`Sensitivity::from_base`] is that with the gaps, behind those by the moment.
+/// Which of the columns of [`Sensitivity::carry_from_base`] is that with the gaps, behind those by the moment.
 pub(super) const BY_GAPS: usize = 3;
 
 /// Eq. (5) at a sample that nothing but dead forces acts beside.
@@ -339,10 +339,10 @@ impl Sensitivity {
         }));
     }
 
-    /// How the nodes move that a moment at the base and gaps behind the steps drive, into [`Self::at_nodes`]: by the components of this moment, and with
-    /// the gaps. `samples` has three to each step, of which the middle is used, and `gaps` the gap behind each step and how its end is turned. Nothing
-    /// follows the rod, and nothing but dead forces is spread along it.
-    pub fn from_base(
+    /// Carries four columns from the base to the tip, into [`Self::at_nodes`]: what the components of a moment at the base do to each node, and what the gaps
+    /// behind the steps do. `samples` has three to each step, of which the middle is used, and `gaps` the gap behind each step and how its end is turned. No
+    /// load follows the rod, and only dead forces are spread along it.
+    pub fn carry_from_base(
         &mut self,
         grid: &Grid,
         loads: &AppliedLoads,

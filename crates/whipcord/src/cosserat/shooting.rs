@@ -1,10 +1,11 @@
 //! Single shooting under loads: Newton's method on eq. (7) of [`super::statics`].
 
 use super::chain::Task;
-use super::loaded::{Target, Trajectory};
+use super::loaded::Trajectory;
 use super::newton::{Point, residual};
 use super::problem::Problem;
 use super::scratch::Scratch;
+use super::target::Target;
 use crate::section::{Fault, step_tolerance};
 use crate::shape::Wrench;
 use crate::statics::command::Command;

@@ -34,7 +34,6 @@
 
 use whipcord_numerics::{Mat3, Vec3, symmetric_eigenvalues};
 
-use super::loaded::SAMPLED_NODES;
 use super::sensitivity::work;
 use crate::solution::{Diagnostics, NoStability, Verdict};
 use crate::statics::command::Command;
@@ -47,6 +46,7 @@ use crate::statics::options::StabilityAnalysis;
 use crate::statics::quadratic_form::{
     Element, SLOPES, Sample, WEIGHTS, across, element, pivot, symmetric,
 };
+use crate::statics::runge_kutta::SAMPLED_NODES;
 use crate::statics::self_stress::{SelfStress, is_idle};
 
 /// Memory of the eigenvalue computation.

@@ -332,7 +332,18 @@ impl Grid {
 
     /// Its sections step beside step; `None` where one's stiffness is not diagonal.
     pub fn step_table(&self) -> Option<&StepTable> {
-        self.step_table.get_or_init(|| StepTable::new(self)).as_ref()
+        let make = || {
+            let steps = self.steps.iter().enumerate();
+            let places = steps.flat_map(|(k, step)| {
+                SHOOTING_NODES.iter().enumerate().map(move |(j, at)| {
+                    let (node, crossings) = self.shooting.at(k, j, step.active);
+                    let arc_length = step.start + at * step.length;
+                    Place { section: &node.section, crossings, arc_length }
+                })
+            });
+            StepTable::new(&places.collect::<Vec<_>>(), SHOOTING_NODES.len())
+        };
+        self.step_table.get_or_init(make).as_ref()
     }
 
     /// Arc lengths in m of the ends of its steps, the base first.

@@ -9,6 +9,9 @@ pub(crate) const NODE_OF_STAGE: [usize; STAGES] = [0, 1, 1, 2, 3, 4];
 /// Stages at the start, in the middle and at the end of a step.
 pub(crate) const SAMPLED_STAGES: [usize; 3] = [0, 3, 5];
 
+/// Which of the places of [`crate::statics::grid::SHOOTING_NODES`] they sit at.
+pub(crate) const SAMPLED_NODES: [usize; 3] = [0, 2, 4];
+
 /// Quaternion (w, x, y, z), position and moment, all in one frame; or their derivatives.
 pub(crate) type State = [f64; 10];
 

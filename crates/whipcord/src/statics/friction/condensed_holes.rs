@@ -7,8 +7,9 @@
 use whipcord_numerics::DenseLu;
 
 use super::holes::{History, Holes};
-use super::law::{Iterate, Law, Mode, Row};
+use super::law::{Iterate, Law, Row};
 use super::linear_problem::right_side;
+use super::modes::Mode;
 use super::newton::FrictionScratch;
 use super::response::{Passages, Response};
 use super::trail::Standing;

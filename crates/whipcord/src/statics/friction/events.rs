@@ -7,9 +7,10 @@
 //! released, or the hole sticks and the tension goes away from the bound.
 
 use super::holes::Holes;
-use super::law::{Iterate, Law, Mode};
+use super::law::{Iterate, Law};
 use super::linear_problem::LinearProblem;
-use super::pivoting::{Complementarity, Condition, Cover, Outcome, Pivoting};
+use super::modes::{Condition, Mode};
+use super::pivoting::{Complementarity, Cover, Outcome, Pivoting};
 use super::response::Response;
 use super::trail::Trigger;
 use crate::budget::Meter;

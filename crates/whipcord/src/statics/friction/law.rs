@@ -19,8 +19,7 @@
 //! the one at the base.
 
 use super::holes::Holes;
-use super::pivoting::Condition;
-use crate::solution::SlipState;
+use super::modes::{Condition, Mode};
 use crate::statics::command::Command;
 
 /// The equations of the holes in one substep.
@@ -33,20 +32,6 @@ pub(super) struct Law<'a> {
     pub before: &'a [f64],
     /// The case of each hole, where it is given.
     pub modes: Option<&'a [Mode]>,
-}
-
-/// Which of the cases of eq. (2) holds at a hole.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
-    /// The cable is slack at the base, which would have to push.
-    Slack,
-    /// `D₀` is given.
-    Held,
-    /// The cable slides, or rests, without friction.
-    Free,
-    Sticks,
-    Pulled,
-    Released,
 }
 
 /// The equation of a hole.
@@ -66,17 +51,6 @@ pub(super) struct Iterate<'a> {
     pub tensions: &'a [f64],
     pub beyond: &'a [f64],
     pub turns: &'a [f64],
-}
-
-impl Mode {
-    pub const fn slip_state(self, slip: f64) -> SlipState {
-        match self {
-            Self::Sticks => SlipState::Sticks,
-            Self::Pulled => SlipState::Pulled,
-            Self::Released => SlipState::Released,
-            Self::Slack | Self::Held | Self::Free => SlipState::after(slip, 0.0),
-        }
-    }
 }
 
 impl Law<'_> {

@@ -3,7 +3,8 @@
 use whipcord_numerics::{Factors, ReplacedRows, dot};
 
 use super::holes::Holes;
-use super::law::{Iterate, Law, Mode, Row};
+use super::law::{Iterate, Law, Row};
+use super::modes::Mode;
 use super::pivoting::Cover;
 use super::response::Response;
 use crate::budget::Meter;

@@ -3,9 +3,11 @@
 //! | module | content |
 //! |---|---|
 //! | `holes` | the holes of a robot, their state, and what they remember |
+//! | `modes` | stick, slip and slack at a hole |
 //! | `law` | the capstan equation with stick and slip as one equation for each hole, eqs. (1) and (2) |
 //! | `linear_problem` | the linear problem of the holes in given cases |
 //! | `response` | what a model tells: shape, lengths and angles by the tensions |
+//! | `pivoting` | modes that agree with the solution of their linear problem, by block principal pivoting and Lemke's method |
 //! | `newton` | shape and tensions in one semismooth Newton's method |
 //! | `events` | where the holes slide and stop in a substep, by the linear response of the shape |
 //! | `substeps` | a step of actuation, divided where the linear response misses too much |
@@ -27,6 +29,7 @@ mod held;
 mod holes;
 mod law;
 mod linear_problem;
+mod modes;
 mod moving_holes;
 mod newton;
 mod pivoting;

@@ -8,9 +8,10 @@
 
 use super::events::{Events, Station};
 use super::holes::Holes;
-use super::law::{Iterate, Law, Mode};
+use super::law::{Iterate, Law};
 use super::linear_problem::LinearProblem;
-use super::pivoting::{Complementarity, Condition, Cover, Outcome, Pivoting};
+use super::modes::{Condition, Mode};
+use super::pivoting::{Complementarity, Cover, Outcome, Pivoting};
 use super::response::{PassageResponse, Passages, Response};
 use crate::budget::Meter;
 use crate::solution::SlipState;

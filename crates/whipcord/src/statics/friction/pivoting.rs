@@ -7,7 +7,7 @@
 //! that Lemke's method has no solution to offer, which is the case beyond a limit point.
 
 use super::holes::Holes;
-use super::law::Mode;
+use super::modes::{Condition, Mode};
 
 /// How often all holes that do not agree change at once without becoming fewer.
 const CHANCES: usize = 4;
@@ -17,16 +17,6 @@ const CIRCLE: u8 = 3;
 const MOST_PIVOTS: [usize; 2] = [3, 20];
 /// How much the terms of Lemke's method differ from hole to hole, so that no two of them meet their conditions at once: a part of them.
 const APART: f64 = 0.5;
-
-/// What has to hold in the mode of a hole: `value ≥ 0`, in m.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Condition {
-    pub value: f64,
-    /// What rounding makes of it.
-    pub rounding: f64,
-    /// The mode where it does not hold.
-    pub next: Mode,
-}
 
 /// What the number `z` of Lemke's method adds at a hole, in m: to the conditions of a hole that sticks or a cable that is held, and to the slip of one
 /// that slides or the slack of a cable.

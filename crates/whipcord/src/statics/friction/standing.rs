@@ -1,7 +1,7 @@
 //! How the cables stand in their holes at the end of a substep.
 
 use super::holes::{History, Holes};
-use super::law::Mode;
+use super::modes::Mode;
 use super::newton::FrictionScratch;
 use super::trail::{Standing, SubstepEnd};
 use crate::solution::SlipState;

@@ -2,7 +2,8 @@
 
 use super::events::Stop;
 use super::holes::{History, Holes};
-use super::law::{Law, Mode};
+use super::law::Law;
+use super::modes::Mode;
 use super::newton::FrictionScratch;
 use super::response::PassageResponse;
 use crate::section::Fault;

@@ -153,8 +153,8 @@ fn a_cold_solve_whose_budget_is_spent_leaves_its_last_iterate() {
     let model = Model::Cosserat(options);
     for strength in [0.1, 1.0, 10.0] {
         let mut loads = loads();
-        loads.tip_force = loads.tip_force * strength;
-        loads.tip_moment = loads.tip_moment * strength;
+        loads.tip_force *= strength;
+        loads.tip_moment *= strength;
         let case = Case { loads, ..Case::with_tensions(&[1.0, 0.5]) };
         let expected = model.solve(&robot, &case).unwrap();
         let bare = Case { loads: Loads::default(), ..case.clone() };

@@ -1,0 +1,137 @@
+//! Steps in lanes against steps one by one.
+
+use whipcord_numerics::{UnitQuaternion, Vec3};
+
+use super::loaded::Trajectory;
+use super::state::Node;
+use super::step_lanes::StepEnd;
+use super::target::Target;
+use crate::section::Strain;
+use crate::section::step_tolerance;
+use crate::statics::grid::Layout;
+use crate::statics::grid::{Grid, SHOOTING_NODES};
+use crate::statics::loads::AppliedLoads;
+use crate::{
+    Along, Backbone, Cable, Disks, DistributedLoad, Loads, Material, PointLoad, Profile, Robot,
+    Routing, Section as Bar,
+};
+
+/// With cables that end one before the other.
+fn robot(cables: usize) -> Robot {
+    let material =
+        Material { young_modulus: Some(1e9), poisson_ratio: Some(0.3), ..Material::default() };
+    let outer = Along::At { arc_lengths: vec![0.0, 0.18], values: vec![0.003, 0.002] };
+    let section = Bar::Round { outer, inner: Along::Uniform(0.0) };
+    let backbone = Backbone { material, section: Some(section), ..Backbone::new(0.18) };
+    let disks = Disks::equally_spaced(0.18, 10, 0.008);
+    let cable = |i: usize| {
+        let start_angle = 2.0 * i as f64;
+        let routing = Routing::Helix { start_angle, turns: 0.4, radius: 0.008 };
+        let ends_at = Some(0.18 - 0.04 * i as f64);
+        Cable { ends_at, ..Cable::new(format!("{i}"), routing) }
+    };
+    Robot::new(backbone, disks, (0..cables).map(cable).collect()).unwrap()
+}
+
+fn follower() -> Loads {
+    let point = PointLoad {
+        at: 0.12,
+        force: Vec3::new(0.02, -0.01, 0.0),
+        moment: Vec3::ZERO,
+        follower: true,
+    };
+    let tip_force = Vec3::new(0.05, 0.0, 0.02);
+    Loads { tip_force, points: vec![point], ..Loads::default() }
+}
+
+#[test]
+fn steps_in_lanes_are_those_of_steps_one_by_one() {
+    for (cables, per_node) in [(0, 0), (1, 0), (1, 1), (3, 0), (3, 3)] {
+        for steps in [10, 19] {
+            let (robot, loads) = (robot(cables), follower());
+            let layout = Layout::new(&robot, Vec::new(), &loads);
+            let grid = Grid::new(&robot, &layout, steps).unwrap();
+            let mut applied = AppliedLoads::default();
+            applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+            let nodes = SHOOTING_NODES.len() * grid.len();
+            let along = |i: usize| [2.1, 1.2, 0.4][i % 3] * (1.0 - 1e-3 * i as f64);
+            let tensions: Vec<f64> = match per_node {
+                0 => [2.1, 1.2, 0.4][..cables].to_vec(),
+                _ => (0..cables * nodes).map(along).collect(),
+            };
+            let turned = |k: usize| UnitQuaternion::exp(Vec3::new(0.1, 0.03, 0.0) * k as f64);
+            let node = |k: usize| Node {
+                rotation: turned(k),
+                moment: Vec3::new(1e-3, 3e-3, 2e-4) * (k as f64).cos(),
+                force: Vec3::new(0.0, 0.01, 0.01),
+            };
+            let nodes: Vec<Node> = (0..=grid.len()).map(node).collect();
+            let target = Target {
+                tensions: &tensions,
+                per_node,
+                base_moment: Vec3::ZERO,
+                follower_force: Vec3::ZERO,
+                load: 0.7,
+                sample: true,
+                step_tolerance: step_tolerance(0.0),
+            };
+            let mut side_by_side = Trajectory::default();
+            side_by_side.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
+            let mut one_by_one = side_by_side.clone();
+            assert!(side_by_side.shoot_steps(&grid, &applied, &target, &nodes));
+            side_by_side.sample_steps(&grid, &target).unwrap();
+            for (k, end) in side_by_side.in_lanes.ends.iter().enumerate() {
+                let Node { rotation, moment, force } = nodes[k];
+                let target = Target { follower_force: force, ..target };
+                let moment = rotation.rotate(moment);
+                let (pose, cut) =
+                    one_by_one.shoot_step(&grid, &applied, &target, k, rotation, moment).unwrap();
+                let expected = StepEnd::of(pose, cut, nodes[k + 1].rotation);
+                assert!((end.pose.position - pose.position).max_abs() < 1e-14);
+                assert!((end.turn - expected.turn).max_abs() < 1e-12, "{cables} {k}");
+                assert!((end.moment - expected.moment).max_abs() < 1e-14);
+                assert_eq!(end.force, force);
+            }
+            let strains = side_by_side.strains().iter().zip(one_by_one.strains());
+            for (a, b) in strains {
+                assert!((a.linear - b.linear).max_abs() < 1e-12);
+                assert!((a.angular - b.angular).max_abs() < 1e-9);
+            }
+            for (a, b) in side_by_side.samples.iter().zip(&one_by_one.samples) {
+                assert!((a.wrench.linear - b.wrench.linear).max_abs() < 1e-13);
+                assert!((a.wrench.angular - b.wrench.angular).max_abs() < 1e-13);
+                let [p, q] = [a, b].map(|of| of.tangent.compliance()[2]);
+                assert!((0..3).all(|i| (p.rows[i] - q.rows[i]).max_abs() < 1e-6));
+            }
+        }
+    }
+}
+
+const AT_REST: Strain = Strain { linear: Vec3::Z, angular: Vec3::ZERO };
+
+#[test]
+fn steps_that_lanes_do_not_take_are_left_to_others() {
+    let robot = robot(1);
+    let (force, moment) = (Vec3::X, Vec3::X * 1e-3);
+    let profile = Profile::Constant { from: 0.0, to: 0.18, force, moment };
+    let line = DistributedLoad { profile, follower: false };
+    let loads = Loads { distributed: vec![line], ..Loads::default() };
+    let layout = Layout::new(&robot, Vec::new(), &loads);
+    let grid = Grid::new(&robot, &layout, 10).unwrap();
+    let mut applied = AppliedLoads::default();
+    applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+    let target = Target {
+        tensions: &[1.0],
+        per_node: 0,
+        base_moment: Vec3::ZERO,
+        follower_force: Vec3::ZERO,
+        load: 1.0,
+        sample: true,
+        step_tolerance: step_tolerance(0.0),
+    };
+    let nodes = vec![Node::default(); grid.len() + 1];
+    let mut trajectory = Trajectory::default();
+    assert!(!trajectory.shoot_steps(&grid, &applied, &target, &nodes));
+    trajectory.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
+    assert!(!trajectory.shoot_steps(&grid, &applied, &target, &nodes));
+}
