@@ -190,6 +190,27 @@ impl WithSimd for Compute<'_> {
     }
 }
 
+/// [`Sensitivity::transition`] over a step likewise.
+struct Transition<'a> {
+    sensitivity: &'a mut Sensitivity,
+    grid: &'a Grid,
+    loads: &'a AppliedLoads,
+    load: f64,
+    k: usize,
+    samples: &'a [Sample],
+    tensions: Tensions<'a>,
+}
+
+impl WithSimd for Transition<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sensitivity, grid, loads, load, k, samples, tensions } = self;
+        sensitivity.step(grid, loads, load, k, samples, tensions);
+    }
+}
+
 /// [`Sensitivity::carry_from_base`] likewise.
 struct FromBase<'a, G> {
     at_nodes: &'a mut Vec<[LaneVec; 2]>,
@@ -272,7 +293,8 @@ impl Sensitivity {
         if matches!(by.tensions, Tensions::Varying(..)) {
             self.directions.resize(2 * tensions * unknowns, Vec3::ZERO);
         }
-        self.step(grid, loads, load, k, samples, by.tensions);
+        let (sensitivity, tensions) = (&mut *self, by.tensions);
+        Arch::new().dispatch(Transition { sensitivity, grid, loads, load, k, samples, tensions });
         self.jump(loads, load, k + 1, end);
     }
 
