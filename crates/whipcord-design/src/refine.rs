@@ -59,6 +59,9 @@ pub(crate) fn rest_curvature_at(robot: &Robot, at: Vec<f64>) -> (Backbone, Vec<B
     (Backbone { rest_curvature, ..backbone.clone() }, unknowns)
 }
 
+/// Distances that differ by less, as a part of the length, are the same.
+const ROUNDING: f64 = 1e-9;
+
 /// The best of several starts.
 pub(crate) fn refine(
     model: &Model,
@@ -115,7 +118,11 @@ pub(crate) fn refine(
             Err(NoResiduals::NotFinite) => {}
         }
     }
-    let best = ends.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|best| best.0.is_finite());
+    let least = ends.iter().map(|end| end.0).fold(f64::INFINITY, f64::min);
+    let rounding = ROUNDING * robot.backbone().length;
+    // Of ends that rounding tells apart alone, that of the first start: where all that keep to the criteria are as good, the robot is changed least.
+    let is_best = |end: &&(f64, Ending, Vec<f64>)| end.0.sqrt() <= least.sqrt() + rounding;
+    let best = ends.iter().find(is_best).filter(|best| best.0.is_finite());
     let Some((cost, ending, values)) = best else {
         return Err(refusal.unwrap_or(DesignError::NotConverged {
             what: "least squares",
