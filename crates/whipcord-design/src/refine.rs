@@ -30,6 +30,8 @@ pub(crate) struct Refined {
 const EXACT: f64 = 1e-7;
 /// Costs that agree to this part are of one answer.
 const AGREE: f64 = 0.01;
+/// Distances that differ by less, as a part of the length, are the same.
+const ROUNDING: f64 = 1e-9;
 
 /// Starts but the first are each the best of so many, as these are compared by a solve each.
 const DRAWN: usize = 8;
@@ -58,9 +60,6 @@ pub(crate) fn rest_curvature_at(robot: &Robot, at: Vec<f64>) -> (Backbone, Vec<B
     let rest_curvature = Along::At { arc_lengths: at, values };
     (Backbone { rest_curvature, ..backbone.clone() }, unknowns)
 }
-
-/// Distances that differ by less, as a part of the length, are the same.
-const ROUNDING: f64 = 1e-9;
 
 /// The best of several starts.
 pub(crate) fn refine(

@@ -17,7 +17,7 @@ pub(super) struct Target<'a> {
     pub follower_force: Vec3,
     /// Factor on all loads.
     pub load: f64,
-    /// Whether [`Trajectory::samples`] are wanted.
+    /// Whether the sections at start, middle and end of each step are sampled.
     pub sample: bool,
     /// The last Newton step of each section, as a strain.
     pub step_tolerance: f64,

@@ -13,7 +13,7 @@ use super::modes::{Condition, Mode};
 const CHANCES: usize = 4;
 /// How often a hole changes alone before it goes in a circle.
 const CIRCLE: u8 = 3;
-/// Pivots of Lemke's method, for each hole and besides.
+/// Pivots of Lemke's method at most: so many for each hole, and so many more.
 const MOST_PIVOTS: [usize; 2] = [3, 20];
 /// How much the terms of Lemke's method differ from hole to hole, so that no two of them meet their conditions at once: a part of them.
 const APART: f64 = 0.5;
