@@ -55,6 +55,8 @@ impl Evaluation {
             }
             false => self.solution.clone(),
         };
+        // What is told of the base is nearer than what was at the nodes.
+        near.internal.clear();
         for (k, change) in changes.enumerate() {
             if let (Some(wrench), Some(rate)) =
                 (&mut near.base_wrench, self.rates.base_rates.get(k))

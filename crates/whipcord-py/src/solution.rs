@@ -6,8 +6,9 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use whipcord::{
-    CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, LengthMiss, ModelKind, MotorState,
-    NoStability, Obstacle, Part, Pose, Robot, Shape, SlipState, UnitQuaternion, Vec3, Wrench,
+    CableOverlap, CableState, Case, Contact, Diagnostics, Grasp, InternalState, LengthMiss,
+    ModelKind, MotorState, NoStability, Obstacle, Part, Pose, Robot, Shape, SlipState,
+    UnitQuaternion, Vec3, Wrench,
 };
 
 use crate::object_state::{self, ObjectRow};
@@ -273,6 +274,7 @@ impl Solution {
             plastic_curvature,
             contacts: contacts.into_iter().map(touch_of).collect(),
             objects: objects.into_iter().map(object_state::of_row).collect(),
+            internal: InternalState::default(),
             diagnostics: Diagnostics {
                 iterations,
                 residual,

@@ -75,8 +75,8 @@ pub use robot::{
 };
 pub use shape::{Shape, Wrench};
 pub use solution::{
-    CableState, Contact, Diagnostics, NoStability, ObjectContact, ObjectState, Part, SlipState,
-    Solution,
+    CableState, Contact, Diagnostics, InternalState, NoStability, ObjectContact, ObjectState, Part,
+    SlipState, Solution,
 };
 pub use statics::Statics;
 pub use statics::friction::{HoleEquation, HoleFriction, HoleMemory, HoleResponse};

@@ -304,7 +304,9 @@ fn located(path: impl FnOnce() -> String, values: &[f64]) -> Result<Value, NonFi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use whipcord::{Form, ModelKind, NoStability, Part, SlipState, UnitQuaternion, Wrench};
+    use whipcord::{
+        Form, InternalState, ModelKind, NoStability, Part, SlipState, UnitQuaternion, Wrench,
+    };
 
     fn solution() -> Solution {
         let shape = Shape {
@@ -368,6 +370,7 @@ mod tests {
                 },
             ],
             objects: Vec::new(),
+            internal: InternalState::default(),
             diagnostics: Diagnostics {
                 steps: 18,
                 stability_absent: Some(NoStability::NotAsked),

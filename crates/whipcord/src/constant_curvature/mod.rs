@@ -259,6 +259,7 @@ impl ConstantCurvature {
         }
         solution.model = ModelKind::ConstantCurvature;
         solution.contacts.clear();
+        solution.internal.clear();
         solution.base_wrench = knows_forces.then(Wrench::default);
         solution.diagnostics = Diagnostics {
             iterations: effort.iterations,

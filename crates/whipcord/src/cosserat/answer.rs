@@ -73,6 +73,7 @@ impl Cosserat {
         let Scratch { tensions, lengths, base_wrench, .. } = scratch;
         self.write_cables(&workspace.commands, tensions, lengths, solution);
         solution.base_wrench = Some(*base_wrench);
+        scratch.write_internal(grid, &mut solution.internal);
     }
 
     /// Writes what became of the cables, from tensions and lengths in the order of the grid; and that nothing touches.
@@ -85,6 +86,7 @@ impl Cosserat {
     ) {
         solution.model = ModelKind::Cosserat;
         solution.contacts.clear();
+        solution.internal.clear();
         solution.objects.clear();
         let cables = self.robot.cables();
         solution.cables.resize_with(cables.len(), CableState::default);

@@ -6,19 +6,19 @@
 //! lengths of the cables that are driven by them, eq. (7). The load factor may be an unknown, too:
 //! the step is then at right angles to a given direction ([`crate::statics::path`]).
 
-use whipcord_numerics::{Equations, Mat3, NewtonOptions, Pose, Reuse, Vec3, newton};
+use whipcord_numerics::{Equations, NewtonOptions, Pose, Reuse, Vec3, newton};
 
+use super::base_sweep::BaseSweep;
+use super::gap::Gap;
 use super::loaded::Trajectory;
 use super::problem::Problem;
-use super::sensitivity::{BY_GAPS, Column, Sensitivity, Tensions, Unknowns};
-use super::state::{Direction, Node, State, weight};
-use super::step_lanes::StepEnd;
+use super::sensitivity::{Column, Sensitivity, Tensions, Unknowns};
+use super::state::{Direction, State, weight};
+use super::step_lanes::StepLanes;
 use super::target::Target;
 use crate::budget::Meter;
 use crate::derivatives::StepGap;
-use crate::section::lanes::{Lane, LaneVec};
 use crate::section::{Fault, SectionFault, step_tolerance};
-use crate::shape::Wrench;
 use crate::statics::command::Command;
 use crate::statics::elimination::{Change, Elimination, Size};
 use crate::statics::grid::Grid;
@@ -26,7 +26,6 @@ use crate::statics::loads::AppliedLoads;
 use crate::statics::outcome::Open;
 use crate::statics::path::state::{Part as _, PartChange as _};
 use crate::statics::path::{self, pattern};
-use crate::statics::quadratic_form::Sample;
 use crate::statics::scales::Scales;
 use crate::statics::shared_unknowns::{Cables, SharedUnknowns};
 use crate::statics::trace::Trace;
@@ -48,16 +47,7 @@ pub(super) struct Chain {
     pub(super) elimination: Elimination,
     pub(super) sensitivity: Sensitivity,
     shared: SharedUnknowns,
-    /// Three to each step, of which the middle is kept up to date, where a step is solved from the base.
-    middles: Vec<Sample>,
-}
-
-/// How a step ends short of the next node.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Gap {
-    pub change: Change,
-    /// Frame at the end, with the position relative to the start.
-    pub end: Pose,
+    base_sweep: BaseSweep,
 }
 
 /// What the chain is solved for.
@@ -140,7 +130,7 @@ impl Equations for Shooting<'_> {
         let Self { chain, task, .. } = self;
         task.meter.iterate();
         let is_solved = match self.by {
-            LinearSolve::FromBase => chain.solve_from_base(task, self.trajectory, fresh),
+            LinearSolve::FromBase => chain.solve_from_base(task, &self.trajectory.in_lanes, fresh),
             LinearSolve::Elimination(by) => chain.solve_step(task, by, self.trajectory),
         };
         if !is_solved {
@@ -264,19 +254,13 @@ impl Chain {
 
     /// [`Self::shoot`] without samples; `None` where lanes do not take the steps.
     pub fn shoot_in_lanes(&mut self, task: &Task<'_>, trajectory: &mut Trajectory) -> Option<f64> {
-        if !trajectory.shoot_steps(task.grid, task.loads, &self.target(task), &self.state.nodes) {
-            return None;
-        }
-        task.meter.integrate(task.grid.len());
-        self.gaps.clear();
         let scales = Scales::of(task.grid, task.length);
-        let mut greatest: f64 = 0.0;
-        for k in 0..task.grid.len() {
-            let end = trajectory.in_lanes.ends[k];
-            let change = self.change(task, k, &end);
-            greatest = greatest.max(size(&change, &self.state.nodes[k + 1], &scales));
-            self.gaps.push(Gap { change, end: end.pose });
-        }
+        let mut gaps = core::mem::take(&mut self.gaps);
+        let (at, nodes) = ((task.grid, &scales), &self.state.nodes);
+        let greatest = trajectory.shoot_steps(at, task.loads, &self.target(task), nodes, &mut gaps);
+        self.gaps = gaps;
+        let greatest = greatest?;
+        task.meter.integrate(task.grid.len());
         Some(greatest.max(self.lengths_left(task, trajectory, &scales)))
     }
 
@@ -304,22 +288,6 @@ impl Chain {
             sample: true,
             step_tolerance: step_tolerance(task.tolerance),
         }
-    }
-
-    /// How step `k`, which ends like this, misses the next node.
-    fn change(&self, task: &Task<'_>, k: usize, end: &StepEnd) -> Change {
-        let (next, load) = (&self.state.nodes[k + 1], self.state.load);
-        let StepEnd { pose, turn, mut moment, mut force } = *end;
-        let dead = task.loads.moment(k + 1);
-        if dead != Vec3::ZERO {
-            moment -= load * pose.rotation.conjugate().rotate(dead);
-        }
-        let follower = task.loads.follower(k + 1);
-        if *follower != Wrench::default() {
-            moment -= load * follower.moment;
-            force -= load * pose.rotation.rotate(follower.force);
-        }
-        Change { turn, moment: moment - next.moment, force: force - next.force }
     }
 
     /// What the commands of lengths leave open.
@@ -360,14 +328,13 @@ impl Chain {
             let target = Target { follower_force: start.force, sample, ..self.target(task) };
             let (pose, cut) =
                 trajectory.shoot_step(task.grid, task.loads, &target, k, start.rotation, moment)?;
-            let end = StepEnd::of(pose, cut, next.rotation);
-            let mut change = self.change(task, k, &end);
+            let mut gap = Gap::of((task.loads, self.state.load), k, pose, cut, &next);
             if k + 1 < task.grid.len() && is_free(k + 1) {
-                self.state.nodes[k + 1] = next.stepped(1.0, &change);
-                change = Change::default();
+                self.state.nodes[k + 1] = next.stepped(1.0, &gap.change);
+                gap.change = Change::default();
             }
-            greatest = greatest.max(size(&change, &next, &scales));
-            self.gaps.push(Gap { change, end: pose });
+            greatest = greatest.max(gap.size(&next, &scales));
+            self.gaps.push(gap);
         }
         Ok(greatest.max(self.lengths_left(task, trajectory, &scales)))
     }
@@ -394,40 +361,18 @@ impl Chain {
         }
     }
 
-    /// Solves eq. (10) for the steps that have been shot, whose tangents in the middle stand for all of a step, into `self.step`; `false` where the system is
-    /// singular.
-    fn solve_from_base(&mut self, task: &Task<'_>, trajectory: &Trajectory, fresh: bool) -> bool {
-        let mut middles = core::mem::take(&mut self.middles);
-        let target = self.target(task);
-        let is_taken =
-            !fresh || trajectory.sample_middles(task.grid, &target, &mut middles).is_ok();
-        self.middles = middles;
-        if !is_taken {
-            return false;
-        }
-        let Self { state, gaps, step, sensitivity, middles, .. } = self;
-        let behind = gaps.iter().map(|gap| (gap.change, gap.end.rotation));
-        sensitivity.carry_from_base(task.grid, task.loads, state.load, middles, behind);
-        let Some([_, at_tip]) = sensitivity.at_nodes.last() else { return false };
-        let [x, y, z, by_gaps] = [0, 1, 2, BY_GAPS].map(|column| at_tip.get(column));
-        let Some(inverse) = Mat3::from_columns(x, y, z).inverse() else { return false };
-        let moment = -(inverse * by_gaps);
-        let shares = Lane([moment.x, moment.y, moment.z, 1.0]);
-        let change = |of: &LaneVec| {
-            Vec3::new((of.x * shares).sum(), (of.y * shares).sum(), (of.z * shares).sum())
-        };
-        step.nodes.clear();
-        step.nodes.push(Change { moment, ..Change::default() });
-        for [turn, moment] in &sensitivity.at_nodes {
-            let (turn, moment) = (change(turn), change(moment));
-            step.nodes.push(Change { turn, moment, force: Vec3::ZERO });
-        }
-        // Nothing is left to act at the tip.
-        step.nodes[gaps.len()].moment = Vec3::ZERO;
-        step.load = 0.0;
+    /// Solves eq. (10) for the steps that lanes have shot into `self.step`, by the tangents at hand unless they are to be `fresh`; `false` where the
+    /// system is singular.
+    fn solve_from_base(&mut self, task: &Task<'_>, shot: &StepLanes, fresh: bool) -> bool {
+        let mut sweep = core::mem::take(&mut self.base_sweep);
+        let is_taken = !fresh || sweep.linearise(task.grid, &self.target(task), shot);
+        let Self { state, gaps, step, .. } = self;
+        let at = (task.grid, task.loads, state.load);
+        let is_solved = is_taken && sweep.solve(at, gaps, step);
         step.tensions.clear();
         step.tensions.resize(state.tensions.len(), 0.0);
-        step.nodes.iter().all(Change::is_finite)
+        self.base_sweep = sweep;
+        is_solved
     }
 
     /// Linearises the steps that have been shot and solves eq. (10), and with it what all steps share, into `self.step`; `false` where the
@@ -481,18 +426,6 @@ impl Chain {
             && step.nodes.iter().all(Change::is_finite)
             && step.tensions.iter().all(|t| t.is_finite())
     }
-}
-
-/// The size of a gap before this node, without dimension.
-#[inline(always)]
-fn size(change: &Change, next: &Node, scales: &Scales) -> f64 {
-    let moment = change.moment.norm() / (scales.moment + next.moment.norm());
-    let force = match change.force == Vec3::ZERO {
-        true => 0.0,
-        false => change.force.norm() / (scales.force + next.force.norm()),
-    };
-    // A NaN must not pass for a closed gap.
-    if change.is_finite() { change.turn.norm().max(moment).max(force) } else { f64::INFINITY }
 }
 
 /// The change of each cable's length with `(θ, 1)`, from those of the steps with what they depend on.

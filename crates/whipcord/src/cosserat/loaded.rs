@@ -17,6 +17,7 @@
 use pulp::{Arch, Simd, WithSimd};
 use whipcord_numerics::{BUTCHER_5, Pose, UnitQuaternion, Vec3};
 
+use super::gap::Gap;
 use super::state::Node;
 use super::step_lanes::StepLanes;
 use super::strain_guess::Guess;
@@ -28,6 +29,7 @@ use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
 use crate::statics::quadratic_form::Sample;
 use crate::statics::runge_kutta::{NODE_OF_STAGE, SAMPLED_STAGES, STAGES, State, pack, unpack};
+use crate::statics::scales::Scales;
 use whipcord_numerics::weighted_sum;
 
 /// Weights of five equally spaced places in the polynomial through them, in the middle between each two neighbours.
@@ -104,9 +106,14 @@ impl Trajectory {
     /// Starts the sections of the next shot from the strains at the Gauss nodes of the rod
     /// without load.
     pub fn seed(&mut self, grid: &Grid, gauss_strains: &[Strain]) {
+        let of_steps = gauss_strains.chunks_exact(3).map(|at| [at[0], at[1], at[2]]);
+        self.seed_steps(of_steps.take(grid.len()));
+    }
+
+    /// Starts them from the strains at start, middle and end of each step.
+    pub fn seed_steps(&mut self, of_steps: impl Iterator<Item = [Strain; 3]>) {
         self.strains.clear();
-        for k in 0..grid.len() {
-            let at = &gauss_strains[3 * k..3 * k + 3];
+        for at in of_steps {
             self.strains.extend([0, 0, 0, 1, 2, 2].map(|i: usize| at[i]));
         }
     }
@@ -363,40 +370,30 @@ impl Trajectory {
 }
 
 impl Trajectory {
-    /// Shoots every step from its node, in lanes and without samples, which [`Self::sample_steps`] takes; `false` where lanes do not.
+    /// Shoots every step from its node, in lanes and without samples, which [`Self::sample_steps`] takes: how each misses the next node, and the
+    /// size of the greatest gap; `None` where lanes do not.
     pub fn shoot_steps(
         &mut self,
-        grid: &Grid,
+        at: (&Grid, &Scales),
         loads: &AppliedLoads,
         target: &Target<'_>,
         nodes: &[Node],
-    ) -> bool {
+        gaps: &mut Vec<Gap>,
+    ) -> Option<f64> {
         self.samples.clear();
-        let is_shot = self.in_lanes.shoot(grid, loads, target, nodes, &mut self.strains);
-        if is_shot {
-            self.steps_left = self.steps_left.saturating_sub(grid.len());
-        }
-        is_shot
+        let greatest = self.in_lanes.shoot(at, loads, target, nodes, &mut self.strains, gaps)?;
+        self.steps_left = self.steps_left.saturating_sub(at.0.len());
+        Some(greatest)
     }
 
     /// Takes the samples of the last shot of [`Self::shoot_steps`].
     pub fn sample_steps(&mut self, grid: &Grid, target: &Target<'_>) -> Result<(), Fault> {
         let Self { in_lanes, strains, samples, .. } = self;
-        let taken = in_lanes.samples((grid, target), strains, false, samples);
+        let taken = in_lanes.samples((grid, target), strains, samples);
         if taken.is_err() {
             samples.clear();
         }
         taken
-    }
-
-    /// The same in the middle of each step alone, among three to a step.
-    pub fn sample_middles(
-        &self,
-        grid: &Grid,
-        target: &Target<'_>,
-        samples: &mut Vec<Sample>,
-    ) -> Result<(), Fault> {
-        self.in_lanes.samples((grid, target), &self.strains, true, samples)
     }
 }
 

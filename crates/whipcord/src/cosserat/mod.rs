@@ -13,7 +13,8 @@
 //! | `solve`, `statics` | equilibrium on one grid: the order of the strategies below |
 //! | `guess`, `relaxation`, `without_load` | initial guesses: the loaded rod after one step; the rod without load |
 //! | `shooting`, `newton` | single shooting on eq. (7), and its Newton step |
-//! | `chain` | multiple shooting |
+//! | `chain`, `gap` | multiple shooting; how its steps miss the next node |
+//! | `base_sweep` | its Newton step under weak dead loads |
 //! | `redundant_cables` | antagonistic cables under load |
 //! | `continuation`, `perturbed` | load continuation by multiple shooting, and on to a branch by small moments |
 //! | `path`, `state` | the rod as an equilibrium path, and its states |
@@ -33,6 +34,7 @@
 //! | `trace` | solves with a record of the iterations |
 
 mod answer;
+mod base_sweep;
 mod bending_friction;
 mod branches;
 mod chain;
@@ -45,6 +47,7 @@ mod continuation;
 mod friction;
 mod friction_derivatives;
 mod friction_steps;
+mod gap;
 mod guess;
 mod lanes;
 mod loaded;

@@ -432,6 +432,7 @@ impl Cosserat {
         let tension = |&i: &usize| solution.cables.get(i).and_then(|c| c.tension).unwrap_or(0.0);
         start.tensions.extend(self.layout.order.iter().map(tension));
         start.base_wrench = solution.base_wrench;
+        start.internal.copy_from(&solution.internal);
         start.stable = !solution.diagnostics.is_unstable();
         start.is_iterate = solution.diagnostics.residual > self.options.greatest_residual();
     }

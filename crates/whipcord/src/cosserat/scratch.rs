@@ -10,8 +10,11 @@ use super::stability::Stability;
 use super::state::{Node, State};
 use super::unloaded::Unloaded;
 use crate::shape::Wrench;
+use crate::solution::InternalState;
+use crate::statics::grid::Grid;
 use crate::statics::lengths::{Effort, LengthScratch};
 use crate::statics::loads::AppliedLoads;
+use crate::statics::runge_kutta::{SAMPLED_STAGES, STAGES};
 use crate::statics::trace::Trace;
 
 /// Where the iteration starts: from the robot without load, or from a neighbouring answer.
@@ -31,6 +34,8 @@ pub(super) struct Start {
     pub side_by_side: bool,
     /// Its nodes then: those of multiple shooting on a grid with half as many steps, and those side by side with the middles of their steps.
     pub chain: State,
+    /// The nodes of a neighbouring answer, where it tells them.
+    pub internal: InternalState,
     /// Cables that were let go, see [`super::redundant_cables`].
     pub slackened: Vec<usize>,
     /// Whether the memory of the solve still has the derivatives and the strains of that answer.
@@ -41,6 +46,7 @@ impl Start {
     /// From the robot without load, in the memory that it has.
     pub fn forget(&mut self) {
         self.tensions.clear();
+        self.internal.clear();
         self.slackened.clear();
         (self.base_wrench, self.stable, self.on_chain) = (None, false, false);
         (self.remembered, self.side_by_side, self.is_iterate) = (false, false, false);
@@ -98,6 +104,25 @@ impl Scratch {
         nodes.map(move |node| Some(start(node)))
     }
 
+    /// Whether the sections of a shot in lanes are iterated from somewhere.
+    pub fn sections_need_a_start(&self, grid: &Grid) -> bool {
+        let is_crossed_once = grid.step_table().is_some_and(|table| table.is_crossed_once);
+        !is_crossed_once || self.applied.any_line()
+    }
+
+    /// Writes what acts at the nodes of the answer: nothing where single shooting found it.
+    pub fn write_internal(&self, grid: &Grid, internal: &mut InternalState) {
+        internal.clear();
+        if !(self.on_chain || self.side_by_side) {
+            return;
+        }
+        internal.nodes.clone_from(&self.chain.state.nodes);
+        if self.sections_need_a_start(grid) {
+            let of_steps = self.trajectory.strains().chunks_exact(STAGES);
+            internal.strains.extend(of_steps.flat_map(|of| SAMPLED_STAGES.map(|stage| of[stage])));
+        }
+    }
+
     /// Keeps the answer as the start of another solve.
     pub fn keep_start(&self, start: &mut Start) {
         start.tensions.clone_from(&self.tensions);
@@ -111,6 +136,7 @@ impl Scratch {
             let middles = self.trajectory.in_lanes.middles(self.chain.state.nodes.len() - 1);
             start.chain.halve(&self.chain.state, middles);
         }
+        start.internal.clear();
         start.slackened.clone_from(&self.slackened);
         start.remembered = self.differentiated && !self.on_chain;
     }

@@ -41,8 +41,6 @@ pub(super) struct Sensitivity {
     pub follows_motions: bool,
     /// Motions of all nodes in turn with each unknown, base frame, where they are followed.
     pub motions: Vec<Twist>,
-    /// How each node behind the base turns and its moment changes, in the body frame, by [`Self::carry_from_base`].
-    pub at_nodes: Vec<[LaneVec; 2]>,
 }
 
 /// Change of rotation and moment with one unknown, in the body frame, and of the followers' force in
@@ -211,54 +209,6 @@ impl WithSimd for Transition<'_> {
     }
 }
 
-/// [`Sensitivity::carry_from_base`] likewise.
-struct FromBase<'a, G> {
-    at_nodes: &'a mut Vec<[LaneVec; 2]>,
-    grid: &'a Grid,
-    loads: &'a AppliedLoads,
-    load: f64,
-    samples: &'a [Sample],
-    gaps: G,
-}
-
-impl<G: Iterator<Item = (Change, UnitQuaternion)>> WithSimd for FromBase<'_, G> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { at_nodes, grid, loads, load, samples, gaps } = self;
-        let mut at = Columns::default();
-        for (column, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
-            at.moment.set(column, axis);
-        }
-        at_nodes.clear();
-        let steps = grid.steps.iter().zip(samples.chunks_exact(3)).zip(gaps);
-        for (k, ((step, triple), (gap, end))) in steps.enumerate() {
-            let h = step.length;
-            let middle = at.plus::<false>(0.5 * h, &slope(&triple[1], &at));
-            at = at.plus::<false>(h, &slope(&triple[1], &middle));
-            let dead = loads.moment(k + 1);
-            if dead != Vec3::ZERO {
-                at.moment = at.moment - cross(load * end.conjugate().rotate(dead), &at.turn);
-            }
-            at.turn.set(BY_GAPS, at.turn.get(BY_GAPS) + gap.turn);
-            at.moment.set(BY_GAPS, at.moment.get(BY_GAPS) + gap.moment);
-            at_nodes.push([at.turn, at.moment]);
-        }
-    }
-}
-
-/// Which of the columns of [`Sensitivity::carry_from_base`] is that with the gaps, behind those by the moment.
-pub(super) const BY_GAPS: usize = 3;
-
-/// Eq. (5) at a sample that nothing but dead forces acts beside.
-#[inline(always)]
-fn slope(sample: &Sample, at: &Columns) -> Columns {
-    let push = cross(sample.wrench.linear, &at.turn);
-    let (dv, du) = sample.tangent.solve_lanes(&push, &at.moment);
-    rate(sample, at, &push, &dv, &du)
-}
-
 impl Sensitivity {
     /// The transition over step `k` and across the loads at its end, into [`Self::columns`] and
     /// [`Self::lengths`]; `end` is the rotation there.
@@ -359,21 +309,6 @@ impl Sensitivity {
             force: c.follower_force - load * tip.rotate(c.turn.cross(follower.force)),
             moment: tip.rotate(c.moment + c.turn.cross(last - load * follower.moment)),
         }));
-    }
-
-    /// Carries four columns from the base to the tip, into [`Self::at_nodes`]: what the components of a moment at the base do to each node, and what the gaps
-    /// behind the steps do. `samples` has three to each step, of which the middle is used, and `gaps` the gap behind each step and how its end is turned. No
-    /// load follows the rod, and only dead forces are spread along it.
-    pub fn carry_from_base(
-        &mut self,
-        grid: &Grid,
-        loads: &AppliedLoads,
-        load: f64,
-        samples: &[Sample],
-        gaps: impl Iterator<Item = (Change, UnitQuaternion)>,
-    ) {
-        let at_nodes = &mut self.at_nodes;
-        Arch::new().dispatch(FromBase { at_nodes, grid, loads, load, samples, gaps });
     }
 
     /// Across the loads between two steps: a dead moment turns in the body frame, a follower force

@@ -3,6 +3,7 @@
 use whipcord_numerics::{Pose, UnitQuaternion, Vec3};
 
 use crate::shape::Wrench;
+use crate::solution::NodeState;
 use crate::statics::elimination::Change;
 use crate::statics::grid::Grid;
 use crate::statics::path::state;
@@ -13,14 +14,7 @@ pub(super) type State = state::State<Node>;
 pub(super) type Direction = state::Direction<Change>;
 
 /// Where a step starts.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Node {
-    pub rotation: UnitQuaternion,
-    /// In the body frame, in N·m.
-    pub moment: Vec3,
-    /// Of the followers, in the base frame, in N.
-    pub force: Vec3,
-}
+pub(super) type Node = NodeState;
 
 impl Node {
     /// Bears this moment and followers' force in the base frame.

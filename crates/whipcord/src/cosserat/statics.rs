@@ -12,7 +12,9 @@
 //! by multiple shooting, and past the points where it cannot be, by [`crate::statics::path`].
 
 use super::chain::Task;
-use super::continuation::{Ended, newton, raise_load, raise_load_at_tensions, refine_chain};
+use super::continuation::{
+    Ended, close_chain, newton, raise_load, raise_load_at_tensions, refine_chain,
+};
 use super::guess::guess;
 use super::newton::Point;
 use super::path::RodPath;
@@ -24,11 +26,12 @@ use super::shooting::{Failed, finish, finish_chain, shoot};
 use super::state::State;
 use super::verdict::is_accepted;
 use super::without_load::{set_tensions, start_without_load, without_load};
+use crate::section::Strain;
 use crate::statics::command::Command;
 use crate::statics::lengths::{self, Effort};
 use crate::statics::outcome::{Failure, Found, Open};
 use crate::statics::path::next_stable::next_stable;
-use crate::statics::runge_kutta::STAGES;
+use crate::statics::runge_kutta::{SAMPLED_STAGES, STAGES};
 use crate::statics::scales::Scales;
 use crate::statics::trace::Stage;
 
@@ -59,14 +62,20 @@ pub(super) fn solve_independent(
             |(&before, command)| matches!(*command, Command::Tension(given) if given != before),
         );
     set_tensions(problem.commands, &mut scratch.tensions);
-    if (start.side_by_side || is_moved && !start.is_iterate)
+    let goes_on_by_shooting = start.is_iterate || !is_moved;
+    if (start.side_by_side || !start.internal.nodes.is_empty() || !goes_on_by_shooting)
         && let Some(found) = side_by_side(problem, start, scratch)
     {
         return Ok(found);
     }
-    if *on_chain
-        && let Some(found) = refine_chain(problem, scratch, chain)
-        && (!stable || is_accepted(problem, scratch))
+    let on_nodes = match start_from_nodes(problem, start, scratch) {
+        true => close_chain(problem, scratch),
+        false => None,
+    };
+    if let Some(found) = on_nodes.or_else(|| match on_chain {
+        true => refine_chain(problem, scratch, chain),
+        false => None,
+    }) && (!stable || is_accepted(problem, scratch))
     {
         scratch.stable = *stable;
         return Ok(found);
@@ -255,8 +264,8 @@ fn steps_are_faster(problem: &Problem<'_>, scratch: &Scratch) -> bool {
         && problem.grid.step_table().is_some()
 }
 
-/// With the steps of the rod side by side, from its nodes on a grid with half as many steps, or from the rod without load at the tensions at hand; `None` where that is
-/// not faster or does not lead to an answer.
+/// With the steps of the rod side by side, from its nodes on a grid with half as many steps, from those of a neighbouring answer, or from the rod without load at the
+/// tensions at hand; `None` where that is not faster or does not lead to an answer.
 fn side_by_side(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> Option<Found> {
     if !steps_are_faster(problem, scratch) {
         return None;
@@ -269,11 +278,37 @@ fn side_by_side(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> 
             return close_steps(problem, scratch);
         }
     }
+    if start_from_nodes(problem, start, scratch)
+        && let Some(found) = close_steps(problem, scratch)
+    {
+        return Some(found);
+    }
     let Scratch { unloaded, tensions, poses, .. } = &mut *scratch;
     unloaded.sweep(problem.grid, tensions, problem.sweep_options()).ok()?;
     unloaded.integrate(problem.grid, poses);
     guess(problem, scratch, 1.0);
     close_steps(problem, scratch)
+}
+
+/// Puts the chain to the nodes of a neighbouring answer; `false` where it does not tell them, or only those of other steps.
+fn start_from_nodes(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> bool {
+    let Problem { grid, .. } = *problem;
+    let Start { internal, .. } = start;
+    let Some(ratio) = internal.steps_in_one_of(grid.len()) else { return false };
+    let needs_strains = scratch.sections_need_a_start(grid);
+    if needs_strains && internal.strains.len() != SAMPLED_STAGES.len() * ratio * grid.len() {
+        return false;
+    }
+    let Scratch { chain, trajectory, tensions, .. } = scratch;
+    chain.state.nodes.clear();
+    chain.state.nodes.extend(internal.nodes.iter().step_by(ratio));
+    chain.state.tensions.clone_from(tensions);
+    chain.state.load = 1.0;
+    match needs_strains {
+        true => trajectory.seed_steps(internal.strains_of_steps(ratio)),
+        false => trajectory.seed_steps((0..grid.len()).map(|_| [Strain::default(); 3])),
+    }
+    true
 }
 
 /// Closes the chain of steps from the guess; the answer is one of single shooting.

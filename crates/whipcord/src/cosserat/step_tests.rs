@@ -2,15 +2,16 @@
 
 use whipcord_numerics::{UnitQuaternion, Vec3};
 
+use super::gap::Gap;
 use super::loaded::Trajectory;
 use super::state::Node;
-use super::step_lanes::StepEnd;
 use super::target::Target;
 use crate::section::Strain;
 use crate::section::step_tolerance;
 use crate::statics::grid::Layout;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
+use crate::statics::scales::Scales;
 use crate::{
     Along, Backbone, Cable, Disks, DistributedLoad, Loads, Material, PointLoad, Profile, Robot,
     Routing, Section as Bar,
@@ -78,20 +79,27 @@ fn steps_in_lanes_are_those_of_steps_one_by_one() {
             let mut side_by_side = Trajectory::default();
             side_by_side.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
             let mut one_by_one = side_by_side.clone();
-            assert!(side_by_side.shoot_steps(&grid, &applied, &target, &nodes));
+            let (scales, mut gaps) = (Scales::of(&grid, 0.18), Vec::new());
+            let at = (&grid, &scales);
+            let greatest = side_by_side.shoot_steps(at, &applied, &target, &nodes, &mut gaps);
             side_by_side.sample_steps(&grid, &target).unwrap();
-            for (k, end) in side_by_side.in_lanes.ends.iter().enumerate() {
+            let mut expected_greatest: f64 = 0.0;
+            for (k, gap) in gaps.iter().enumerate() {
                 let Node { rotation, moment, force } = nodes[k];
                 let target = Target { follower_force: force, ..target };
                 let moment = rotation.rotate(moment);
                 let (pose, cut) =
                     one_by_one.shoot_step(&grid, &applied, &target, k, rotation, moment).unwrap();
-                let expected = StepEnd::of(pose, cut, nodes[k + 1].rotation);
-                assert!((end.pose.position - pose.position).max_abs() < 1e-14);
-                assert!((end.turn - expected.turn).max_abs() < 1e-12, "{cables} {k}");
-                assert!((end.moment - expected.moment).max_abs() < 1e-14);
-                assert_eq!(end.force, force);
+                let next = &nodes[k + 1];
+                let expected = Gap::of((&applied, target.load), k, pose, cut, next);
+                assert!((gap.end.position - pose.position).max_abs() < 1e-14);
+                let [change, other] = [gap.change, expected.change];
+                assert!((change.turn - other.turn).max_abs() < 1e-12, "{cables} {k}");
+                assert!((change.moment - other.moment).max_abs() < 1e-14);
+                assert!((change.force - other.force).max_abs() < 1e-14);
+                expected_greatest = expected_greatest.max(expected.size(next, &scales));
             }
+            assert!((greatest.unwrap() - expected_greatest).abs() < 1e-11 * expected_greatest);
             let strains = side_by_side.strains().iter().zip(one_by_one.strains());
             for (a, b) in strains {
                 assert!((a.linear - b.linear).max_abs() < 1e-12);
@@ -130,8 +138,10 @@ fn steps_that_lanes_do_not_take_are_left_to_others() {
         step_tolerance: step_tolerance(0.0),
     };
     let nodes = vec![Node::default(); grid.len() + 1];
+    let (scales, mut gaps) = (Scales::of(&grid, 0.18), Vec::new());
+    let at = (&grid, &scales);
     let mut trajectory = Trajectory::default();
-    assert!(!trajectory.shoot_steps(&grid, &applied, &target, &nodes));
+    assert_eq!(trajectory.shoot_steps(at, &applied, &target, &nodes, &mut gaps), None);
     trajectory.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
-    assert!(!trajectory.shoot_steps(&grid, &applied, &target, &nodes));
+    assert_eq!(trajectory.shoot_steps(at, &applied, &target, &nodes, &mut gaps), None);
 }

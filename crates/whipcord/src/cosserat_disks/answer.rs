@@ -86,6 +86,7 @@ impl CosseratDisks {
     ) {
         solution.model = ModelKind::CosseratDisks;
         solution.contacts.clear();
+        solution.internal.clear();
         solution.objects.clear();
         let cables = self.robot.cables();
         let backbone = self.robot.backbone().length;

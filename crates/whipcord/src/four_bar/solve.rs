@@ -286,6 +286,7 @@ impl FourBar {
         solution.model = ModelKind::FourBar;
         solution.base_wrench = None;
         solution.contacts.clear();
+        solution.internal.clear();
         solution.objects.clear();
         solution.diagnostics = Diagnostics {
             iterations: tally.iterations,

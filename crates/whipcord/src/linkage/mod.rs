@@ -472,6 +472,7 @@ impl Linkage {
         }
         solution.model = self.kind;
         solution.contacts.clear();
+        solution.internal.clear();
         solution.objects.clear();
         solution.base_wrench = self.knows_forces.then_some(chain.base);
         solution.diagnostics = Diagnostics {

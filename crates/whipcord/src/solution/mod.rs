@@ -4,13 +4,17 @@
 //! |---|---|
 //! | `diagnostics` | how an answer was obtained, and whether it is stable |
 //! | `contact` | where the robot and movable objects touch |
+//! | `internal` | what acts inside the rod, where a later solve starts |
 
 mod contact;
 mod diagnostics;
+mod internal;
 
 pub use contact::{Contact, ObjectContact, ObjectState, Part};
 pub(crate) use diagnostics::Verdict;
 pub use diagnostics::{Diagnostics, NoStability};
+pub use internal::InternalState;
+pub(crate) use internal::NodeState;
 
 use crate::kind::ModelKind;
 use crate::obstacle::Obstacle;
@@ -70,6 +74,8 @@ pub struct Solution {
     pub contacts: Vec<Contact>,
     /// The movable objects among these obstacles, in their order.
     pub objects: Vec<ObjectState>,
+    /// What acts inside the rod: where a later solve starts from that is given this answer.
+    pub internal: InternalState,
     /// How it was obtained.
     pub diagnostics: Diagnostics,
 }
@@ -111,6 +117,7 @@ impl Solution {
             plastic_curvature: Vec::new(),
             contacts: Vec::new(),
             objects: Vec::new(),
+            internal: InternalState::default(),
             diagnostics: Diagnostics::default(),
         }
     }

@@ -255,6 +255,13 @@ impl AppliedLoads {
         self.forces[SHOOTING_NODES.len() * k + j]
     }
 
+    /// The same at all nodes of step `k` in turn.
+    #[inline]
+    pub fn forces(&self, k: usize) -> &[Vec3] {
+        let nodes = SHOOTING_NODES.len();
+        &self.forces[nodes * k..nodes * (k + 1)]
+    }
+
     /// The dead moment applied at the end of `k` steps, in the base frame.
     #[inline]
     pub fn moment(&self, k: usize) -> Vec3 {

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use whipcord::{Case, Model, Robot, Solution, Vec3, Wrench};
+use whipcord::{Case, InternalState, Model, Robot, Solution, Vec3, Wrench};
 
 use super::{ball, bending_stiffness, samples};
 
@@ -48,7 +48,11 @@ pub fn stable_from_afar(
     let unit = bending_stiffness(robot) / length;
     samples((ball(), ball()), starts).any(|(moment, force)| {
         let wrench = Wrench { force: force * (5.0 * unit / length), moment: moment * (8.0 * unit) };
-        let near = Solution { base_wrench: Some(wrench), ..shape.clone() };
+        let near = Solution {
+            base_wrench: Some(wrench),
+            internal: InternalState::default(),
+            ..shape.clone()
+        };
         prepared.solve(case, Some(&near)).is_ok_and(|found| !found.diagnostics.is_unstable())
     })
 }

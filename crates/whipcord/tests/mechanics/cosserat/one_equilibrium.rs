@@ -4,8 +4,8 @@
 use crate::common::{Wildness, ball, bending_stiffness, robot, samples};
 use whipcord::cosserat::Options;
 use whipcord::{
-    Backbone, CableCommand, Case, Loads, Model, PointLoad, Prepared, Robot, Shortening, Solution,
-    StabilityAnalysis, Stiffness, Vec3, Wrench,
+    Backbone, CableCommand, Case, InternalState, Loads, Model, PointLoad, Prepared, Robot,
+    Shortening, Solution, StabilityAnalysis, Stiffness, Vec3, Wrench,
 };
 
 fn prepared(robot: &Robot, loads: &Loads, stability: StabilityAnalysis) -> Prepared {
@@ -103,7 +103,11 @@ fn is_found_from_anywhere(change: impl Fn(&mut Case)) {
         for (moment, force) in samples((ball(), ball()), 10) {
             let wrench =
                 Wrench { force: force * (5.0 * unit / length), moment: moment * (8.0 * unit) };
-            let afar = Solution { base_wrench: Some(wrench), ..answer.clone() };
+            let afar = Solution {
+                base_wrench: Some(wrench),
+                internal: InternalState::default(),
+                ..answer.clone()
+            };
             let Ok(other) = prepared.solve(&case, Some(&afar)) else { continue };
             found += 1;
             let off = (other.disks.tip().position - answer.disks.tip().position).norm();
@@ -154,7 +158,11 @@ fn is_one_within_limits(change: impl Fn(&mut Case)) {
         for (moment, force) in samples((ball(), ball()), 5) {
             let wrench =
                 Wrench { force: force * (5.0 * unit / length), moment: moment * (8.0 * unit) };
-            let mut afar = Solution { base_wrench: Some(wrench), ..answer.clone() };
+            let mut afar = Solution {
+                base_wrench: Some(wrench),
+                internal: InternalState::default(),
+                ..answer.clone()
+            };
             afar.cables.iter_mut().for_each(|cable| cable.tension = Some(0.3 * greatest));
             let Ok(other) = prepared.solve(&case, Some(&afar)) else { continue };
             let is_within = |of: &Solution| {

@@ -1,0 +1,52 @@
+//! What acts inside the rod at the nodes between its steps.
+
+use whipcord_numerics::{Twist, UnitQuaternion, Vec3};
+
+/// How the rod is turned and what it bears where its steps meet, for a later solve that starts from the answer: nothing after models and
+/// loads that keep none, and after a solution was read from a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InternalState {
+    /// From base to tip.
+    pub(crate) nodes: Vec<NodeState>,
+    /// At start, middle and end of each step in turn; empty where the sections need no start.
+    pub(crate) strains: Vec<Twist>,
+}
+
+/// A node between two steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct NodeState {
+    pub rotation: UnitQuaternion,
+    /// In the body frame, in N·m.
+    pub moment: Vec3,
+    /// Of the followers, in the base frame, in N.
+    pub force: Vec3,
+}
+
+impl InternalState {
+    /// Forgets it: the next solve goes by wrench at the base and tensions alone.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+        self.strains.clear();
+    }
+
+    /// Takes another for its own, in the memory that it has.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.nodes.clone_from(&other.nodes);
+        self.strains.clone_from(&other.strains);
+    }
+
+    /// How many of its steps follow one another in one of so many, which are halved until they are its own; `None` where they are not.
+    pub(crate) fn steps_in_one_of(&self, steps: usize) -> Option<usize> {
+        let own = self.nodes.len().checked_sub(1)?;
+        let ratio = own.checked_div(steps)?;
+        (ratio.is_power_of_two() && ratio * steps == own).then_some(ratio)
+    }
+
+    /// The strains at start, middle and end of each step of a grid of which each has so many of its own.
+    pub(crate) fn strains_of_steps(&self, ratio: usize) -> impl Iterator<Item = [Twist; 3]> {
+        self.strains.chunks_exact(3 * ratio).map(move |of| {
+            let middle = if ratio == 1 { of[1] } else { of[3 * (ratio / 2)] };
+            [of[0], middle, of[3 * ratio - 1]]
+        })
+    }
+}
