@@ -64,7 +64,7 @@ pub(super) struct Task<'a> {
     pub meter: &'a Meter,
 }
 
-type Step<'a> = path::Step<'a, Change>;
+pub(super) type Step<'a> = path::Step<'a, Change>;
 
 impl<'a> Task<'a> {
     /// The chain of a problem whose loads are gathered.
@@ -363,7 +363,12 @@ impl Chain {
 
     /// Solves eq. (10) for the steps that lanes have shot into `self.step`, by the tangents at hand unless they are to be `fresh`; `false` where the
     /// system is singular.
-    fn solve_from_base(&mut self, task: &Task<'_>, shot: &StepLanes, fresh: bool) -> bool {
+    pub(super) fn solve_from_base(
+        &mut self,
+        task: &Task<'_>,
+        shot: &StepLanes,
+        fresh: bool,
+    ) -> bool {
         let mut sweep = core::mem::take(&mut self.base_sweep);
         let is_taken = !fresh || sweep.linearise(task.grid, &self.target(task), shot);
         let Self { state, gaps, step, .. } = self;
@@ -377,7 +382,12 @@ impl Chain {
 
     /// Linearises the steps that have been shot and solves eq. (10), and with it what all steps share, into `self.step`; `false` where the
     /// system is singular.
-    fn solve_step(&mut self, task: &Task<'_>, by: Step<'_>, trajectory: &Trajectory) -> bool {
+    pub(super) fn solve_step(
+        &mut self,
+        task: &Task<'_>,
+        by: Step<'_>,
+        trajectory: &Trajectory,
+    ) -> bool {
         self.linearise(task, by.frees_load(), trajectory);
         let scales = Scales::of(task.grid, task.length);
         let Self { state, gaps, columns, length_rows, step, elimination, shared, size, .. } = self;

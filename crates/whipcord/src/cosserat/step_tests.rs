@@ -2,12 +2,15 @@
 
 use whipcord_numerics::{UnitQuaternion, Vec3};
 
+use super::chain::{Chain, Step, Task};
 use super::gap::Gap;
 use super::loaded::Trajectory;
 use super::state::Node;
 use super::target::Target;
+use crate::budget::Meter;
 use crate::section::Strain;
 use crate::section::step_tolerance;
+use crate::statics::command::Command;
 use crate::statics::grid::Layout;
 use crate::statics::grid::{Grid, SHOOTING_NODES};
 use crate::statics::loads::AppliedLoads;
@@ -112,6 +115,61 @@ fn steps_in_lanes_are_those_of_steps_one_by_one() {
                 assert!((0..3).all(|i| (p.rows[i] - q.rows[i]).max_abs() < 1e-6));
             }
         }
+    }
+}
+
+/// The step from the base is that of the elimination, but for the order of the rule that carries its columns.
+#[test]
+fn the_step_from_the_base_is_that_of_the_elimination() {
+    let tip_moment = Vec3::new(2e-4, 1e-4, -1e-4);
+    let tip_force = Vec3::new(0.05, 0.0, 0.02);
+    let loads = Loads { tip_force, tip_moment, ..Loads::default() };
+    let (tensions, meter) = ([2.1, 1.2, 0.4], Meter::default());
+    let apart = |steps: usize, cables: usize| {
+        let robot = robot(cables);
+        let layout = Layout::new(&robot, Vec::new(), &loads);
+        let grid = Grid::new(&robot, &layout, steps).unwrap();
+        let mut applied = AppliedLoads::default();
+        applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+        let commands: Vec<_> = tensions[..cables].iter().map(|&t| Command::Tension(t)).collect();
+        let task = Task {
+            grid: &grid,
+            loads: &applied,
+            commands: &commands,
+            length: 0.18,
+            tolerance: 1e-9,
+            meter: &meter,
+        };
+        let bent = |k: usize| {
+            let s = k as f64 / grid.len() as f64;
+            let rotation = UnitQuaternion::exp(Vec3::new(0.4, 0.2, 0.1) * s);
+            Node { rotation, moment: Vec3::new(2e-3, 4e-3, 1e-4) * (1.0 - s), ..Node::default() }
+        };
+        let mut chain = Chain::default();
+        chain.state.nodes = (0..=grid.len()).map(bent).collect();
+        chain.state.nodes[grid.len()].moment = Vec3::ZERO;
+        (chain.state.tensions, chain.state.load) = (tensions[..cables].to_vec(), 1.0);
+        let mut trajectory = Trajectory { steps_left: usize::MAX, ..Trajectory::default() };
+        trajectory.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
+        chain.shoot(&task, &mut trajectory).unwrap();
+        assert!(chain.solve_step(&task, Step::Close, &trajectory));
+        let expected = chain.step.nodes.clone();
+        assert!(chain.solve_from_base(&task, &trajectory.in_lanes, true));
+        let greatest = |of: &dyn Fn(usize) -> [f64; 2]| {
+            (0..=grid.len()).map(of).fold([0.0_f64; 2], |[a, b], [c, d]| [a.max(c), b.max(d)])
+        };
+        let found = &chain.step.nodes;
+        let [turn, moment] = greatest(&|k| [expected[k].turn.norm(), expected[k].moment.norm()]);
+        let [turn_off, moment_off] = greatest(&|k| {
+            let (a, b) = (&found[k], &expected[k]);
+            [(a.turn - b.turn).norm(), (a.moment - b.moment).norm()]
+        });
+        (turn_off / turn).max(moment_off / moment)
+    };
+    for cables in [0, 1, 3] {
+        let [coarse, fine] = [40, 80].map(|steps| apart(steps, cables));
+        assert!(coarse < 2e-3, "{cables}: {coarse:.1e}");
+        assert!(fine < 0.35 * coarse, "{cables}: {fine:.1e} of {coarse:.1e}");
     }
 }
 

@@ -50,3 +50,41 @@ impl InternalState {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_steps(steps: usize) -> InternalState {
+        let strains = (0..3 * steps)
+            .map(|i| Twist { linear: Vec3::X * i as f64, angular: Vec3::ZERO })
+            .collect();
+        InternalState { nodes: vec![NodeState::default(); steps + 1], strains }
+    }
+
+    #[test]
+    fn a_grid_whose_steps_are_halved_into_these_finds_its_nodes() {
+        let of = |own: usize, steps: usize| with_steps(own).steps_in_one_of(steps);
+        assert_eq!(of(18, 18), Some(1));
+        assert_eq!(of(18, 9), Some(2));
+        assert_eq!(of(36, 9), Some(4));
+        assert_eq!(of(27, 9), None);
+        assert_eq!(of(19, 9), None);
+        assert_eq!(of(9, 18), None);
+        assert_eq!(of(9, 0), None);
+        assert_eq!(InternalState::default().steps_in_one_of(9), None);
+    }
+
+    #[test]
+    fn a_step_has_the_strains_at_its_start_its_middle_and_its_end() {
+        let of = |ratio: usize| -> Vec<[f64; 3]> {
+            let steps = with_steps(4);
+            let of_steps = steps.strains_of_steps(ratio);
+            of_steps.map(|at| at.map(|strain| strain.linear.x)).collect()
+        };
+        assert_eq!(of(1)[1], [3.0, 4.0, 5.0]);
+        // The middle of two is where the second begins.
+        assert_eq!(of(2), [[0.0, 3.0, 5.0], [6.0, 9.0, 11.0]]);
+        assert_eq!(of(4), [[0.0, 6.0, 11.0]]);
+    }
+}

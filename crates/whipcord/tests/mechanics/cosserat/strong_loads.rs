@@ -164,3 +164,53 @@ fn a_straight_cable_with_gravity_converges_from_cold_at_any_tension() {
         }
     }
 }
+
+/// A finger with three cables that a force presses over, of so many N.
+fn pressed(force: f64, share: f64) -> (Robot, Case) {
+    let cable = |k: u32| {
+        let start_angle = f64::from(k) * core::f64::consts::TAU / 3.0;
+        let routing = Routing::Helix { start_angle, turns: 0.4, radius: 0.008 };
+        Cable::new(format!("{k}"), routing)
+    };
+    let bare = cantilever(0.18, 0.003);
+    let cables = (0..3).map(cable).collect();
+    let robot = Robot::new(bare.backbone().clone(), bare.disks().clone(), cables).unwrap();
+    let tip_force = Vec3::new(force, 0.4 * force, 0.0);
+    let loads = Loads { tip_force, ..Loads::default() };
+    (robot, Case { loads, ..Case::with_tensions(&[share * 3.0, 0.5, 0.2]) })
+}
+
+/// What single shooting cannot reach is gone on to from the nodes of a neighbouring answer, without raising the load once more.
+#[test]
+fn strong_loads_are_followed_from_a_neighbour() {
+    for force in [2.0, 3.0, 5.0] {
+        for share in [0.97, 1.03] {
+            let (robot, case) = pressed(force, 1.0);
+            let model = Model::Cosserat(Options::default());
+            let mut model = model.prepare(&robot, &case.loads).unwrap();
+            let before = model.solve(&pressed(force, share).1, None).unwrap();
+            let cold = model.solve(&case, None).unwrap();
+            let warm = model.solve(&case, Some(&before)).unwrap();
+            let apart = warm.disks.distances(&cold.disks).fold(0.0, f64::max);
+            assert!(apart < 1e-9, "{force} N, {share}: {apart:.1e}");
+            assert_eq!(warm.diagnostics.stable, Some(true));
+            let [few, many] = [&warm, &cold].map(|of| of.diagnostics.iterations);
+            assert!(2 * few <= many, "{force} N, {share}: {few} of {many}");
+        }
+    }
+}
+
+/// An answer that tells no nodes, as one from a file, is a start by its wrench and its tensions.
+#[test]
+fn an_answer_without_nodes_is_a_start_as_well() {
+    let (robot, case) = pressed(0.05, 1.0);
+    let model = Model::Cosserat(Options::default());
+    let mut model = model.prepare(&robot, &case.loads).unwrap();
+    let mut before = model.solve(&pressed(0.05, 0.9).1, None).unwrap();
+    let with_nodes = model.solve(&case, Some(&before)).unwrap();
+    before.internal.clear();
+    let without = model.solve(&case, Some(&before)).unwrap();
+    let apart = with_nodes.disks.distances(&without.disks).fold(0.0, f64::max);
+    assert!(apart < 1e-9, "{apart:.1e}");
+    assert_ne!(with_nodes.internal, without.internal);
+}
