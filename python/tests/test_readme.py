@@ -116,3 +116,13 @@ def test_the_package_and_the_crates_name_one_address() -> None:
     named = re.findall(r'"(https://.*)"', urls)
     assert crates is not None and len(named) == 3
     assert all(url.startswith(crates[1]) for url in named)
+
+
+NAMED = re.compile(r"`((?:crates|docs|examples|python)/[\w./-]+)`")
+
+
+def test_the_files_that_pages_name_are_there() -> None:
+    named = {(page.name, path) for page in PAGES for path in NAMED.findall(page.read_text("utf-8"))}
+    assert len(named) > 20
+    missing = sorted((page, path) for page, path in named if not (ROOT / path).exists())
+    assert not missing

@@ -78,6 +78,7 @@ impl Pairs {
     ) -> bool {
         let watched = model.watched();
         let mut added = Vec::new();
+        let mut placed: Vec<f64> = Vec::new();
         let mut moved: Vec<(usize, f64)> = Vec::new();
         let last = watched.len() - 1;
         let mut distance = DistanceBound::new(obstacle);
@@ -154,6 +155,13 @@ impl Pairs {
                         < spacing.max(if pair.slide.is_some() { BETWEEN * apart } else { 0.0 })
             };
             if !self.near.iter().any(known) {
+                // Beside a contact that has come to a place where the gap is not least it would come there, too: it keeps its place.
+                if closely
+                    && here < overlap
+                    && self.near.iter().any(|pair| is_beside(pair) && pair.slide.is_some())
+                {
+                    placed.push(arc_length);
+                }
                 added.push((arc_length, self.radii[i]));
             }
         }
@@ -208,7 +216,8 @@ impl Pairs {
             let nearest =
                 Nearest { gap: f64::INFINITY, normal: Vec3::Z, arm: Vec3::ZERO, local: [0.0, 0.0] };
             let grip = grip(model, scene, number, arc_length);
-            self.near.push(Pair { grip, ..Pair::new(number, member, nearest) });
+            let is_placed = placed.contains(&arc_length);
+            self.near.push(Pair { grip, is_placed, ..Pair::new(number, member, nearest) });
             elsewhere = true;
         }
         elsewhere

@@ -117,6 +117,7 @@ impl Scratch {
             return;
         }
         internal.nodes.clone_from(&self.chain.state.nodes);
+        internal.takes_multiple_shooting = self.on_chain;
         if self.sections_need_a_start(grid) {
             let of_steps = self.trajectory.strains().chunks_exact(STAGES);
             internal.strains.extend(of_steps.flat_map(|of| SAMPLED_STAGES.map(|stage| of[stage])));

@@ -68,7 +68,8 @@ pub(super) fn solve_independent(
     {
         return Ok(found);
     }
-    let on_nodes = match start_from_nodes(problem, start, scratch) {
+    let goes_on_by_chain = start.internal.takes_multiple_shooting && scratch.corrected == 0.0;
+    let on_nodes = match goes_on_by_chain && start_from_nodes(problem, start, scratch) {
         true => close_chain(problem, scratch),
         false => None,
     };

@@ -10,6 +10,8 @@ pub struct InternalState {
     pub(crate) nodes: Vec<NodeState>,
     /// At start, middle and end of each step in turn; empty where the sections need no start.
     pub(crate) strains: Vec<Twist>,
+    /// Whether single shooting would miss the answer.
+    pub(crate) takes_multiple_shooting: bool,
 }
 
 /// A node between two steps.
@@ -27,12 +29,14 @@ impl InternalState {
     pub fn clear(&mut self) {
         self.nodes.clear();
         self.strains.clear();
+        self.takes_multiple_shooting = false;
     }
 
     /// Takes another for its own, in the memory that it has.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.nodes.clone_from(&other.nodes);
         self.strains.clone_from(&other.strains);
+        self.takes_multiple_shooting = other.takes_multiple_shooting;
     }
 
     /// How many of its steps follow one another in one of so many, which are halved until they are its own; `None` where they are not.
@@ -59,7 +63,8 @@ mod tests {
         let strains = (0..3 * steps)
             .map(|i| Twist { linear: Vec3::X * i as f64, angular: Vec3::ZERO })
             .collect();
-        InternalState { nodes: vec![NodeState::default(); steps + 1], strains }
+        let nodes = vec![NodeState::default(); steps + 1];
+        InternalState { nodes, strains, ..InternalState::default() }
     }
 
     #[test]

@@ -343,6 +343,7 @@ fn what_small_steps_lead_to_is_found_at_once() {
         ("four-bar by length", &[256, 279]),
         ("cosserat-disks by length", &[357]),
         ("cosserat-disks by tension", &[989]),
+        ("cosserat by length", &[325]),
     ] {
         let robots: Vec<Range<usize>> = robots.iter().map(|&n| n..n + 1).collect();
         let outcomes = Outcomes::of(named(name), &robots, false);
