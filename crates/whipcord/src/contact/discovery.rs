@@ -126,7 +126,8 @@ impl Pairs {
                     && pair.member.part == Part::Backbone
                     && (pair.member.arc_length - watched[i]).abs() < apart
             };
-            if closely && here < overlap && self.near.iter().any(is_beside) {
+            let overlaps = closely && here < overlap;
+            if overlaps && self.near.iter().any(is_beside) {
                 (arc_length, least) = (watched[i], here);
             }
             // Shear tilts the cross-sections, so that the gap need not be least where a contact has come to along the backbone.
@@ -136,14 +137,11 @@ impl Pairs {
                     && pair.slide.is_some()
                     && (pair.member.arc_length - watched[i]).abs() < BETWEEN * apart
             };
-            if closely
-                && here < overlap
-                && let Some(beside) = self.near.iter().position(has_come_beside)
-            {
+            if overlaps && let Some(beside) = self.near.iter().position(has_come_beside) {
                 moved.push((beside, watched[i]));
                 continue;
             }
-            let spacing = match (closely && here < overlap, closely && least < overlap) {
+            let spacing = match (overlaps, closely && least < overlap) {
                 (true, _) => APART * self.length,
                 (false, true) => BETWEEN * apart,
                 (false, false) => apart,
@@ -156,10 +154,8 @@ impl Pairs {
             };
             if !self.near.iter().any(known) {
                 // Beside a contact that has come to a place where the gap is not least it would come there, too: it keeps its place.
-                if closely
-                    && here < overlap
-                    && self.near.iter().any(|pair| is_beside(pair) && pair.slide.is_some())
-                {
+                let has_come = |pair: &Pair| is_beside(pair) && pair.slide.is_some();
+                if overlaps && self.near.iter().any(has_come) {
                     placed.push(arc_length);
                 }
                 added.push((arc_length, self.radii[i]));

@@ -615,6 +615,8 @@ impl ContactRod for ContactResponse {
         }
         let error = self.refinement.error;
         let mut solution = model.solution(grid, case, &mut self.workspace, found, error)?;
+        // Its nodes bear the contacts, too.
+        solution.internal.clear();
         if let Some(friction) = friction {
             let History { tensions, slip_states, .. } = self.holes.history();
             model.write_friction(grid, friction, (tensions, slip_states), &mut solution);

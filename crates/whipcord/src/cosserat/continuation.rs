@@ -142,11 +142,6 @@ pub(super) fn refine_chain(
     start_without_load(problem, scratch).ok()?;
     scratch.chain.state = coarse.halved();
     scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
-    close_chain(problem, scratch)
-}
-
-/// All of the load at once, from the chain as it is.
-pub(super) fn close_chain(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
     let (iterations, residual) = newton(problem, scratch).ok()?;
     Some(finish_chain(problem, scratch, Effort { iterations, residual }))
 }

@@ -86,6 +86,8 @@ impl Cosserat {
         let friction = self.friction_on(&grid);
         let verdict = self.stability_with_friction(&grid, last, &friction, workspace)?;
         self.write_answer(&grid, last, workspace, (found, error), verdict, solution);
+        // Its tensions vary along the cables, which no start tells.
+        solution.internal.clear();
         let Workspace { friction: memory, progress, .. } = workspace;
         if let Some(Level { history, plastic, .. }) = memory.levels.get(progress.level) {
             let holes = (&history.tensions[..], &history.slip_states[..]);

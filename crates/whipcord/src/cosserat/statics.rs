@@ -8,13 +8,13 @@
 //! M(L) = M_tip,   F_follower(L) = F_tip,   min(τᵢ, gᵢ) = 0        g: slackness, eq. (6)        (7)
 //! ```
 //!
-//! from the shape without load, or from a neighbouring answer; where that fails the load is raised
+//! from the shape without load, or from a neighbouring answer, whose nodes multiple shooting goes on from; where that fails the load is raised
 //! by multiple shooting, and past the points where it cannot be, by [`crate::statics::path`].
 
+use whipcord_numerics::{UnitQuaternion, Vec3};
+
 use super::chain::Task;
-use super::continuation::{
-    Ended, close_chain, newton, raise_load, raise_load_at_tensions, refine_chain,
-};
+use super::continuation::{Ended, newton, raise_load, raise_load_at_tensions, refine_chain};
 use super::guess::guess;
 use super::newton::Point;
 use super::path::RodPath;
@@ -45,41 +45,51 @@ pub(super) fn solve_independent(
     (scratch.on_chain, scratch.sampled, scratch.stable) = (false, false, true);
     scratch.side_by_side = false;
     scratch.differentiated = false;
-    scratch.tensions.clear();
-    scratch.tensions.resize(problem.commands.len(), 0.0);
-    for (tension, &given) in scratch.tensions.iter_mut().zip(&start.tensions) {
-        *tension = given.max(0.0);
-    }
+    start_tensions(problem, start, scratch);
     if !scratch.applied.any() {
         return without_load(problem, scratch);
     }
     let Start { base_wrench: Some(wrench), stable, on_chain, chain, .. } = start else {
         return from_no_load(problem, scratch, None);
     };
-    // An answer under other tensions tells less than the guess does; one under the same, and an iterate that a budget ended, are gone on from.
+    // Without its nodes an answer under other tensions tells less than the guess does; the wrench of one under the same, and of an iterate that a budget
+    // ended, is gone on from.
     let is_moved =
         scratch.tensions.iter().zip(problem.commands).any(
             |(&before, command)| matches!(*command, Command::Tension(given) if given != before),
         );
     set_tensions(problem.commands, &mut scratch.tensions);
-    let goes_on_by_shooting = start.is_iterate || !is_moved;
-    if (start.side_by_side || !start.internal.nodes.is_empty() || !goes_on_by_shooting)
+    if (start.side_by_side || is_moved && !start.is_iterate)
         && let Some(found) = side_by_side(problem, start, scratch)
     {
         return Ok(found);
     }
-    let goes_on_by_chain = start.internal.takes_multiple_shooting && scratch.corrected == 0.0;
-    let on_nodes = match goes_on_by_chain && start_from_nodes(problem, start, scratch) {
-        true => close_chain(problem, scratch),
-        false => None,
+    // A chain has none of the derivatives by which an answer is corrected.
+    let goes_on_by_chain =
+        start.internal.takes_multiple_shooting && *stable && scratch.corrected == 0.0;
+    let closed = if goes_on_by_chain && start_from_nodes(problem, start, scratch) {
+        match newton(problem, scratch) {
+            Ok((iterations, residual)) => {
+                Some(finish_chain(problem, scratch, Effort { iterations, residual }))
+            }
+            Err(open) if keep_iterate(problem, scratch, &open) => {
+                return Err(ended(Effort { iterations: open.iterations, residual: open.gap }));
+            }
+            Err(_) => None,
+        }
+    } else if *on_chain {
+        refine_chain(problem, scratch, chain)
+    } else {
+        None
     };
-    if let Some(found) = on_nodes.or_else(|| match on_chain {
-        true => refine_chain(problem, scratch, chain),
-        false => None,
-    }) && (!stable || is_accepted(problem, scratch))
-    {
-        scratch.stable = *stable;
-        return Ok(found);
+    if let Some(found) = closed {
+        if !stable || is_accepted(problem, scratch) {
+            scratch.stable = *stable;
+            return Ok(found);
+        }
+        // Those of an answer that is not taken are no start.
+        start_tensions(problem, start, scratch);
+        set_tensions(problem.commands, &mut scratch.tensions);
     }
     (scratch.on_chain, scratch.sampled) = (false, false);
     scratch.newton.point.base_moment = wrench.moment;
@@ -105,6 +115,26 @@ pub(super) fn solve_independent(
         Err(_) => {}
     }
     from_no_load(problem, scratch, near)
+}
+
+/// The tensions of the start, none of them negative.
+fn start_tensions(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) {
+    scratch.tensions.clear();
+    scratch.tensions.resize(problem.commands.len(), 0.0);
+    for (tension, &given) in scratch.tensions.iter_mut().zip(&start.tensions) {
+        *tension = given.max(0.0);
+    }
+}
+
+/// Puts the iterate at which the budget was spent in the place of the answer; `false` where it was not spent, or there is a best shape.
+fn keep_iterate(problem: &Problem<'_>, scratch: &mut Scratch, open: &Open) -> bool {
+    let is_kept = problem.meter.has_ended() && open.gap.is_finite() && scratch.open.is_none();
+    if is_kept {
+        let effort = Effort { iterations: open.iterations, residual: open.gap };
+        finish_chain(problem, scratch, effort);
+        scratch.open = Some(effort);
+    }
+    is_kept
 }
 
 /// A solve that was ended from outside, with the best shape so far in the place of the answer.
@@ -279,10 +309,12 @@ fn side_by_side(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> 
             return close_steps(problem, scratch);
         }
     }
-    if start_from_nodes(problem, start, scratch)
-        && let Some(found) = close_steps(problem, scratch)
-    {
-        return Some(found);
+    if start_from_nodes(problem, start, scratch) {
+        let found = close_steps(problem, scratch);
+        // The iterate of a spent budget is in the place of the answer.
+        if found.is_some() || problem.meter.has_ended() {
+            return found;
+        }
     }
     let Scratch { unloaded, tensions, poses, .. } = &mut *scratch;
     unloaded.sweep(problem.grid, tensions, problem.sweep_options()).ok()?;
@@ -291,18 +323,29 @@ fn side_by_side(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> 
     close_steps(problem, scratch)
 }
 
-/// Puts the chain to the nodes of a neighbouring answer; `false` where it does not tell them, or only those of other steps.
+/// Puts the chain to the nodes of a neighbouring answer; `false` where it does not tell them, or those of a number of steps that these are not halved to.
 fn start_from_nodes(problem: &Problem<'_>, start: &Start, scratch: &mut Scratch) -> bool {
     let Problem { grid, .. } = *problem;
     let Start { internal, .. } = start;
-    let Some(ratio) = internal.steps_in_one_of(grid.len()) else { return false };
+    let Some(ratio) = internal.own_steps_per_step(grid.len()) else { return false };
     let needs_strains = scratch.sections_need_a_start(grid);
     if needs_strains && internal.strains.len() != SAMPLED_STAGES.len() * ratio * grid.len() {
         return false;
     }
-    let Scratch { chain, trajectory, tensions, .. } = scratch;
-    chain.state.nodes.clear();
-    chain.state.nodes.extend(internal.nodes.iter().step_by(ratio));
+    let Scratch { chain, trajectory, tensions, applied, .. } = scratch;
+    // Tensions that friction left are not those of this solve.
+    chain.varying.clear();
+    let nodes = &mut chain.state.nodes;
+    nodes.clear();
+    nodes.extend(internal.nodes.iter().step_by(ratio));
+    // The base is clamped, nothing is left to act at the tip, and without followers nothing of theirs.
+    if let [first, .., last] = &mut nodes[..] {
+        first.rotation = UnitQuaternion::IDENTITY;
+        (last.moment, last.force) = (Vec3::ZERO, Vec3::ZERO);
+    }
+    if !applied.any_follower_force() {
+        nodes.iter_mut().for_each(|node| node.force = Vec3::ZERO);
+    }
     chain.state.tensions.clone_from(tensions);
     chain.state.load = 1.0;
     match needs_strains {
@@ -320,15 +363,15 @@ fn close_steps(problem: &Problem<'_>, scratch: &mut Scratch) -> Option<Found> {
     let task = Task::of(problem, applied);
     let (iterations, residual) = match chain.close_from_base(&task, trajectory, trace) {
         Ok(solved) => solved,
-        Err(Open { iterations, gap, .. }) => {
-            if problem.meter.has_ended() && gap.is_finite() && scratch.open.is_none() {
-                let effort = Effort { iterations, residual: gap };
-                finish_chain(problem, scratch, effort);
-                (scratch.on_chain, scratch.open) = (false, Some(effort));
+        Err(open) => {
+            if keep_iterate(problem, scratch, &open) {
+                scratch.on_chain = false;
             }
             return None;
         }
     };
+    let Scratch { chain, trajectory, applied, .. } = &mut *scratch;
+    let task = Task::of(problem, applied);
     if problem.is_checked(applied, &chain.state.tensions) {
         chain.sample(&task, trajectory).ok()?;
     }

@@ -118,6 +118,35 @@ fn steps_in_lanes_are_those_of_steps_one_by_one() {
     }
 }
 
+#[test]
+fn a_node_that_is_not_a_number_leaves_no_closed_gap() {
+    let (robot, loads) = (robot(1), Loads::default());
+    let grid = Grid::new(&robot, &Layout::new(&robot, Vec::new(), &loads), 10).unwrap();
+    let mut applied = AppliedLoads::default();
+    applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+    let target = Target {
+        tensions: &[1.0],
+        per_node: 0,
+        base_moment: Vec3::ZERO,
+        follower_force: Vec3::ZERO,
+        load: 1.0,
+        sample: true,
+        step_tolerance: step_tolerance(0.0),
+    };
+    let (scales, mut gaps) = (Scales::of(&grid, 0.18), Vec::new());
+    for broken in [f64::NAN, f64::INFINITY] {
+        for (force, moment) in [(Vec3::X * broken, Vec3::ZERO), (Vec3::ZERO, Vec3::X * broken)] {
+            let mut nodes = vec![Node::default(); grid.len() + 1];
+            (nodes[4].force, nodes[4].moment) = (force, moment);
+            let mut trajectory = Trajectory::default();
+            trajectory.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
+            let at = (&grid, &scales);
+            let greatest = trajectory.shoot_steps(at, &applied, &target, &nodes, &mut gaps);
+            assert!(greatest.is_none_or(f64::is_infinite), "{greatest:?}");
+        }
+    }
+}
+
 /// The step from the base is that of the elimination, but for the order of the rule that carries its columns.
 #[test]
 fn the_step_from_the_base_is_that_of_the_elimination() {

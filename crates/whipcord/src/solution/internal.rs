@@ -2,8 +2,8 @@
 
 use whipcord_numerics::{Twist, UnitQuaternion, Vec3};
 
-/// How the rod is turned and what it bears where its steps meet, for a later solve that starts from the answer: nothing after models and
-/// loads that keep none, and after a solution was read from a file.
+/// How the rod is turned and what it bears where its steps meet, for a later solve that starts from the answer: nothing where single shooting found
+/// it, with contacts or friction, from other models, and after a solution was read from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InternalState {
     /// From base to tip.
@@ -39,14 +39,14 @@ impl InternalState {
         self.takes_multiple_shooting = other.takes_multiple_shooting;
     }
 
-    /// How many of its steps follow one another in one of so many, which are halved until they are its own; `None` where they are not.
-    pub(crate) fn steps_in_one_of(&self, steps: usize) -> Option<usize> {
+    /// How many of its steps make one step of a grid with so many; `None` unless that is a power of two.
+    pub(crate) fn own_steps_per_step(&self, steps: usize) -> Option<usize> {
         let own = self.nodes.len().checked_sub(1)?;
         let ratio = own.checked_div(steps)?;
         (ratio.is_power_of_two() && ratio * steps == own).then_some(ratio)
     }
 
-    /// The strains at start, middle and end of each step of a grid of which each has so many of its own.
+    /// The strains at start, middle and end of each step of a grid each of whose steps is so many of these.
     pub(crate) fn strains_of_steps(&self, ratio: usize) -> impl Iterator<Item = [Twist; 3]> {
         self.strains.chunks_exact(3 * ratio).map(move |of| {
             let middle = if ratio == 1 { of[1] } else { of[3 * (ratio / 2)] };
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn a_grid_whose_steps_are_halved_into_these_finds_its_nodes() {
-        let of = |own: usize, steps: usize| with_steps(own).steps_in_one_of(steps);
+        let of = |own: usize, steps: usize| with_steps(own).own_steps_per_step(steps);
         assert_eq!(of(18, 18), Some(1));
         assert_eq!(of(18, 9), Some(2));
         assert_eq!(of(36, 9), Some(4));
@@ -77,7 +77,7 @@ mod tests {
         assert_eq!(of(19, 9), None);
         assert_eq!(of(9, 18), None);
         assert_eq!(of(9, 0), None);
-        assert_eq!(InternalState::default().steps_in_one_of(9), None);
+        assert_eq!(InternalState::default().own_steps_per_step(9), None);
     }
 
     #[test]

@@ -173,6 +173,43 @@ fn a_cold_solve_whose_budget_is_spent_leaves_its_last_iterate() {
     }
 }
 
+/// With one iteration a cycle the shape follows the commands, under strong loads, too, and comes to the answer when they rest.
+#[test]
+fn one_iteration_a_cycle_goes_on_from_the_shape_so_far() {
+    let robot = weighty(vec![straight(0.0), straight(2.0)]);
+    let options = whipcord::cosserat::Options {
+        accuracy: whipcord::cosserat::Accuracy::Steps(12),
+        ..whipcord::cosserat::Options::default()
+    };
+    let model = Model::Cosserat(options);
+    let apart = |a: &Solution, b: &Solution| a.disks.distances(&b.disks).fold(0.0, f64::max);
+    for strength in [0.3, 1.0, 10.0, 60.0] {
+        let mut loads = loads();
+        loads.tip_force *= strength;
+        let at = |share: f64| Case {
+            loads: loads.clone(),
+            ..Case::with_tensions(&[share * 1.0, share * 0.5])
+        };
+        let mut prepared = model.prepare(&robot, &loads).unwrap();
+        let before = prepared.solve(&at(0.8), None).unwrap();
+        let expected = prepared.solve(&at(1.0), None).unwrap();
+        prepared.set_budget(Budget { iterations: 1, ..Budget::UNLIMITED });
+        let mut solution = before.clone();
+        let status = prepared.solve_into(&at(1.0), WarmStart::Output, &mut solution);
+        assert_eq!(status, Ok(Status::BudgetSpent), "{strength}");
+        let [moved, left] = [&before, &solution].map(|from| apart(from, &expected));
+        assert!(left < 0.5 * moved, "{strength}: {left:.1e} of {moved:.1e}");
+        let mut cycles = 1;
+        while prepared.solve_into(&at(1.0), WarmStart::Output, &mut solution)
+            != Ok(Status::Converged)
+        {
+            cycles += 1;
+            assert!(cycles < 10, "{strength}");
+        }
+        assert!(apart(&solution, &expected) < 1e-8, "{strength}");
+    }
+}
+
 #[test]
 fn a_solve_whose_budget_is_spent_says_so() {
     let robot = weighty(vec![straight(0.0)]);
