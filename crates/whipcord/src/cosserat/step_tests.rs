@@ -48,6 +48,26 @@ fn follower() -> Loads {
     Loads { tip_force, points: vec![point], ..Loads::default() }
 }
 
+/// What steps are shot at that have nodes of their own: nothing is given at the base.
+fn target(tensions: &[f64], per_node: usize, load: f64) -> Target<'_> {
+    Target {
+        tensions,
+        per_node,
+        base_moment: Vec3::ZERO,
+        follower_force: Vec3::ZERO,
+        load,
+        sample: true,
+        step_tolerance: step_tolerance(0.0),
+    }
+}
+
+/// The loads on a grid of a base that is not turned.
+fn gathered(grid: &Grid, loads: &Loads) -> AppliedLoads {
+    let mut applied = AppliedLoads::default();
+    applied.gather(grid, loads, UnitQuaternion::IDENTITY);
+    applied
+}
+
 #[test]
 fn steps_in_lanes_are_those_of_steps_one_by_one() {
     for (cables, per_node) in [(0, 0), (1, 0), (1, 1), (3, 0), (3, 3)] {
@@ -55,8 +75,7 @@ fn steps_in_lanes_are_those_of_steps_one_by_one() {
             let (robot, loads) = (robot(cables), follower());
             let layout = Layout::new(&robot, Vec::new(), &loads);
             let grid = Grid::new(&robot, &layout, steps).unwrap();
-            let mut applied = AppliedLoads::default();
-            applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+            let applied = gathered(&grid, &loads);
             let nodes = SHOOTING_NODES.len() * grid.len();
             let along = |i: usize| [2.1, 1.2, 0.4][i % 3] * (1.0 - 1e-3 * i as f64);
             let tensions: Vec<f64> = match per_node {
@@ -70,15 +89,7 @@ fn steps_in_lanes_are_those_of_steps_one_by_one() {
                 force: Vec3::new(0.0, 0.01, 0.01),
             };
             let nodes: Vec<Node> = (0..=grid.len()).map(node).collect();
-            let target = Target {
-                tensions: &tensions,
-                per_node,
-                base_moment: Vec3::ZERO,
-                follower_force: Vec3::ZERO,
-                load: 0.7,
-                sample: true,
-                step_tolerance: step_tolerance(0.0),
-            };
+            let target = target(&tensions, per_node, 0.7);
             let mut side_by_side = Trajectory::default();
             side_by_side.seed(&grid, &vec![AT_REST; 3 * grid.len()]);
             let mut one_by_one = side_by_side.clone();
@@ -122,17 +133,8 @@ fn steps_in_lanes_are_those_of_steps_one_by_one() {
 fn a_node_that_is_not_a_number_leaves_no_closed_gap() {
     let (robot, loads) = (robot(1), Loads::default());
     let grid = Grid::new(&robot, &Layout::new(&robot, Vec::new(), &loads), 10).unwrap();
-    let mut applied = AppliedLoads::default();
-    applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
-    let target = Target {
-        tensions: &[1.0],
-        per_node: 0,
-        base_moment: Vec3::ZERO,
-        follower_force: Vec3::ZERO,
-        load: 1.0,
-        sample: true,
-        step_tolerance: step_tolerance(0.0),
-    };
+    let applied = gathered(&grid, &loads);
+    let target = target(&[1.0], 0, 1.0);
     let (scales, mut gaps) = (Scales::of(&grid, 0.18), Vec::new());
     for broken in [f64::NAN, f64::INFINITY] {
         for (force, moment) in [(Vec3::X * broken, Vec3::ZERO), (Vec3::ZERO, Vec3::X * broken)] {
@@ -158,8 +160,7 @@ fn the_step_from_the_base_is_that_of_the_elimination() {
         let robot = robot(cables);
         let layout = Layout::new(&robot, Vec::new(), &loads);
         let grid = Grid::new(&robot, &layout, steps).unwrap();
-        let mut applied = AppliedLoads::default();
-        applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
+        let applied = gathered(&grid, &loads);
         let commands: Vec<_> = tensions[..cables].iter().map(|&t| Command::Tension(t)).collect();
         let task = Task {
             grid: &grid,
@@ -213,17 +214,8 @@ fn steps_that_lanes_do_not_take_are_left_to_others() {
     let loads = Loads { distributed: vec![line], ..Loads::default() };
     let layout = Layout::new(&robot, Vec::new(), &loads);
     let grid = Grid::new(&robot, &layout, 10).unwrap();
-    let mut applied = AppliedLoads::default();
-    applied.gather(&grid, &loads, UnitQuaternion::IDENTITY);
-    let target = Target {
-        tensions: &[1.0],
-        per_node: 0,
-        base_moment: Vec3::ZERO,
-        follower_force: Vec3::ZERO,
-        load: 1.0,
-        sample: true,
-        step_tolerance: step_tolerance(0.0),
-    };
+    let applied = gathered(&grid, &loads);
+    let target = target(&[1.0], 0, 1.0);
     let nodes = vec![Node::default(); grid.len() + 1];
     let (scales, mut gaps) = (Scales::of(&grid, 0.18), Vec::new());
     let at = (&grid, &scales);
