@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{ContinuationSteps, Missed, Vec3, continuation};
 
+use super::block_diagonal::BlockDiagonal;
 use super::cable_sums::{CableGroup, CableSums};
 use super::crossing::{BodyWrench, Crossing, Strain};
 use super::fault::{FOLDED, SectionFault};
@@ -95,33 +96,93 @@ fn newton_within(
     wrench: BodyWrench,
     strain: &mut Strain,
 ) -> Result<(), SectionFault> {
-    let reach = reach(cables.0);
-    if !undamped(tolerance, section, cables, tensions, wrench, reach, strain) {
-        *strain = damped_equilibrium(section, cables.0, tensions, wrench, reach)?;
+    let problem = Problem { section, cables, tensions, wrench, reach: reach(cables.0) };
+    if !undamped(tolerance, &problem, strain) {
+        *strain = damped_equilibrium(section, cables.0, tensions, wrench, problem.reach)?;
     }
     Ok(())
 }
 
-/// Newton's method without damping; whether it leads to an equilibrium. Each tangent serves Newton's step and then others with the same factors, which cost no
-/// Hessian, as long as they promise to lead there.
-#[inline(always)]
-fn undamped(
-    tolerance: f64,
-    section: &Section,
-    cables: (&[Crossing], &[CableGroup]),
-    tensions: &[f64],
+/// A section under a wrench, and the cables that cross it.
+#[derive(Clone, Copy)]
+struct Problem<'a> {
+    section: &'a Section,
+    cables: (&'a [Crossing], &'a [CableGroup]),
+    tensions: &'a [f64],
     wrench: BodyWrench,
     reach: f64,
+}
+
+/// What a step of Newton's method is computed by.
+trait NewtonTangent: Sized {
+    /// With the wrench that is not borne; `None` where the potential is not smooth.
+    fn at(problem: &Problem<'_>, strain: &Strain) -> Option<(Self, BodyWrench)>;
+    fn step(&self, out: BodyWrench) -> Strain;
+    /// Whether a first step of this size is the last.
+    fn is_last(&self, tolerance: f64, step: &Strain, size: f64) -> bool;
+}
+
+impl NewtonTangent for Tangent {
+    #[inline(always)]
+    fn at(problem: &Problem<'_>, strain: &Strain) -> Option<(Self, BodyWrench)> {
+        let Problem { section, cables, tensions, wrench, .. } = *problem;
+        linearized(section, cables, tensions, wrench, strain)
+    }
+
+    #[inline(always)]
+    fn step(&self, out: BodyWrench) -> Strain {
+        self.solve(out)
+    }
+
+    #[inline(always)]
+    fn is_last(&self, tolerance: f64, _: &Strain, size: f64) -> bool {
+        size <= tolerance
+    }
+}
+
+impl NewtonTangent for BlockDiagonal {
+    #[inline(always)]
+    fn at(problem: &Problem<'_>, strain: &Strain) -> Option<(Self, BodyWrench)> {
+        let Problem { section, cables: (crossings, _), tensions, wrench, reach } = *problem;
+        Self::at(section, crossings, tensions, wrench, reach, strain)
+    }
+
+    #[inline(always)]
+    fn step(&self, out: BodyWrench) -> Strain {
+        self.solve(out)
+    }
+
+    #[inline(always)]
+    fn is_last(&self, tolerance: f64, step: &Strain, size: f64) -> bool {
+        size <= tolerance && self.leaves_square(tolerance, step, size)
+    }
+}
+
+/// Newton's method without damping; whether it leads to an equilibrium.
+#[inline(always)]
+fn undamped(tolerance: f64, problem: &Problem<'_>, strain: &mut Strain) -> bool {
+    let Problem { section, cables, tensions, .. } = *problem;
+    // Of cables in groups the sums of the whole Hessian cost no more.
+    match cables.1.is_empty() && BlockDiagonal::applies(tolerance, section, tensions) {
+        true => undamped_by::<BlockDiagonal>(tolerance, problem, strain),
+        false => undamped_by::<Tangent>(tolerance, problem, strain),
+    }
+}
+
+/// [`undamped`]. Each tangent serves Newton's step and then others with the same factors, which cost no Hessian, as long as they promise to lead there.
+#[inline(always)]
+fn undamped_by<T: NewtonTangent>(
+    tolerance: f64,
+    problem: &Problem<'_>,
     strain: &mut Strain,
 ) -> bool {
+    let Problem { section, cables, tensions, wrench, reach } = *problem;
     for _ in 0..UNDAMPED {
-        let Some((tangent, out)) = linearized(section, cables, tensions, wrench, strain) else {
-            return false;
-        };
-        let step = tangent.solve(out);
+        let Some((tangent, out)) = T::at(problem, strain) else { return false };
+        let step = tangent.step(out);
         *strain = *strain + step;
         let first = step_size(&step, reach);
-        if first <= tolerance {
+        if tangent.is_last(tolerance, &step, first) {
             return true;
         }
         if first.is_nan() || first > 1.0 {
@@ -130,7 +191,7 @@ fn undamped(
         let mut last = first;
         for _ in 0..MORE_STEPS {
             let out = imbalance(section, cables, tensions, wrench, strain);
-            let step = tangent.solve(out);
+            let step = tangent.step(out);
             *strain = *strain + step;
             let size = step_size(&step, reach);
             let square = PART_OF_SQUARE * (tolerance * tolerance);
@@ -309,7 +370,8 @@ fn raise_tensions(
         raised.iter_mut().zip(tensions).for_each(|(raised, tension)| *raised = part * tension);
         let mut strain = found;
         let cables = (crossings, &[][..]);
-        if !undamped(STEP_TOLERANCE, section, cables, &raised, wrench, reach, &mut strain) {
+        let problem = Problem { section, cables, tensions: &raised, wrench, reach };
+        if !undamped(STEP_TOLERANCE, &problem, &mut strain) {
             return Err(Missed { reason: (), is_last: false });
         }
         found = strain;

@@ -20,6 +20,7 @@
 
 mod bare;
 mod bending_friction;
+pub(crate) mod block_diagonal;
 mod cable_sums;
 mod crossed;
 mod crossing;

@@ -11,7 +11,7 @@
 //! | `perturbation` | stable equilibria on branches off the load path, by dead moments that are taken away again |
 //! | `self_stress` | which cables at their lengths without tension constrain the rod |
 //! | `grid`, `refinement` | integration steps, and the error that they leave |
-//! | `section_runs`, `section_table`, `one_cable_table`, `step_table`, `lanes` | sections that are solved side by side, and how |
+//! | `section_runs`, `turned_sections`, `section_table`, `one_cable_table`, `step_table`, `lanes` | sections that are solved side by side, and how |
 //! | `loads`, `strength` | loads at the nodes of a grid, and how strong they are for the rod |
 //! | `convexity` | loads so weak that there is one equilibrium, eq. (16) |
 //! | `runge_kutta` | state and stages of the integration of a rod under loads |
@@ -65,6 +65,7 @@ pub(crate) mod shared_unknowns;
 pub(crate) mod step_table;
 pub(crate) mod strength;
 pub(crate) mod trace;
+pub(crate) mod turned_sections;
 
 use crate::case::Case;
 use crate::error::SolveError;

@@ -2,12 +2,13 @@
 //!
 //! Each starts from its response at rest to the tensions, to the second order. First those of a few nodes that are spread over the run; then those
 //! in the middle between two that are known, with what these depart from their responses: on the cubic through the four nearest; and last all that
-//! are left. The same order, and the same start of each section, hold for a single robot, whose sections are side by side in the lanes of the
-//! processor, and for a batch, whose robots are.
+//! are left. Sections that are earlier ones turned about the backbone ([`super::turned_sections`]) are not solved but turned. The same order, and the
+//! same start of each section, hold for a single robot, whose sections are side by side in the lanes of the processor, and for a batch, whose robots are.
 
 use core::ops::Range;
 
 use super::section_table::{Place, SectionTable, WIDTH};
+use super::turned_sections::{TurnedSection, turned_sections};
 
 /// Nodes one behind the other, through which the same cables run.
 #[derive(Clone, Debug)]
@@ -16,7 +17,12 @@ pub(crate) struct SectionRun {
     pub nodes: Range<usize>,
     /// In the order in which they are solved.
     pub waves: Vec<Wave>,
+    /// The nodes whose sections those of waves give.
+    pub turned: Vec<TurnedSection>,
+    /// All of its sections: the waves one behind the other, and those that are turned.
     pub sections: SectionTable,
+    /// The node of the grid in each slot of these.
+    pub in_slots: Vec<usize>,
     /// Those of its nodes that are in the middle of a step, and what is known of their sections.
     pub middles: Vec<usize>,
     pub of_middles: SectionTable,
@@ -71,12 +77,18 @@ impl SectionRun {
 
     /// `None` of so few that they are not worth it.
     fn of(first: usize, places: &[Place<'_>]) -> Option<Self> {
-        let count = places.len();
-        if count < FIRST {
+        if places.len() < FIRST {
             return None;
         }
-        let mut known: Vec<usize> = (0..FIRST).map(|i| i * (count - 1) / (FIRST - 1)).collect();
-        known.dedup();
+        let mut turned = turned_sections(places);
+        let is_turned = |at: &usize| turned.binary_search_by_key(at, |of| of.node).is_ok();
+        // The others are counted by themselves.
+        let solved: Vec<usize> = (0..places.len()).filter(|at| !is_turned(at)).collect();
+        let count = solved.len();
+        let mut known: Vec<usize> = match count {
+            ..=FIRST => (0..count).collect(),
+            _ => (0..FIRST).map(|i| i * (count - 1) / (FIRST - 1)).collect(),
+        };
         let mut waves = vec![(known.clone(), vec![WaveStart::Response; known.len()])];
         while known.len() < count {
             let gaps = || known.windows(2).map(|pair| pair[0] + 1..pair[1]);
@@ -88,7 +100,10 @@ impl SectionRun {
                     wide.map(|gap| usize::midpoint(gap.start, gap.end)).collect()
                 }
             };
-            let start = |&at: &usize| between(first, places, &known, at);
+            let start = |&at: &usize| {
+                let (nodes, weights) = between(places, &solved, &known, at);
+                WaveStart::Between { nodes: nodes.map(|of| first + of), weights }
+            };
             let starts = next.iter().map(start).collect();
             known.extend_from_slice(&next);
             known.sort_unstable();
@@ -98,43 +113,57 @@ impl SectionRun {
         let mut in_slots = Vec::new();
         for (at, starts) in waves {
             let slots = in_slots.len()..in_slots.len() + at.len();
-            in_slots.extend_from_slice(&at);
+            in_slots.extend(at.iter().map(|&at| solved[at]));
             // Slots between two waves hold some section, so that nothing is computed of zeros.
-            in_slots.resize(in_slots.len().next_multiple_of(WIDTH), at[at.len() - 1]);
-            let nodes = at.iter().map(|at| first + at).collect();
+            in_slots.resize(in_slots.len().next_multiple_of(WIDTH), solved[at[at.len() - 1]]);
+            let nodes = at.iter().map(|&at| first + solved[at]).collect();
             all.push(Wave { slots, nodes, starts });
         }
+        in_slots.extend(turned.iter().map(|of| of.node));
+        let last = in_slots[in_slots.len() - 1];
+        in_slots.resize(in_slots.len().next_multiple_of(WIDTH), last);
+        for TurnedSection { node, of, .. } in &mut turned {
+            (*node, *of) = (first + *node, first + *of);
+        }
         let of_step = |at: &usize| (first + at) % 3 == 1;
-        let mut middles: Vec<usize> = (0..count).filter(of_step).collect();
+        let mut middles: Vec<usize> = (0..places.len()).filter(of_step).collect();
         let last = middles.last().copied().unwrap_or(0);
         let nodes = middles.iter().map(|at| first + at).collect();
         let cables = places.first().map_or(0, |place| place.crossings.len());
         middles.resize(middles.len().next_multiple_of(WIDTH), last);
         Some(Self {
-            nodes: first..first + count,
+            nodes: first..first + places.len(),
             waves: all,
+            turned,
             sections: SectionTable::of(&in_slots, places, cables),
+            in_slots: in_slots.iter().map(|at| first + at).collect(),
             middles: nodes,
             of_middles: SectionTable::of(&middles, places, cables),
         })
     }
 }
 
-/// The start of a place between known ones, all of them counted from the first node of the run.
-fn between(first: usize, places: &[Place<'_>], known: &[usize], at: usize) -> WaveStart {
+/// Four known ones of the solved places next to one of them, and the weights of the last three of these where their cubic is met.
+fn between(
+    places: &[Place<'_>],
+    solved: &[usize],
+    known: &[usize],
+    at: usize,
+) -> ([usize; 4], [f64; 3]) {
     let behind = known.partition_point(|&of| of < at);
     let from = behind.saturating_sub(2).min(known.len() - 4);
     let mut nodes = [0, 1, 2, 3].map(|i| known[from + i]);
     nodes.sort_by_key(|of| of.abs_diff(at));
+    let nodes = nodes.map(|of| solved[of]);
     let s = |of: usize| places[of].arc_length;
+    let at = s(solved[at]);
     let weight = |i: usize| {
         let others = (0..4).filter(|&other| other != i);
         others.fold(1.0, |weight, other| {
-            weight * (s(at) - s(nodes[other])) / (s(nodes[i]) - s(nodes[other]))
+            weight * (at - s(nodes[other])) / (s(nodes[i]) - s(nodes[other]))
         })
     };
-    let weights = [weight(1), weight(2), weight(3)];
-    WaveStart::Between { nodes: nodes.map(|of| first + of), weights }
+    (nodes, [weight(1), weight(2), weight(3)])
 }
 
 #[cfg(test)]
@@ -147,12 +176,18 @@ mod tests {
     fn every_node_of_a_run_is_solved_once_from_ones_before() {
         let stiffness = Stiffness { shear: Vec3::new(1.0, 1.0, 1.0), bending: Vec3::Z };
         let section = Section::new(stiffness, Vec3::ZERO);
-        let crossings = [Crossing::default(); 2];
-        for count in 1..200_usize {
+        // Of the cables along cones with ever the same slope those at every fifth node are the same, turned.
+        let crossings = |k: usize, period: usize| {
+            let (sin, cos) = (0.1 * k as f64).sin_cos();
+            let at = |r: f64| Vec3::new(r * cos, r * sin, 0.0);
+            [1e-3, 2e-3].map(|r| Crossing::new(at(r), at((k % period) as f64)))
+        };
+        for (count, period) in (1..200_usize).flat_map(|count| [(count, 1000), (count, 5)]) {
+            let all: Vec<_> = (0..count + 5).map(|k| crossings(k, period)).collect();
             // Five nodes that are solved otherwise lie in front.
             let place = |k: usize| Place {
                 section: &section,
-                crossings: &crossings,
+                crossings: &all[k],
                 arc_length: (k as f64).powf(1.1),
             };
             let places = (0..count + 5).map(|k| (k >= 5).then(|| place(k)));
@@ -185,7 +220,13 @@ mod tests {
                     known[node] = true;
                 }
             }
+            assert_eq!(runs[0].turned.len(), count.saturating_sub(period));
+            for TurnedSection { node, of, .. } in &runs[0].turned {
+                assert!(known[*of] && !known[*node] && (node - of) % period == 0);
+                known[*node] = true;
+            }
             assert!(known[5..].iter().all(|&of| of));
+            assert!((5..count + 5).all(|node| runs[0].in_slots.contains(&node)));
         }
     }
 }

@@ -5,6 +5,7 @@ use super::section::{Guess, Several};
 use crate::section::one_cable::Reduced;
 use crate::statics::grid::Grid;
 use crate::statics::section_runs::WaveStart;
+use crate::statics::turned_sections::TurnedSection;
 
 /// One grid, made ready for lanes.
 #[derive(Clone, Debug)]
@@ -18,6 +19,8 @@ pub(super) struct LaneGrid {
     pub kept: Vec<usize>,
     /// The nodes whose sections are not solved in the order of the rod, in the order in which they are.
     pub first: Vec<usize>,
+    /// Those whose sections these give.
+    pub turned: Vec<TurnedSection>,
     /// How many cables reach through a step: every number that occurs, once.
     pub active: Vec<usize>,
 }
@@ -30,8 +33,8 @@ pub(super) struct LaneNode {
     pub weight: f64,
     /// Whether the section is that of the node before it ([`crate::statics::grid::Nodes::repeats`]).
     pub repeats: bool,
-    /// Whether it is one of [`LaneGrid::first`].
-    pub is_first: bool,
+    /// Whether it is in a run: one of [`LaneGrid::first`] or of [`LaneGrid::turned`].
+    pub is_in_run: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -79,7 +82,7 @@ impl LaneGrid {
                     section,
                     weight: GAUSS_3.weights[j] * step.length,
                     repeats: grid.gauss.repeats(k, j),
-                    is_first: in_run[3 * k + j].is_some(),
+                    is_in_run: grid.gauss.is_in_run(3 * k + j),
                 });
             }
         }
@@ -92,6 +95,7 @@ impl LaneGrid {
             rest_excess: grid.gauss.rest_excess.clone(),
             kept,
             first: waves().flat_map(|wave| wave.nodes.iter().copied()).collect(),
+            turned: grid.gauss.runs.iter().flat_map(|run| run.turned.iter().copied()).collect(),
             active,
         })
     }

@@ -27,6 +27,7 @@ use crate::statics::lanes::one_cable::LaneReduced;
 use crate::statics::loads::AppliedLoads;
 use crate::statics::options::StabilityAnalysis;
 use crate::statics::refinement::ERROR_RATIO;
+use crate::statics::turned_sections::{Turn, TurnedSection};
 use grid::{LaneGrid, LaneSection};
 use loaded::{LoadedGrid, Shots};
 use stability::{several, stability};
@@ -362,6 +363,18 @@ fn store<S: Simd>(pose: &LanePose<S>, to: &mut [f64]) {
     }
 }
 
+/// [`Turn::strain`] in each lane.
+#[inline(always)]
+fn turned<S: Simd>(LaneTwist { linear: v, angular: u }: &LaneTwist<S>, turn: Turn) -> LaneTwist<S> {
+    let Turn { cos, sin, way } = turn;
+    let (vx, vy) = (v.x * cos - v.y * sin, v.x * sin + v.y * cos);
+    let (ux, uy) = (u.x * cos - u.y * sin, u.x * sin + u.y * cos);
+    LaneTwist {
+        linear: LaneVec3::new(vx * way, vy * way, v.z),
+        angular: LaneVec3::new(ux, uy, u.z * way),
+    }
+}
+
 /// Answers of all lanes on one grid.
 struct Sweep<S: Simd> {
     simd: S,
@@ -370,6 +383,8 @@ struct Sweep<S: Simd> {
     lengths: Vec<Lanes<S>>,
     /// Of the cables that cross the last section, the first of these.
     stretches: Vec<Lanes<S>>,
+    /// By nodes, then cables, of the sections in runs.
+    stretches_of_nodes: Vec<Lanes<S>>,
     /// Three to each step.
     strains: Vec<LaneTwist<S>>,
     /// From their responses to the tensions, of the sections in runs.
@@ -390,6 +405,7 @@ impl<S: Simd> Sweep<S> {
             tensions: Vec::new(),
             lengths: Vec::new(),
             stretches: Vec::new(),
+            stretches_of_nodes: Vec::new(),
             strains: Vec::new(),
             departures: Vec::new(),
             bad: Lanes::splat(simd, 0.0),
@@ -423,7 +439,8 @@ impl<S: Simd> Sweep<S> {
     /// Sections and frames; the frames at the kept places are left as numbers × lanes for each place.
     #[inline(always)]
     fn run(&mut self, grid: &LaneGrid, tolerance: f64, frames: &mut [f64]) {
-        let Self { simd, tensions, lengths, stretches, strains, departures, .. } = self;
+        let Self { simd, tensions, lengths, stretches, stretches_of_nodes, strains, .. } = self;
+        let departures = &mut self.departures;
         let simd = *simd;
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         lengths.clear();
@@ -436,13 +453,22 @@ impl<S: Simd> Sweep<S> {
         let mut last = before[0];
         // Each is set before it is looked at.
         strains.resize(grid.nodes.len(), last);
-        departures.resize(if grid.first.is_empty() { 0 } else { grid.nodes.len() }, last);
+        let (cables, in_runs) = (tensions.len(), grid.first.len() + grid.turned.len());
+        departures.resize(if in_runs == 0 { 0 } else { grid.nodes.len() }, last);
+        stretches_of_nodes.resize(departures.len() * cables, zero);
         for &at in &grid.first {
             if let LaneSection::Several(section) = &grid.nodes[at].section {
                 let solved = section.solve(simd, &before, departures, tensions, tolerance);
                 bad = bad.max(solved.is_solved.select(zero, one));
                 (strains[at], departures[at]) = (solved.strain, solved.departure);
+                let of_node = &mut stretches_of_nodes[at * cables..];
+                section.stretches(simd, &solved.strain, of_node);
             }
+        }
+        for TurnedSection { node, of, turn } in &grid.turned {
+            strains[*node] = turned(&strains[*of], *turn);
+            let from = of * cables;
+            stretches_of_nodes.copy_within(from..from + cables, node * cables);
         }
         let mut pose = LanePose::identity(simd);
         let mut kept = grid.kept.iter().peekable();
@@ -468,15 +494,18 @@ impl<S: Simd> Sweep<S> {
                             bad = bad.max(solved.is_solved.select(zero, one));
                         }
                         LaneSection::Several(at) => {
-                            if node.is_first {
-                                last = strains[3 * k + j];
+                            crossing = at.cables();
+                            if node.is_in_run {
+                                let number = 3 * k + j;
+                                last = strains[number];
+                                let of_node = &stretches_of_nodes[number * cables..];
+                                stretches[..crossing].copy_from_slice(&of_node[..crossing]);
                             } else {
                                 let solved = at.solve(simd, &before, &[], tensions, tolerance);
                                 last = solved.strain;
                                 bad = bad.max(solved.is_solved.select(zero, one));
+                                at.stretches(simd, &last, stretches);
                             }
-                            crossing = at.cables();
-                            at.stretches(simd, &last, stretches);
                         }
                     }
                 }

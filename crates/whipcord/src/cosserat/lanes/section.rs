@@ -6,8 +6,9 @@ use whipcord_numerics::lanes::{LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
 use crate::section::reach;
 use crate::section::{Crossing, Section, Stiffness};
+use crate::statics::lanes::equilibrium::equilibrium_within;
 use crate::statics::lanes::section::{
-    InLanes, LaneBare, LaneCrossing, equilibrium_within, no_wrench, reduced, response_at_rest,
+    InLanes, LaneBare, LaneCrossing, no_wrench, reduced, response_at_rest,
 };
 use crate::statics::section_runs::WaveStart;
 

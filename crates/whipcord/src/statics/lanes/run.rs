@@ -5,12 +5,14 @@ use whipcord_numerics::lanes::{LaneSym3, LaneVec3, Lanes};
 use whipcord_numerics::{Mat3, Vec3};
 
 use super::columns::{of_columns, strain_of, strains_at};
-use super::section::{InLanes, LanePull, equilibrium_within, linearize, reduced, response_at_rest};
+use super::equilibrium::equilibrium_within;
+use super::section::{InLanes, LanePull, linearize, reduced, response_at_rest};
 use super::slots::Slots;
 use crate::section::{BodyWrench, SectionFault, Strain, equilibrium as of_section};
 use crate::statics::grid::Nodes;
 use crate::statics::section_runs::{SectionRun, Wave, WaveStart};
 use crate::statics::section_table::WIDTH;
+use crate::statics::turned_sections::TurnedSection;
 
 /// What is known of all sections of a rod.
 pub(crate) struct Known<'a> {
@@ -110,6 +112,11 @@ pub(crate) fn solve_run<S: Simd>(
             }
         }
     }
+    for TurnedSection { node, of, turn } in &run.turned {
+        known.strains[*node] = turn.strain(known.strains[*of]);
+        let from = of * known.cables;
+        known.stretches.copy_within(from..from + cables, node * known.cables);
+    }
     fault.map_or(Ok(()), Err)
 }
 
@@ -129,30 +136,26 @@ pub(crate) fn linearize_run<S: Simd>(
 ) -> Result<(), (usize, SectionFault)> {
     let lanes = Lanes::<S>::COUNT;
     let mut first: Option<usize> = None;
-    for Wave { slots, nodes, .. } in &run.waves {
-        for (number, group) in nodes.chunks(lanes).enumerate() {
-            let slot = slots.start + number * lanes;
-            let Some(of) = Slots::from(&run.sections, slot, tensions) else { break };
-            let strain = strains_at(simd, strains, group);
-            let tangent = linearize(&of, simd, &strain, |cable, pull| {
-                let LanePull { linear, angular, stretch } = pull;
-                for (lane, &node) in group.iter().enumerate() {
-                    let exerted = BodyWrench { linear: linear.of(lane), angular: angular.of(lane) };
-                    pulls[node * cables + cable] = (exerted, stretch.as_slice()[lane]);
-                }
-            });
-            let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-            let definite = tangent.is_definite().select(one, zero);
-            let [stretch, mixed, turn] = tangent.compliance(simd);
+    for (number, group) in run.in_slots.chunks(lanes).enumerate() {
+        let Some(of) = Slots::from(&run.sections, number * lanes, tensions) else { break };
+        let strain = strains_at(simd, strains, group);
+        let tangent = linearize(&of, simd, &strain, |cable, pull| {
+            let LanePull { linear, angular, stretch } = pull;
             for (lane, &node) in group.iter().enumerate() {
-                if definite.as_slice()[lane] == 0.0 {
-                    first = Some(first.map_or(node, |first| first.min(node)));
-                    continue;
-                }
-                let of =
-                    [matrix_of(&stretch, lane), matrix_of(&mixed, lane), matrix_of(&turn, lane)];
-                take(node, of);
+                let exerted = BodyWrench { linear: linear.of(lane), angular: angular.of(lane) };
+                pulls[node * cables + cable] = (exerted, stretch.as_slice()[lane]);
             }
+        });
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let definite = tangent.is_definite().select(one, zero);
+        let [stretch, mixed, turn] = tangent.compliance(simd);
+        for (lane, &node) in group.iter().enumerate() {
+            if definite.as_slice()[lane] == 0.0 {
+                first = Some(first.map_or(node, |first| first.min(node)));
+                continue;
+            }
+            let of = [matrix_of(&stretch, lane), matrix_of(&mixed, lane), matrix_of(&turn, lane)];
+            take(node, of);
         }
     }
     first.map_or(Ok(()), |node| Err((node, SectionFault::Diverged)))

@@ -5,7 +5,6 @@ use whipcord_numerics::Vec3;
 use whipcord_numerics::lanes::{LaneLdlt3, LaneMask, LaneSym3, LaneTwist, LaneVec3, Lanes};
 
 use crate::section::Crossing;
-use crate::section::equilibrium::{MORE_STEPS, PART_OF_SQUARE, UNDAMPED};
 
 /// Sections in lanes, and what crosses them: one of many robots, or those of a run of one robot.
 pub(crate) trait InLanes<S: Simd> {
@@ -55,7 +54,7 @@ pub(crate) struct LaneTangent<S: Simd> {
 }
 
 /// [`crate::section::Hessian`] in each lane; `b` by columns.
-struct LaneHessian<S: Simd> {
+pub(super) struct LaneHessian<S: Simd> {
     a: LaneSym3<S>,
     b: [LaneVec3<S>; 3],
     c: LaneSym3<S>,
@@ -98,7 +97,7 @@ impl<S: Simd> LaneCrossing<S> {
 
     /// Unit tangent, and `1/‖p′‖`.
     #[inline(always)]
-    fn direction(&self, simd: S, strain: &LaneTwist<S>) -> (LaneVec3<S>, Lanes<S>) {
+    pub fn direction(&self, simd: S, strain: &LaneTwist<S>) -> (LaneVec3<S>, Lanes<S>) {
         let tangent = self.tangent(strain);
         let per_stretch = Lanes::splat(simd, 1.0) / tangent.norm();
         (tangent * per_stretch, per_stretch)
@@ -106,7 +105,7 @@ impl<S: Simd> LaneCrossing<S> {
 
     /// The moment of a force along the cable.
     #[inline(always)]
-    fn moment(&self, f: LaneVec3<S>) -> LaneVec3<S> {
+    pub fn moment(&self, f: LaneVec3<S>) -> LaneVec3<S> {
         let [x, y] = self.offset;
         LaneVec3::new(f.z * y, -(f.z * x), f.y * x - f.x * y)
     }
@@ -124,58 +123,6 @@ impl<S: Simd> LaneCrossing<S> {
     pub fn stretch(&self, strain: &LaneTwist<S>) -> Lanes<S> {
         self.tangent(strain).norm()
     }
-}
-
-/// The strain of sections from these, and in which lanes there is one, where a Newton step of `tolerance`, as a strain, is the last.
-#[inline(always)]
-pub(crate) fn equilibrium_within<S: Simd>(
-    tolerance: f64,
-    of: &impl InLanes<S>,
-    simd: S,
-    mut strain: LaneTwist<S>,
-) -> (LaneTwist<S>, LaneMask<S>) {
-    let bare = of.bare(simd);
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let square = Lanes::splat(simd, PART_OF_SQUARE * (tolerance * tolerance));
-    let tolerance = Lanes::splat(simd, tolerance);
-    let mut running = zero.at_most(one);
-    let mut met = one.at_most(zero);
-    for _ in 0..UNDAMPED {
-        let (tangent, force, moment) = linearized(of, &bare, simd, &strain);
-        let step = tangent.solve(force, moment);
-        strain = moved(running, &strain, &step);
-        let first = step_size(&step, bare.reach);
-        running = running.and(tangent.definite);
-        met = met.or(running.and(first.at_most(tolerance)));
-        running = running.and(tolerance.below(first)).and(first.at_most(one));
-        if !running.any() {
-            break;
-        }
-        // The lanes that go on by this tangent; the others wait for the next.
-        let mut by_this = running;
-        let mut last = first;
-        for _ in 0..MORE_STEPS {
-            let (force, moment) = imbalance(of, &bare, simd, &strain);
-            let step = tangent.solve(force, moment);
-            strain = moved(by_this, &strain, &step);
-            let size = step_size(&step, bare.reach);
-            let again = size * size;
-            let is_met = (first * size).at_most(square).and(again.at_most(square * last));
-            met = met.or(by_this.and(is_met));
-            running = running.without(by_this.and(is_met));
-            let before = last * last;
-            let promises = (again * again).at_most(square * (before * last));
-            by_this = by_this.and(running).and(size.at_most(first)).and(promises);
-            if !by_this.any() {
-                break;
-            }
-            last = size;
-        }
-        if !running.any() {
-            break;
-        }
-    }
-    (strain, met)
 }
 
 /// The greatest first-order part of a response, as a strain, from which Newton's method starts.
@@ -220,7 +167,7 @@ pub(crate) fn response_at_rest<S: Simd>(of: &impl InLanes<S>, simd: S) -> LaneTw
 
 /// Where a step leads; lanes that are not running stay where they are.
 #[inline(always)]
-fn moved<S: Simd>(
+pub(super) fn moved<S: Simd>(
     running: LaneMask<S>,
     strain: &LaneTwist<S>,
     step: &LaneTwist<S>,
@@ -240,66 +187,8 @@ fn moved<S: Simd>(
 }
 
 #[inline(always)]
-fn step_size<S: Simd>(step: &LaneTwist<S>, reach: Lanes<S>) -> Lanes<S> {
+pub(super) fn step_size<S: Simd>(step: &LaneTwist<S>, reach: Lanes<S>) -> Lanes<S> {
     step.linear.max_abs().max(step.angular.max_abs() * reach)
-}
-
-/// What the sections alone do not bear: force and moment.
-#[inline(always)]
-fn beside_bare<S: Simd>(
-    bare: &LaneBare<S>,
-    simd: S,
-    strain: &LaneTwist<S>,
-) -> (LaneVec3<S>, LaneVec3<S>) {
-    let [force, moment] = bare.wrench;
-    let dv = strain.linear - LaneVec3::splat(simd, Vec3::Z);
-    let du = strain.angular - bare.rest_curvature;
-    (force - bare.shear.scale(dv), moment - bare.bending.scale(du))
-}
-
-/// The tangent, and the force and moment that are not borne.
-#[inline(always)]
-fn linearized<S: Simd>(
-    of: &impl InLanes<S>,
-    bare: &LaneBare<S>,
-    simd: S,
-    strain: &LaneTwist<S>,
-) -> (LaneTangent<S>, LaneVec3<S>, LaneVec3<S>) {
-    let (mut force, mut moment) = beside_bare(bare, simd, strain);
-    let mut hessian = LaneHessian::of(simd, bare);
-    for cable in 0..of.cables() {
-        if of.is_slack(cable) {
-            continue;
-        }
-        let (crossing, tension) = of.crossing(simd, cable);
-        let (unit, per_stretch) = crossing.direction(simd, strain);
-        let pull = unit * tension;
-        force = force - pull;
-        moment = moment - crossing.moment(pull);
-        hessian.add(crossing.offset, unit, tension * per_stretch);
-    }
-    (hessian.factor(simd), force, moment)
-}
-
-/// The force and moment that neither the sections nor their cables bear.
-#[inline(always)]
-fn imbalance<S: Simd>(
-    of: &impl InLanes<S>,
-    bare: &LaneBare<S>,
-    simd: S,
-    strain: &LaneTwist<S>,
-) -> (LaneVec3<S>, LaneVec3<S>) {
-    let (mut force, mut moment) = beside_bare(bare, simd, strain);
-    for cable in 0..of.cables() {
-        if of.is_slack(cable) {
-            continue;
-        }
-        let (crossing, tension) = of.crossing(simd, cable);
-        let pull = crossing.direction(simd, strain).0 * tension;
-        force = force - pull;
-        moment = moment - crossing.moment(pull);
-    }
-    (force, moment)
 }
 
 /// The factors of [`crate::section::Tangent`] at a strain, and what each cable exerts there, which `take` is given with its number.
@@ -336,7 +225,7 @@ pub(crate) fn reduced<S: Simd>(
 
 impl<S: Simd> LaneHessian<S> {
     #[inline(always)]
-    fn of(simd: S, bare: &LaneBare<S>) -> Self {
+    pub fn of(simd: S, bare: &LaneBare<S>) -> Self {
         let zero = Lanes::splat(simd, 0.0);
         let null = LaneVec3::new(zero, zero, zero);
         let diagonal =
@@ -345,7 +234,7 @@ impl<S: Simd> LaneHessian<S> {
     }
 
     #[inline(always)]
-    fn add(&mut self, [rx, ry]: [Lanes<S>; 2], t: LaneVec3<S>, k: Lanes<S>) {
+    pub fn add(&mut self, [rx, ry]: [Lanes<S>; 2], t: LaneVec3<S>, k: Lanes<S>) {
         let kt = t * k;
         let (xx, yx, yy) = (k - kt.x * t.x, kt.y * t.x, k - kt.y * t.y);
         let (zx, zy, zz) = (kt.z * t.x, kt.z * t.y, k - kt.z * t.z);
@@ -372,7 +261,7 @@ impl<S: Simd> LaneHessian<S> {
     }
 
     #[inline(always)]
-    fn factor(&self, simd: S) -> LaneTangent<S> {
+    pub fn factor(&self, simd: S) -> LaneTangent<S> {
         let (force, definite) = self.a.ldlt(simd);
         let [b0, b1, b2] = self.b;
         let (w0, w1, w2) = (force.solve(b0), force.solve(b1), force.solve(b2));
@@ -426,8 +315,9 @@ impl<S: Simd> LaneTangent<S> {
         [stretch, mixed, [ux, uy, uz]]
     }
 
+    /// Newton's step.
     #[inline(always)]
-    fn solve(&self, force: LaneVec3<S>, moment: LaneVec3<S>) -> LaneTwist<S> {
+    pub fn solve(&self, force: LaneVec3<S>, moment: LaneVec3<S>) -> LaneTwist<S> {
         let [w0, w1, w2] = self.coupling;
         let coupled = LaneVec3::new(w0.dot(force), w1.dot(force), w2.dot(force));
         let u = self.moment.solve(moment - coupled);

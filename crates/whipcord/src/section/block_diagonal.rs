@@ -1,0 +1,103 @@
+//! The Hessian of a section's potential by blocks, for sections that forces hardly strain.
+//!
+//! To the elastic stiffness `diag(K_se, K_bt)` a cable adds `W = k (I − ttᵀ)`, `−W r̂` and `r̂ᵀ W r̂` with `k = τ/‖p′‖`. Where `Σ k` is a small part `ε` of
+//! `K_se`, the first two of these change a step of Newton's method by `ε` of it: with `diag(K_se, K_bt + Σ r̂ᵀ W r̂)` there is one 3×3 system to a step,
+//! and what the step leaves is of first order in `ε`.
+
+use whipcord_numerics::{Ldlt3, Sym3, Vec3};
+
+use super::crossing::{BodyWrench, Crossing, Strain};
+use super::properties::Section;
+
+/// `ε` in parts of the last step, and at most: beyond it the whole Hessian leads there sooner.
+const MOST_OF_TOLERANCE: f64 = 100.0;
+const MOST: f64 = 0.01;
+
+/// Diagonal blocks of the Hessian, factored.
+pub(super) struct BlockDiagonal {
+    /// Inverse of `K_se`.
+    shear: Vec3,
+    moment: Ldlt3,
+    left: Left<f64>,
+}
+
+/// What a step leaves, as parts of it: in `v` of the whole step, in `u` of its part in `v`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Left<T> {
+    /// `ε`.
+    pub by_force: T,
+    /// `Σ k` by the bending stiffness, at the reach of the cables.
+    pub by_moment: T,
+}
+
+/// The greatest `ε` for a last step of this size.
+#[inline(always)]
+pub(crate) fn most_strain_by_force(tolerance: f64) -> f64 {
+    (MOST_OF_TOLERANCE * tolerance).min(MOST)
+}
+
+impl BlockDiagonal {
+    /// Whether these tensions hardly strain a section.
+    #[inline(always)]
+    pub fn applies(tolerance: f64, section: &Section, tensions: &[f64]) -> bool {
+        let sum = tensions.iter().fold(0.0, |sum, tension| sum + tension);
+        let strain = section.compliance.shear.max_abs() * sum;
+        section.beside.is_none() && strain <= most_strain_by_force(tolerance)
+    }
+
+    /// With what is not borne at a strain.
+    #[inline(always)]
+    pub fn at(
+        section: &Section,
+        crossings: &[Crossing],
+        tensions: &[f64],
+        wrench: BodyWrench,
+        reach: f64,
+        strain: &Strain,
+    ) -> Option<(Self, BodyWrench)> {
+        let mut out = wrench - section.wrench(strain);
+        let mut c = Sym3::diagonal(section.stiffness.bending);
+        let mut sum = 0.0;
+        for (crossing, &tension) in crossings.iter().zip(tensions) {
+            if tension == 0.0 {
+                continue;
+            }
+            let (unit, per_stretch) = crossing.direction(strain);
+            let BodyWrench { linear: t, angular: n } = crossing.wrench(unit);
+            out.linear = out.linear - t * tension;
+            out.angular = out.angular - n * tension;
+            // r̂ᵀ W r̂ = k (r̂ᵀr̂ − n nᵀ) with n = r × t.
+            let k = tension * per_stretch;
+            sum += k;
+            let r = crossing.offset;
+            let (kx, ky, kn) = (k * r.x, k * r.y, n * k);
+            let (xx, yy) = (kx * r.x, ky * r.y);
+            c.xx += yy - kn.x * n.x;
+            c.yx -= kx * r.y + kn.y * n.x;
+            c.yy += xx - kn.y * n.y;
+            c.zx -= kn.z * n.x;
+            c.zy -= kn.z * n.y;
+            c.zz += (xx + yy) - kn.z * n.z;
+        }
+        let (shear, bending) = (section.compliance.shear, section.compliance.bending);
+        let left = Left {
+            by_force: shear.max_abs() * sum,
+            by_moment: bending.max_abs() * reach * reach * sum,
+        };
+        Some((Self { shear, moment: c.ldlt()?, left }, out))
+    }
+
+    /// The step of Newton's method.
+    #[inline(always)]
+    pub fn solve(&self, out: BodyWrench) -> Strain {
+        Strain { linear: self.shear.scale(out.linear), angular: self.moment.solve(out.angular) }
+    }
+
+    /// Whether what a step leaves, as a strain, is the square of the tolerance at most, beside what any step of Newton's method leaves.
+    #[inline(always)]
+    pub fn leaves_square(&self, tolerance: f64, step: &Strain, size: f64) -> bool {
+        let Left { by_force, by_moment } = self.left;
+        let left = (by_force * size).max(by_moment * step.linear.max_abs());
+        left <= tolerance * tolerance
+    }
+}
