@@ -19,6 +19,19 @@ const LEAST_STEP: f64 = 0.02;
 /// Clearance that counts as none, as a part of the length: more than coarse steps and interpolation between them miss.
 const MARGIN: f64 = 1e-3;
 
+/// What a robot does without obstacles.
+pub(crate) enum FreeWay {
+    /// Balls around its cross-sections stay clear of all obstacles on the way to this answer.
+    Clear(Solution),
+    /// They might not. Among obstacles this part of the way is the first step.
+    Unclear { first_step: f64 },
+}
+
+/// The first step of a way of which nothing is known.
+const WHOLE: FreeWay = FreeWay::Unclear { first_step: 1.0 };
+/// The least first step.
+const LEAST_FIRST_STEP: f64 = 0.05;
+
 /// A model that is solved without obstacles.
 pub(crate) trait Unobstructed {
     /// Arc lengths in m at which the robot is watched, from base to tip.
@@ -40,17 +53,17 @@ pub(crate) trait Unobstructed {
 }
 
 /// The answer to a case with obstacles, where balls around the cross-sections stay clear of them from rest, or from a
-/// known answer without contacts, to it. `None` where they might not.
+/// known answer without contacts, to it.
 pub(crate) fn solve_free(
     model: &mut impl Unobstructed,
     robot: &Robot,
     case: &Case,
     warm_start: Option<&Solution>,
-) -> Result<Option<Solution>, SolveError> {
+) -> Result<FreeWay, SolveError> {
     let can_move = case.obstacles.iter().any(|obstacle| obstacle.movable.is_some());
     let has_history = !case.before.is_empty() && case.obstacles.iter().any(Obstacle::has_friction);
     if can_move || has_history || warm_start.is_some_and(|answer| !answer.contacts.is_empty()) {
-        return Ok(None);
+        return Ok(WHOLE);
     }
     let homotopy = match warm_start {
         Some(answer) if answer.cables.len() == case.commands.len() => {
@@ -62,20 +75,21 @@ pub(crate) fn solve_free(
     let clearance = Clearance::new(robot, case, model.watched());
     let mut start = Vec::new();
     if !known(model.look(&homotopy.at(0.0, &initial), &mut start))? || !clearance.is_clear(&start) {
-        return Ok(None);
+        return Ok(WHOLE);
     }
     let mut end = Vec::new();
     let answer = match model.solve(&homotopy.at(1.0, &initial), warm_start, &mut end) {
         Ok(answer) => answer,
         Err(error @ SolveError::Cancelled { .. }) => return Err(error),
-        Err(_) => return Ok(None),
+        Err(_) => return Ok(WHOLE),
     };
     let diagnostics = &answer.diagnostics;
-    if diagnostics.is_unstable()
-        || diagnostics.stability_lost_at.is_some()
-        || !clearance.is_clear(&end)
-    {
-        return Ok(None);
+    if diagnostics.is_unstable() || diagnostics.stability_lost_at.is_some() {
+        return Ok(WHOLE);
+    }
+    let unclear = FreeWay::Unclear { first_step: clearance.first_step(&start, &end) };
+    if !clearance.is_clear(&end) {
+        return Ok(unclear);
     }
     // Shapes farther on the way, the next one last.
     let (mut here, mut ahead, mut shapes) = ((0.0, start), vec![(1.0, end)], 0);
@@ -88,17 +102,17 @@ pub(crate) fn solve_free(
         let middle = 0.5 * (here.0 + way);
         shapes += 1;
         if way - here.0 < LEAST_STEP || shapes > MOST_SHAPES {
-            return Ok(None);
+            return Ok(unclear);
         }
         let mut between = Vec::new();
         if !known(model.look(&homotopy.at(middle, &initial), &mut between))?
             || !clearance.is_clear(&between)
         {
-            return Ok(None);
+            return Ok(unclear);
         }
         ahead.push((middle, between));
     }
-    Ok(Some(answer))
+    Ok(FreeWay::Clear(answer))
 }
 
 /// What came of a solve among obstacles of a robot without history. Where the way ended at no equilibrium, and without obstacles there is no stable one
@@ -212,6 +226,27 @@ impl Clearance {
                 is_clear
             })
         })
+    }
+
+    /// The part of the way to the end on which no cross-section moves too far at once, nor comes to touch, if it moves in a straight line.
+    fn first_step(&self, start: &[Vec3], end: &[Vec3]) -> f64 {
+        let ways = start.iter().zip(end).map(|(start, end)| (*end - *start).norm());
+        let farthest = ways.fold(0.0, f64::max);
+        let stride = 0.9 * STRIDE * self.length / farthest;
+        let mut touch = f64::INFINITY;
+        for (_, obstacle) in self.scene.iter() {
+            let mut distance = DistanceBound::new(obstacle);
+            for (k, (start, end)) in start.iter().zip(end).enumerate().skip(1) {
+                if distance.least(*end) > self.reach[k] {
+                    continue;
+                }
+                let [before, after] = [start, end].map(|at| distance.measure(*at) - self.reach[k]);
+                if after < 0.0 && before > 0.0 {
+                    touch = touch.min(before / (before - after));
+                }
+            }
+        }
+        stride.min(touch).clamp(LEAST_FIRST_STEP, 1.0)
     }
 
     /// Whether the free balls around each centre before and after cover its way, eq. (7).

@@ -71,7 +71,9 @@ mod two_bodies;
 
 pub(crate) use contact_rod::ContactRod;
 pub(crate) use dense_output::DenseOutput;
-pub(crate) use free_path::{Unobstructed, last_of, or_none_alone, rubbing_or_free, solve_free};
+pub(crate) use free_path::{
+    FreeWay, Unobstructed, last_of, or_none_alone, rubbing_or_free, solve_free,
+};
 pub(crate) use holding::Holding;
 pub(crate) use loaded_places::LoadedPlaces;
 pub(crate) use model::{is_same_shape, with_pushes};

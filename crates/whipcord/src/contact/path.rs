@@ -148,6 +148,20 @@ impl Jumps {
     }
 }
 
+/// How long the steps on a way are, as parts of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    pub first: f64,
+    pub longest: f64,
+}
+
+impl Steps {
+    /// No longer than this.
+    pub const fn up_to(longest: f64) -> Self {
+        Self { first: longest, longest }
+    }
+}
+
 /// Whether any cable rubs in its holes.
 pub(super) fn has_friction(robot: &Robot) -> bool {
     robot.cables().iter().any(Cable::has_friction)
@@ -202,7 +216,7 @@ impl<M: Noting> PathTracker<'_, M> {
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
-        self.go_in_steps(asked, at, acting, self.longest_step())
+        self.go_in_steps(asked, at, acting, Steps::up_to(self.longest_step()))
     }
 
     /// The longest step of a way that the holes remember.
@@ -210,15 +224,15 @@ impl<M: Noting> PathTracker<'_, M> {
         if self.rubs { RUBBING_STEP } else { 1.0 }
     }
 
-    /// The same in steps that are no longer than a part of the way.
+    /// The same in such steps.
     pub(super) fn go_in_steps(
         &mut self,
         asked: &Case,
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
-        longest_step: f64,
+        steps: Steps,
     ) -> Result<(), SolveError> {
-        let (mut way, mut step) = (0.0, longest_step);
+        let (mut way, mut step) = (0.0, steps.first);
         self.reached = 0.0;
         let mut jumps = Jumps::default();
         let watched = self.model.watched().len();
@@ -253,7 +267,7 @@ impl<M: Noting> PathTracker<'_, M> {
                     if way == 1.0 {
                         return Ok(());
                     }
-                    step = (2.0 * step).min(longest_step);
+                    step = (2.0 * step).min(steps.longest);
                     if self.is_touching() {
                         let is_counted = self.unstable.is_some();
                         step = step.min(if is_counted { COUNTED_STEP } else { LONGEST_STEP });

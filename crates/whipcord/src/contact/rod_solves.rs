@@ -1,7 +1,7 @@
 //! The solves of both Cosserat rods among obstacles.
 
 use super::contact_rod::ContactRod;
-use super::free_path::{last_of, or_none_alone, rubbing_or_free};
+use super::free_path::{FreeWay, last_of, or_none_alone, rubbing_or_free};
 use super::noted::{last_with_derivatives, with_derivatives_or_free};
 use super::rod::{RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
 use super::steps::{solve, solve_holding};
@@ -33,13 +33,13 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
     /// The rod with so many steps at least.
     fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, Self::Rod>, SolveError>;
 
-    /// The shape of a robot that keeps clear of the obstacles of a checked case; `None` where it might not.
+    /// The shape of a robot that keeps clear of the obstacles of a checked case.
     fn find_clear(
         &self,
         case: &Case,
         warm_start: Option<&Solution>,
         memory: &mut Self::Workspace,
-    ) -> Result<Option<Solution>, SolveError>;
+    ) -> Result<FreeWay, SolveError>;
 
     /// The answer to a case without obstacles.
     fn solve_alone(
@@ -78,12 +78,13 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             return last_of(|each| self.rub_among_obstacles(case, memory, each));
         }
         self.check_among_obstacles(case)?;
-        if let Some(solution) = self.find_clear(case, warm_start, memory)? {
-            return Ok(solution);
-        }
+        let first_step = match self.find_clear(case, warm_start, memory)? {
+            FreeWay::Clear(solution) => return Ok(solution),
+            FreeWay::Unclear { first_step } => first_step,
+        };
         let needed = self.needed_steps(case, memory);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            solve(&mut self.adapter(steps)?, self.robot(), case, warm_start)
+            solve(&mut self.adapter(steps)?, self.robot(), (case, first_step), warm_start)
         });
         or_none_alone(found, case, |alone| self.solve_alone(alone, memory))
     }
@@ -148,14 +149,18 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             });
         }
         self.check_among_obstacles(case)?;
-        if let Some(solution) = self.find_clear(case, warm_start, memory)? {
-            let alone = Case { obstacles: Vec::new(), ..case.clone() };
-            return self.differentiate_alone(&alone, Some(&solution), parameters, memory);
-        }
+        let first_step = match self.find_clear(case, warm_start, memory)? {
+            FreeWay::Clear(solution) => {
+                let alone = Case { obstacles: Vec::new(), ..case.clone() };
+                return self.differentiate_alone(&alone, Some(&solution), parameters, memory);
+            }
+            FreeWay::Unclear { first_step } => first_step,
+        };
         let needed = self.needed_steps(case, memory);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {
             let mut adapter = self.adapter(steps)?.with_stations();
-            let (solution, holding) = solve_holding(&mut adapter, self.robot(), case, warm_start)?;
+            let (solution, holding) =
+                solve_holding(&mut adapter, self.robot(), (case, first_step), warm_start)?;
             Ok((solution, adapter.differentiate(&holding, &[], parameters)?))
         })
     }
@@ -168,17 +173,20 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         memory: &mut Self::Workspace,
     ) -> Result<(Solution, PlasticCurvature), SolveError> {
         self.check_among_obstacles(step)?;
-        if self.find_clear(step, from, memory)?.is_some() {
-            // Other shapes were looked at since: it is found once more, as without obstacles.
-            let alone = Case { obstacles: Vec::new(), ..step.clone() };
-            let mut solution = Solution::empty(Self::KIND);
-            let left = self.take_step(&alone, from, memory, &mut solution)?;
-            return Ok((solution, left));
-        }
+        let first_step = match self.find_clear(step, from, memory)? {
+            FreeWay::Clear(_) => {
+                // Other shapes were looked at since: it is found once more, as without obstacles.
+                let alone = Case { obstacles: Vec::new(), ..step.clone() };
+                let mut solution = Solution::empty(Self::KIND);
+                let left = self.take_step(&alone, from, memory, &mut solution)?;
+                return Ok((solution, left));
+            }
+            FreeWay::Unclear { first_step } => first_step,
+        };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
             let mut adapter = self.adapter(steps)?.with_plastic(self.plastic());
-            let solution = solve(&mut adapter, self.robot(), step, from)?;
+            let solution = solve(&mut adapter, self.robot(), (step, first_step), from)?;
             Ok((solution, adapter.plastic_left()?))
         });
         or_none_alone(found, step, |alone| self.solve_step_alone(alone, memory))
@@ -193,17 +201,22 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         memory: &mut Self::Workspace,
     ) -> Result<(Solution, Differentiated<Derivatives>), SolveError> {
         self.check_among_obstacles(step)?;
-        if self.find_clear(step, from, memory)?.is_some() {
-            let alone = Case { obstacles: Vec::new(), ..step.clone() };
-            let mut solution = Solution::empty(Self::KIND);
-            let from = (from, history);
-            let found = self.differentiate_step(&alone, from, parameters, memory, &mut solution)?;
-            return Ok((solution, found));
-        }
+        let first_step = match self.find_clear(step, from, memory)? {
+            FreeWay::Clear(_) => {
+                let alone = Case { obstacles: Vec::new(), ..step.clone() };
+                let mut solution = Solution::empty(Self::KIND);
+                let from = (from, history);
+                let found =
+                    self.differentiate_step(&alone, from, parameters, memory, &mut solution)?;
+                return Ok((solution, found));
+            }
+            FreeWay::Unclear { first_step } => first_step,
+        };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {
             let mut adapter = self.adapter(steps)?.with_plastic(self.plastic()).with_stations();
-            let (solution, holding) = solve_holding(&mut adapter, self.robot(), step, from)?;
+            let (solution, holding) =
+                solve_holding(&mut adapter, self.robot(), (step, first_step), from)?;
             let derivatives = adapter.differentiate(&holding, history, parameters)?;
             let grid = adapter.grid().ok_or(SolveError::NoDerivatives)?;
             let (left, changes) = derivatives.plastic_left(self.robot(), grid);

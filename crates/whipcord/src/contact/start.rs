@@ -5,7 +5,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::noted::Noting;
 use super::object::Objects;
 use super::pair::OVERLAP;
-use super::path::{Acting, PathTracker};
+use super::path::{Acting, PathTracker, Steps};
 use super::scene::Present;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
@@ -121,7 +121,7 @@ impl<M: Noting> PathTracker<'_, M> {
         self.objects = Objects::new(case, None, self.model.force_scale(), self.length);
         self.objects.are_held = true;
         self.start((&at(0.0), [0.0; 2]), None, to_base)?;
-        self.go_in_steps(case, at, |_| Acting::ALL, longest_step)?;
+        self.go_in_steps(case, at, |_| Acting::ALL, Steps::up_to(longest_step))?;
         self.objects.load(case, case, 1.0, 0.0);
         self.objects.balance(&self.pairs, self.model);
         self.objects.release();
@@ -129,7 +129,7 @@ impl<M: Noting> PathTracker<'_, M> {
         self.odd = None;
         // The commands stay: nothing that the holes remember is lost in a long step.
         let release = |way: f64| Acting { held: 1.0 - way, ..Acting::ALL };
-        let gone = self.go_in_steps(case, |_| at(1.0), release, 1.0);
+        let gone = self.go_in_steps(case, |_| at(1.0), release, Steps::up_to(1.0));
         gone.map_err(|error| match error {
             SolveError::Obstructed { reached, touching, why } if error_of_object(&why) => {
                 // As much as still held it.

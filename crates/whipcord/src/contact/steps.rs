@@ -5,33 +5,33 @@ use whipcord_numerics::Vec3;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
 use super::noted::Noting;
-use super::path::{Acting, PathTracker, Stop, has_friction};
+use super::path::{Acting, PathTracker, Steps, Stop, has_friction};
 use crate::case::{CableCommand, Case};
 use crate::error::SolveError;
 use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::solution::{Diagnostics, NoStability, Solution};
 
-/// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest.
+/// The answer to a case with obstacles, from the answer to a neighbouring one or from the robot at rest, with the first step on the way there.
 pub(crate) fn solve(
     model: &mut impl Noting,
     robot: &Robot,
-    case: &Case,
+    of: (&Case, f64),
     warm_start: Option<&Solution>,
 ) -> Result<Solution, SolveError> {
-    solve_holding(model, robot, case, warm_start).map(|(solution, _)| solution)
+    solve_holding(model, robot, of, warm_start).map(|(solution, _)| solution)
 }
 
 /// [`solve`], with the contacts of the answer, linearised.
 pub(crate) fn solve_holding(
     model: &mut impl Noting,
     robot: &Robot,
-    case: &Case,
+    (case, first_step): (&Case, f64),
     warm_start: Option<&Solution>,
 ) -> Result<(Solution, Holding), SolveError> {
     let remembers = has_friction(robot) || case.obstacles.iter().any(Obstacle::has_history);
     if warm_start.is_some() || case.before.is_empty() || case.independent || !remembers {
-        return solve_step(model, robot, (0, case), (warm_start, None));
+        return solve_step(model, robot, (0, case, first_step), (warm_start, None));
     }
     // Friction remembers the steps before the last.
     let mut last = Err(SolveError::NoDerivatives);
@@ -74,7 +74,7 @@ fn follow_steps<M: Noting>(
             None => (None, None),
         };
         let (solution, holding) =
-            solve_step(model, robot, (n, &step), from).map_err(|error| (n, error))?;
+            solve_step(model, robot, (n, &step, 1.0), from).map_err(|error| (n, error))?;
         last = Some((solution.clone(), step.commands));
         each(model, (solution, holding)).map_err(|error| (n, error))?;
     }
@@ -85,7 +85,7 @@ fn follow_steps<M: Noting>(
 fn solve_step(
     model: &mut impl Noting,
     robot: &Robot,
-    (step, case): (usize, &Case),
+    (step, case, first_step): (usize, &Case, f64),
     (warm_start, commands): (Option<&Solution>, Option<&[CableCommand]>),
 ) -> Result<(Solution, Holding), SolveError> {
     let rubs = has_friction(robot);
@@ -107,7 +107,9 @@ fn solve_step(
         Acting { loads, of_case: of_case(way), ..Acting::ALL }
     };
     tracker.start((&at(0.0), of_case(0.0)), warm_start, &to_base)?;
-    let mut gone = tracker.go(case, at, grow);
+    let longest = tracker.longest_step();
+    let steps = Steps { first: first_step.min(longest), longest };
+    let mut gone = tracker.go_in_steps(case, at, grow, steps);
     if let Err(error) = &gone
         && warm_start.is_none()
         && !tracker.objects.list.is_empty()

@@ -5,7 +5,7 @@ use whipcord_numerics::Vec3;
 use super::contact_response::ContactResponse;
 use super::prepared::{Cosserat, Workspace};
 use crate::case::Case;
-use crate::contact::{self, RodAdapter, RodSolves, Unobstructed};
+use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed};
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -39,7 +39,7 @@ impl RodSolves for Cosserat {
         case: &Case,
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
-    ) -> Result<Option<Solution>, SolveError> {
+    ) -> Result<FreeWay, SolveError> {
         let watched = contact::watched(&self.robot);
         let initial_lengths = self.initial_lengths();
         let mut free = FreeRod { model: self, workspace, watched, initial_lengths };

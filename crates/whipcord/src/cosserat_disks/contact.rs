@@ -6,7 +6,7 @@ use super::contact_response::ContactResponse;
 use super::model::CosseratDisks;
 use super::workspace::Workspace;
 use crate::case::Case;
-use crate::contact::{self, RodAdapter, RodSolves, Unobstructed};
+use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed};
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -39,7 +39,7 @@ impl RodSolves for CosseratDisks {
         case: &Case,
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
-    ) -> Result<Option<Solution>, SolveError> {
+    ) -> Result<FreeWay, SolveError> {
         let watched = contact::watched(self.robot());
         let mut free = FreeRod { model: self, workspace, watched };
         contact::solve_free(&mut free, self.robot(), case, warm_start)

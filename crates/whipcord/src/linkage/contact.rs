@@ -7,7 +7,7 @@ use super::friction::Rubbing;
 use super::plastic_derivatives::Asked;
 use super::{Linkage, Workspace};
 use crate::case::Case;
-use crate::contact::{self, NotedWay, Unobstructed};
+use crate::contact::{self, FreeWay, NotedWay, Unobstructed};
 use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -32,16 +32,17 @@ impl Linkage {
         }
         let watched = Watched::new(self);
         let mut free = FreeChain { model: self, workspace, watched: &watched.places };
-        if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
-            if self.keeps_history() {
+        let first_step = match contact::solve_free(&mut free, &self.robot, case, warm_start)? {
+            FreeWay::Clear(_) if self.keeps_history() => {
                 // Other shapes were looked at since: the joints keep what they hold in this one.
                 let alone = Case { obstacles: Vec::new(), ..case.clone() };
                 return self.solve_alone(&alone, warm_start, workspace);
             }
-            return Ok(solution);
-        }
+            FreeWay::Clear(solution) => return Ok(solution),
+            FreeWay::Unclear { first_step } => first_step,
+        };
         let mut adapter = ContactAdapter::new(self, watched, workspace);
-        let found = contact::solve(&mut adapter, &self.robot, case, warm_start);
+        let found = contact::solve(&mut adapter, &self.robot, (case, first_step), warm_start);
         contact::or_none_alone(found, case, |alone| {
             workspace.forget();
             self.solve_alone(alone, None, workspace)
@@ -195,15 +196,19 @@ impl Linkage {
         }
         let watched = Watched::new(self);
         let mut free = FreeChain { model: self, workspace, watched: &watched.places };
-        if let Some(solution) = contact::solve_free(&mut free, &self.robot, case, warm_start)? {
-            let alone = Case { obstacles: Vec::new(), ..case.clone() };
-            // With friction against bending it is found as without derivatives.
-            let near = if self.keeps_history() { warm_start } else { Some(&solution) };
-            return self.differentiate_step(&alone, near, asked, workspace);
-        }
+        let first_step = match contact::solve_free(&mut free, &self.robot, case, warm_start)? {
+            FreeWay::Clear(solution) => {
+                let alone = Case { obstacles: Vec::new(), ..case.clone() };
+                // With friction against bending it is found as without derivatives.
+                let near = if self.keeps_history() { warm_start } else { Some(&solution) };
+                return self.differentiate_step(&alone, near, asked, workspace);
+            }
+            FreeWay::Unclear { first_step } => first_step,
+        };
         let mut adapter = ContactAdapter::new(self, watched, workspace);
+        let asked_from = (case, first_step);
         let (solution, holding) =
-            contact::solve_holding(&mut adapter, &self.robot, case, warm_start)?;
+            contact::solve_holding(&mut adapter, &self.robot, asked_from, warm_start)?;
         let pushed = core::mem::take(&mut adapter.case);
         let derivatives = self.differentiate(&pushed, &holding, asked, workspace)?;
         Ok((solution, derivatives))
