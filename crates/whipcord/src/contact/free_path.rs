@@ -87,12 +87,15 @@ pub(crate) fn solve_free(
     if diagnostics.is_unstable() || diagnostics.stability_lost_at.is_some() {
         return Ok(WHOLE);
     }
-    let unclear = FreeWay::Unclear { first_step: clearance.first_step(&start, &end) };
+    let unclear = |end: &[Vec3]| {
+        let first_step = clearance.first_step(&start, end);
+        Ok(FreeWay::Unclear { first_step })
+    };
     if !clearance.is_clear(&end) {
-        return Ok(unclear);
+        return unclear(&end);
     }
     // Shapes farther on the way, the next one last.
-    let (mut here, mut ahead, mut shapes) = ((0.0, start), vec![(1.0, end)], 0);
+    let (mut here, mut ahead, mut shapes) = ((0.0, start.clone()), vec![(1.0, end)], 0);
     while let Some((way, centres)) = ahead.last() {
         if clearance.covers(&here.1, centres) {
             let Some(next) = ahead.pop() else { break };
@@ -102,13 +105,13 @@ pub(crate) fn solve_free(
         let middle = 0.5 * (here.0 + way);
         shapes += 1;
         if way - here.0 < LEAST_STEP || shapes > MOST_SHAPES {
-            return Ok(unclear);
+            return unclear(&ahead[0].1);
         }
         let mut between = Vec::new();
         if !known(model.look(&homotopy.at(middle, &initial), &mut between))?
             || !clearance.is_clear(&between)
         {
-            return Ok(unclear);
+            return unclear(&ahead[0].1);
         }
         ahead.push((middle, between));
     }
