@@ -20,6 +20,7 @@ const LEAST_STEP: f64 = 0.02;
 const MARGIN: f64 = 1e-3;
 
 /// What a robot does without obstacles.
+#[allow(clippy::large_enum_variant, reason = "one to a solve, taken apart where it is returned")]
 pub(crate) enum FreeWay {
     /// Balls around its cross-sections stay clear of all obstacles on the way to this answer.
     Clear(Solution),

@@ -64,8 +64,8 @@ impl BlockDiagonal {
             }
             let (unit, per_stretch) = crossing.direction(strain);
             let BodyWrench { linear: t, angular: n } = crossing.wrench(unit);
-            out.linear = out.linear - t * tension;
-            out.angular = out.angular - n * tension;
+            out.linear -= t * tension;
+            out.angular -= n * tension;
             // r̂ᵀ W r̂ = k (r̂ᵀr̂ − n nᵀ) with n = r × t.
             let k = tension * per_stretch;
             sum += k;
