@@ -5,7 +5,7 @@ use whipcord_numerics::Vec3;
 use super::homotopy::Homotopy;
 use super::model::is_near;
 use super::scene::{DistanceBound, Scene};
-use super::step_length::STRIDE;
+use super::step_length::{SHORTENED, STRIDE};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::obstacle::Obstacle;
@@ -51,6 +51,11 @@ pub(crate) trait Unobstructed {
 
     /// Those centres alone, as coarse steps have them.
     fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError>;
+
+    /// Those of the robot at rest, which is what this case asks for.
+    fn look_at_rest(&mut self, rest: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
+        self.look(rest, centres)
+    }
 }
 
 /// The answer to a case with obstacles, where balls around the cross-sections stay clear of them from rest, or from a
@@ -66,16 +71,20 @@ pub(crate) fn solve_free(
     if can_move || has_history || warm_start.is_some_and(|answer| !answer.contacts.is_empty()) {
         return Ok(WHOLE);
     }
-    let homotopy = match warm_start {
-        Some(answer) if answer.cables.len() == case.commands.len() => {
-            Homotopy::from_answer(answer, case)
-        }
-        _ => Homotopy::from_rest(case),
+    let from = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
+    let homotopy = match from {
+        Some(answer) => Homotopy::from_answer(answer, case),
+        None => Homotopy::from_rest(case),
     };
     let initial = model.initial_lengths().to_vec();
     let clearance = Clearance::new(robot, case, model.watched());
     let mut start = Vec::new();
-    if !known(model.look(&homotopy.at(0.0, &initial), &mut start))? || !clearance.is_clear(&start) {
+    let here = homotopy.at(0.0, &initial);
+    let looked = match from {
+        Some(_) => model.look(&here, &mut start),
+        None => model.look_at_rest(&here, &mut start),
+    };
+    if !known(looked)? || !clearance.is_clear(&start) {
         return Ok(WHOLE);
     }
     let mut end = Vec::new();
@@ -109,10 +118,12 @@ pub(crate) fn solve_free(
             return unclear(&ahead[0].1);
         }
         let mut between = Vec::new();
-        if !known(model.look(&homotopy.at(middle, &initial), &mut between))?
-            || !clearance.is_clear(&between)
-        {
+        if !known(model.look(&homotopy.at(middle, &initial), &mut between))? {
             return unclear(&ahead[0].1);
+        }
+        if !clearance.is_clear(&between) {
+            let first_step = middle * clearance.first_step(&start, &between);
+            return Ok(FreeWay::Unclear { first_step: first_step.max(LEAST_FIRST_STEP) });
         }
         ahead.push((middle, between));
     }
@@ -236,7 +247,7 @@ impl Clearance {
     fn first_step(&self, start: &[Vec3], end: &[Vec3]) -> f64 {
         let ways = start.iter().zip(end).map(|(start, end)| (*end - *start).norm());
         let farthest = ways.fold(0.0, f64::max);
-        let stride = 0.9 * STRIDE * self.length / farthest;
+        let stride = SHORTENED * STRIDE * self.length / farthest;
         let mut touch = f64::INFINITY;
         for (_, obstacle) in self.scene.iter() {
             let mut distance = DistanceBound::new(obstacle);
@@ -271,5 +282,47 @@ impl Clearance {
                     }
                 })
             })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use whipcord_numerics::{Pose, UnitQuaternion};
+
+    use super::*;
+    use crate::obstacle::Form;
+    use crate::robot::{Backbone, Cable, Disks, Routing};
+
+    /// A ball of 0.1 m with its surface so far beside the tip of a straight robot of 1 m.
+    fn first_step(gap: f64, way: f64) -> (f64, f64) {
+        let cable = Cable::new("0", Routing::Straight { angle: 0.0, radius: 0.01 });
+        let disks = Disks::equally_spaced(1.0, 4, 0.01);
+        let robot = Robot::new(Backbone::new(1.0), disks, vec![cable]).unwrap();
+        let position = Vec3::new(gap + 0.1, 0.0, 1.0);
+        let ball = Obstacle {
+            name: "ball".to_owned(),
+            form: Form::Sphere { radius: 0.1 },
+            pose: Pose { position, rotation: UnitQuaternion::IDENTITY },
+            friction: 0.0,
+            movable: None,
+        };
+        let case = Case { obstacles: vec![ball], ..Case::with_tensions(&[1.0]) };
+        let clearance = Clearance::new(&robot, &case, &[0.0, 0.5, 1.0]);
+        let start = [0.0, 0.5, 1.0].map(|z| Vec3::new(0.0, 0.0, z));
+        let end = [start[0], start[1], start[2] + Vec3::new(way, 0.0, 0.0)];
+        (clearance.first_step(&start, &end), clearance.reach[2])
+    }
+
+    #[test]
+    fn the_first_step_ends_where_the_robot_touches_or_goes_too_far() {
+        assert_eq!(first_step(1.0, 0.0).0, 1.0);
+        assert_eq!(first_step(1.0, 0.2).0, 1.0);
+        assert!((first_step(1.0, 0.5).0 - 0.45).abs() < 1e-12);
+        let (step, reach) = first_step(0.04, 0.08);
+        assert!((step - (0.04 - reach) / 0.08).abs() < 1e-12);
+        let (step, reach) = first_step(0.011, 0.2);
+        assert!(reach > 0.005 && step == LEAST_FIRST_STEP, "{reach}, {step}");
+        // Where it touches from the start nothing is known.
+        assert_eq!(first_step(-0.01, 0.2).0, 1.0);
     }
 }

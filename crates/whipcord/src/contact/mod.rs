@@ -17,7 +17,7 @@
 //! | `step`, `two_bodies`, `differences` | Newton's method on the conditions of contact |
 //! | `object`, `object_pair`, `object_pairs`, `features` | movable objects, and what of them and of obstacles can touch |
 //! | `holding`, `held_contact`, `carried` | the contacts of an answer, linearised; the movable objects among them |
-//! | `free_path` | robots that keep clear of all obstacles |
+//! | `free_path`, `watched_places` | robots that keep clear of all obstacles; where rods are watched |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
 //! | `approach`, `drawn_out` | where it may come to if it finds no rest |
 //! | `noted` | the equilibria on the way, for derivatives |
@@ -68,6 +68,7 @@ mod step;
 mod step_length;
 mod steps;
 mod two_bodies;
+mod watched_places;
 
 pub(crate) use contact_rod::ContactRod;
 pub(crate) use dense_output::DenseOutput;
@@ -82,7 +83,8 @@ pub(crate) use noted::{
     with_derivatives_or_free,
 };
 pub(crate) use refinement::{Refinement, centres};
-pub(crate) use rod::{RodAdapter, watched};
+pub(crate) use rod::RodAdapter;
 pub(crate) use rod_response::{Linearised, RodHoles, RodResponse};
 pub(crate) use rod_solves::RodSolves;
 pub(crate) use steps::{solve, solve_holding, solve_rubbing};
+pub(crate) use watched_places::WatchedPlaces;

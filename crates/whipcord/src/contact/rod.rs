@@ -1,12 +1,13 @@
 //! Cosserat rods among obstacles: what [`Compliant`] asks, of a rod that takes one step of Newton's method at a time.
 
-use whipcord_numerics::{Pose, Vec3, equally_spaced};
+use whipcord_numerics::{Pose, Vec3};
 
 use super::contact_rod::ContactRod;
 use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use super::noted::{Found, Noted, NotedEnd, NotedWay, Noting, OnWay, where_it_counts};
 use super::steps::solve_rubbing;
+use super::watched_places::watched;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::derivatives::{Derivatives, gravity_change};
@@ -19,9 +20,6 @@ use crate::statics::grid::Grid;
 use crate::statics::options::{Accuracy, Options, StabilityAnalysis};
 use crate::statics::plastic_curvature::PlasticCurvature;
 use crate::statics::plastic_steps::Remembering;
-
-/// The backbone is watched at this many places from base to tip, besides the disks.
-const WATCHED: usize = 80;
 
 /// Steps from base to tip at least, where the accuracy that is asked for does not say: few are quick, and where the way to the
 /// answer is lost on them more find it.
@@ -262,15 +260,6 @@ impl<R: ContactRod> RodAdapter<'_, R> {
     }
 }
 
-/// The arc lengths at which the backbone is watched: those of the disks and some between.
-pub(crate) fn watched(robot: &Robot) -> Vec<f64> {
-    let length = robot.backbone().length;
-    let mut watched = robot.disks().arc_lengths.clone();
-    watched.extend(equally_spaced(0.0, length, WATCHED + 1));
-    sorted(&mut watched, 1e-3 * length / WATCHED as f64);
-    watched
-}
-
 /// What is pushed at each disk, contact or not, and at the other places of contacts, in order: the loads of a grid that stays
 /// the same while disks come into contact or leave it.
 fn by_place(disks: &[f64], pushes: &[Push]) -> Vec<Push> {
@@ -286,16 +275,6 @@ fn by_place(disks: &[f64], pushes: &[Push]) -> Vec<Push> {
         is_same
     });
     all
-}
-
-/// In order, without those that are nearer to the one before than `apart`; the first and the last stay.
-fn sorted(places: &mut Vec<f64>, apart: f64) {
-    places.sort_by(f64::total_cmp);
-    let last = places.last().copied();
-    places.dedup_by(|next, before| *next - *before <= apart);
-    if let (Some(end), Some(last)) = (places.last_mut(), last) {
-        *end = last;
-    }
 }
 
 /// The answers to all steps of a case of a rod whose cables rub, from rest on, and whether anything had touched on the way to each.

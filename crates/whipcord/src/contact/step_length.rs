@@ -7,6 +7,8 @@ use crate::obstacle::Obstacle;
 
 /// No cross-section moves farther in one step on the way, as a part of the length.
 pub(super) const STRIDE: f64 = 0.25;
+/// A step that is too long is shortened to this part of one that is not.
+pub(super) const SHORTENED: f64 = 0.9;
 /// Free balls below this part of the length count as it, where they bound the steps on the way.
 const LEAST_REACH: f64 = 0.005;
 
@@ -32,7 +34,7 @@ impl StepLength<'_> {
         }
         // A long way costs much to look at, and is not taken anyway.
         if part < 1.0 {
-            return Some((0.9 * part).clamp(0.1, 0.7));
+            return Some((SHORTENED * part).clamp(0.1, 0.7));
         }
         for (number, obstacle) in self.scene.iter().filter(|(_, o)| !is_pipe(o)) {
             let mut distances = [DistanceBound::new(obstacle); 2];
@@ -50,7 +52,7 @@ impl StepLength<'_> {
                 }
             }
         }
-        (part < 1.0).then(|| (0.9 * part).clamp(0.1, 0.7))
+        (part < 1.0).then(|| (SHORTENED * part).clamp(0.1, 0.7))
     }
 }
 

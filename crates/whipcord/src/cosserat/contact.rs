@@ -5,7 +5,7 @@ use whipcord_numerics::Vec3;
 use super::contact_response::ContactResponse;
 use super::prepared::{Cosserat, Workspace};
 use crate::case::Case;
-use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed};
+use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed, WatchedPlaces};
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -40,7 +40,7 @@ impl RodSolves for Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<FreeWay, SolveError> {
-        let watched = contact::watched(&self.robot);
+        let watched = self.watched.get_or_init(|| WatchedPlaces::of(&self.robot));
         let initial_lengths = self.initial_lengths();
         let mut free = FreeRod { model: self, workspace, watched, initial_lengths };
         contact::solve_free(&mut free, &self.robot, case, warm_start)
@@ -88,13 +88,13 @@ impl Cosserat {
 struct FreeRod<'a> {
     model: &'a Cosserat,
     workspace: &'a mut Workspace,
-    watched: Vec<f64>,
+    watched: &'a WatchedPlaces,
     initial_lengths: Vec<f64>,
 }
 
 impl Unobstructed for FreeRod<'_> {
     fn watched(&self) -> &[f64] {
-        &self.watched
+        &self.watched.places
     }
 
     fn initial_lengths(&self) -> &[f64] {
@@ -111,13 +111,26 @@ impl Unobstructed for FreeRod<'_> {
         let from = from.into();
         let solved = self.model.solve_keeping_grid(case, from, self.workspace, &mut solution);
         let grid = self.workspace.meter.checked(solved)?;
-        contact::centres(&grid, &self.workspace.scratch.poses, &self.watched, centres);
+        contact::centres(&grid, &self.workspace.scratch.poses, &self.watched.places, centres);
         Ok(solution)
+    }
+
+    fn look_at_rest(&mut self, rest: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
+        // Plastic curvature bends it at rest.
+        if self.model.plastic.is_some() {
+            return self.look(rest, centres);
+        }
+        self.watched.at_rest(centres, |centres| self.look(rest, centres))
     }
 
     fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
         self.model.solve_coarsely(case, self.workspace)?;
-        contact::centres(&self.model.grid, &self.workspace.scratch.poses, &self.watched, centres);
+        contact::centres(
+            &self.model.grid,
+            &self.workspace.scratch.poses,
+            &self.watched.places,
+            centres,
+        );
         Ok(())
     }
 }

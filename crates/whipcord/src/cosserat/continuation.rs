@@ -140,7 +140,7 @@ pub(super) fn refine_chain(
         return None;
     }
     start_without_load(problem, scratch).ok()?;
-    scratch.chain.state = coarse.halved();
+    scratch.chain.state.halve(coarse, coarse.middles());
     scratch.trajectory.seed(problem.grid, &scratch.unloaded.strains);
     let (iterations, residual) = newton(problem, scratch).ok()?;
     Some(finish_chain(problem, scratch, Effort { iterations, residual }))

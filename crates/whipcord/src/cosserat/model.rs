@@ -59,6 +59,7 @@ impl Cosserat {
             layout,
             grid,
             finer: Arc::default(),
+            watched: Arc::default(),
             rest_changes: Arc::default(),
             plastic: None,
         })

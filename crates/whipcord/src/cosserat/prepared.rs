@@ -7,6 +7,7 @@ use super::friction::FrictionWorkspace;
 use super::scratch::{Scratch, Start};
 use super::sensitivity::Sensitivity;
 use crate::budget::Meter;
+use crate::contact::WatchedPlaces;
 use crate::derivatives::{RestChanges, TensionChanges, TipRatesMemory};
 use crate::robot::Robot;
 use crate::statics::command::Command;
@@ -71,6 +72,8 @@ pub struct Cosserat {
     pub(super) grid: Grid,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
     pub(super) finer: Arc<[OnceLock<Grid>; FINER_GRIDS]>,
+    /// Where it is watched for obstacles, kept when the first case with some needs it and shared by all copies of the model.
+    pub(super) watched: Arc<OnceLock<WatchedPlaces>>,
     /// How the lengths of the cables before actuation change with parameters, as far as they were asked for.
     pub(super) rest_changes: Arc<RestChanges>,
     /// What earlier steps of actuation left in a backbone with friction against bending.

@@ -51,15 +51,18 @@ impl State {
 
     /// The nodes of a chain with every step halved.
     pub fn halved(&self) -> Self {
-        let mut nodes = Vec::with_capacity(2 * self.nodes.len());
-        for pair in self.nodes.windows(2) {
+        let mut halved = Self::default();
+        halved.halve(self, self.middles());
+        halved
+    }
+
+    /// In the middle of each step, between its ends: how the rod is turned there, and the moment in the body frame.
+    pub fn middles(&self) -> impl Iterator<Item = (UnitQuaternion, Vec3)> {
+        self.nodes.windows(2).map(|pair| {
             let turn = (pair[0].rotation.conjugate() * pair[1].rotation).log();
             let rotation = pair[0].rotation * UnitQuaternion::exp(0.5 * turn);
-            let moment = 0.5 * (pair[0].moment + pair[1].moment);
-            nodes.extend([pair[0], Node { rotation, moment, ..pair[0] }]);
-        }
-        nodes.extend(self.nodes.last());
-        Self { nodes, ..self.clone() }
+            (rotation, 0.5 * (pair[0].moment + pair[1].moment))
+        })
     }
 }
 

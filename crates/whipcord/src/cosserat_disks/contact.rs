@@ -6,7 +6,7 @@ use super::contact_response::ContactResponse;
 use super::model::CosseratDisks;
 use super::workspace::Workspace;
 use crate::case::Case;
-use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed};
+use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed, WatchedPlaces};
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -40,7 +40,7 @@ impl RodSolves for CosseratDisks {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<FreeWay, SolveError> {
-        let watched = contact::watched(self.robot());
+        let watched = self.watched.get_or_init(|| WatchedPlaces::of(self.robot()));
         let mut free = FreeRod { model: self, workspace, watched };
         contact::solve_free(&mut free, self.robot(), case, warm_start)
     }
@@ -76,12 +76,12 @@ impl RodSolves for CosseratDisks {
 struct FreeRod<'a> {
     model: &'a CosseratDisks,
     workspace: &'a mut Workspace,
-    watched: Vec<f64>,
+    watched: &'a WatchedPlaces,
 }
 
 impl Unobstructed for FreeRod<'_> {
     fn watched(&self) -> &[f64] {
-        &self.watched
+        &self.watched.places
     }
 
     fn initial_lengths(&self) -> &[f64] {
@@ -96,14 +96,22 @@ impl Unobstructed for FreeRod<'_> {
     ) -> Result<Solution, SolveError> {
         let (solution, level) = self.model.solve_keeping_level(case, from, self.workspace)?;
         let mesh = self.model.mesh(level)?;
-        contact::centres(&mesh.grid, self.workspace.poses(), &self.watched, centres);
+        contact::centres(&mesh.grid, self.workspace.poses(), &self.watched.places, centres);
         Ok(solution)
+    }
+
+    fn look_at_rest(&mut self, rest: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
+        // Plastic curvature bends it at rest.
+        if self.model.plastic.is_some() {
+            return self.look(rest, centres);
+        }
+        self.watched.at_rest(centres, |centres| self.look(rest, centres))
     }
 
     fn look(&mut self, case: &Case, centres: &mut Vec<Vec3>) -> Result<(), SolveError> {
         self.model.solve_coarsely(case, self.workspace)?;
         let mesh = self.model.mesh(0)?;
-        contact::centres(&mesh.grid, self.workspace.poses(), &self.watched, centres);
+        contact::centres(&mesh.grid, self.workspace.poses(), &self.watched.places, centres);
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use super::workspace::{Progress, Workspace};
 use crate::budget::{Budget, Meter};
 use crate::cancel::Cancel;
 use crate::case::{Case, Loads};
-use crate::contact::RodSolves as _;
+use crate::contact::{RodSolves as _, WatchedPlaces};
 use crate::derivatives::{Cables, Derivatives, NoDerivatives, RestChanges, Solved, StraightCables};
 use crate::error::SolveError;
 use crate::kind::ModelKind;
@@ -71,6 +71,8 @@ pub struct CosseratDisks {
     pub(super) mesh: Mesh,
     /// The next of them, made when the first case needs them and shared by all copies of the model.
     pub(super) finer: Arc<[OnceLock<Mesh>; FINER_MESHES]>,
+    /// Where it is watched for obstacles, kept when the first case with some needs it and shared by all copies of the model.
+    pub(super) watched: Arc<OnceLock<WatchedPlaces>>,
     /// How the lengths of the cables before actuation change with parameters, as far as they were asked for.
     pub(super) rest_changes: Arc<RestChanges>,
     /// For the stability of spans near their own buckling load, where no mesh of the sequence serves; made as those.
@@ -108,6 +110,7 @@ impl CosseratDisks {
             options,
             mesh,
             finer,
+            watched: Arc::default(),
             rest_changes: Arc::default(),
             fine,
             stability_steps,

@@ -206,9 +206,9 @@ impl Linkage {
             FreeWay::Unclear { first_step } => first_step,
         };
         let mut adapter = ContactAdapter::new(self, watched, workspace);
-        let asked_from = (case, first_step);
+        let of = (case, first_step);
         let (solution, holding) =
-            contact::solve_holding(&mut adapter, &self.robot, asked_from, warm_start)?;
+            contact::solve_holding(&mut adapter, &self.robot, of, warm_start)?;
         let pushed = core::mem::take(&mut adapter.case);
         let derivatives = self.differentiate(&pushed, &holding, asked, workspace)?;
         Ok((solution, derivatives))

@@ -118,8 +118,8 @@ trait NewtonTangent: Sized {
     /// With the wrench that is not borne; `None` where the potential is not smooth.
     fn at(problem: &Problem<'_>, strain: &Strain) -> Option<(Self, BodyWrench)>;
     fn step(&self, out: BodyWrench) -> Strain;
-    /// Whether a first step of this size is the last.
-    fn is_last(&self, tolerance: f64, step: &Strain, size: f64) -> bool;
+    /// Whether what a step leaves beside what any step of Newton's method leaves is the square of the tolerance at most.
+    fn leaves_square(&self, tolerance: f64, step: &Strain, size: f64) -> bool;
 }
 
 impl NewtonTangent for Tangent {
@@ -135,8 +135,8 @@ impl NewtonTangent for Tangent {
     }
 
     #[inline(always)]
-    fn is_last(&self, tolerance: f64, _: &Strain, size: f64) -> bool {
-        size <= tolerance
+    fn leaves_square(&self, _: f64, _: &Strain, _: f64) -> bool {
+        true
     }
 }
 
@@ -153,8 +153,8 @@ impl NewtonTangent for BlockDiagonal {
     }
 
     #[inline(always)]
-    fn is_last(&self, tolerance: f64, step: &Strain, size: f64) -> bool {
-        size <= tolerance && self.leaves_square(tolerance, step, size)
+    fn leaves_square(&self, tolerance: f64, step: &Strain, size: f64) -> bool {
+        Self::leaves_square(self, tolerance, step, size)
     }
 }
 
@@ -182,7 +182,7 @@ fn undamped_by<T: NewtonTangent>(
         let step = tangent.step(out);
         *strain = *strain + step;
         let first = step_size(&step, reach);
-        if tangent.is_last(tolerance, &step, first) {
+        if first <= tolerance && tangent.leaves_square(tolerance, &step, first) {
             return true;
         }
         if first.is_nan() || first > 1.0 {
@@ -195,7 +195,7 @@ fn undamped_by<T: NewtonTangent>(
             *strain = *strain + step;
             let size = step_size(&step, reach);
             let square = PART_OF_SQUARE * (tolerance * tolerance);
-            if has_met(square, first, last, size) {
+            if has_met(square, first, last, size) && tangent.leaves_square(tolerance, &step, size) {
                 return true;
             }
             if size.is_nan() || size > first || !promises(square, last, size) {

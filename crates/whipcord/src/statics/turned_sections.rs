@@ -88,13 +88,18 @@ pub(crate) fn turned_sections(places: &[Place<'_>]) -> Vec<TurnedSection> {
         let near = known[first..].iter().take_while(|(of, _)| *of <= key + error);
         let found = near.take(COMPARED).find_map(|&(_, of)| {
             let other = &places[of];
+            if other.section != place.section {
+                return None;
+            }
             let turn = Turn::between(other.crossings, place.crossings)?;
-            let is_alike = other.section == place.section && (turn.way > 0.0 || rest.z == 0.0);
-            is_alike.then_some(TurnedSection { node, of, turn })
+            (turn.way > 0.0 || rest.z == 0.0).then_some(TurnedSection { node, of, turn })
         });
         match found {
             Some(found) => turned.push(found),
-            None => known.insert(first, (key, node)),
+            None => {
+                let behind = known.partition_point(|(of, _)| *of <= key);
+                known.insert(behind, (key, node));
+            }
         }
     }
     turned

@@ -20,8 +20,14 @@ trait LaneNewtonTangent<S: Simd>: Sized {
     fn step(&self, force: LaneVec3<S>, moment: LaneVec3<S>) -> LaneTwist<S>;
     /// Where it is positive definite.
     fn is_definite(&self) -> LaneMask<S>;
-    /// Where a first step of this size is the last.
-    fn is_last(&self, tolerance: Lanes<S>, step: &LaneTwist<S>, size: Lanes<S>) -> LaneMask<S>;
+    /// Where what a step leaves beside what any step of Newton's method leaves is the square of the tolerance at most, of these lanes.
+    fn leaves_square(
+        &self,
+        lanes: LaneMask<S>,
+        square: Lanes<S>,
+        step: &LaneTwist<S>,
+        size: Lanes<S>,
+    ) -> LaneMask<S>;
 }
 
 /// [`crate::section::block_diagonal`] in lanes.
@@ -46,19 +52,27 @@ pub(crate) fn equilibrium_within<S: Simd>(
         sum = sum + of.crossing(simd, cable).1;
     }
     let strain_by_force = of.compliances(simd)[0].max_abs() * sum;
-    let hardly = strain_by_force.at_most(Lanes::splat(simd, most_strain_by_force(tolerance)));
+    let hardly_strained =
+        strain_by_force.at_most(Lanes::splat(simd, most_strain_by_force(tolerance)));
     // Each lane goes its own way, whatever those beside it do.
-    if hardly.all() {
-        return within::<S, LaneBlockDiagonal<S>>(tolerance, of, &bare, simd, hardly, start);
+    if hardly_strained.all() {
+        return within::<S, LaneBlockDiagonal<S>>(
+            tolerance,
+            of,
+            &bare,
+            simd,
+            hardly_strained,
+            start,
+        );
     }
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let others = zero.at_most(one).without(hardly);
+    let others = zero.at_most(one).without(hardly_strained);
     let (strain, met) = within::<S, LaneTangent<S>>(tolerance, of, &bare, simd, others, start);
-    if !hardly.any() {
+    if !hardly_strained.any() {
         return (strain, met);
     }
     let (strain, also) =
-        within::<S, LaneBlockDiagonal<S>>(tolerance, of, &bare, simd, hardly, strain);
+        within::<S, LaneBlockDiagonal<S>>(tolerance, of, &bare, simd, hardly_strained, strain);
     (strain, met.or(also))
 }
 
@@ -73,6 +87,7 @@ fn within<S: Simd, T: LaneNewtonTangent<S>>(
     mut strain: LaneTwist<S>,
 ) -> (LaneTwist<S>, LaneMask<S>) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let whole = Lanes::splat(simd, tolerance * tolerance);
     let square = Lanes::splat(simd, PART_OF_SQUARE * (tolerance * tolerance));
     let tolerance = Lanes::splat(simd, tolerance);
     let mut met = one.at_most(zero);
@@ -82,7 +97,7 @@ fn within<S: Simd, T: LaneNewtonTangent<S>>(
         strain = moved(running, &strain, &step);
         let first = step_size(&step, bare.reach);
         running = running.and(tangent.is_definite());
-        let is_met = tangent.is_last(tolerance, &step, first);
+        let is_met = tangent.leaves_square(first.at_most(tolerance), whole, &step, first);
         met = met.or(running.and(is_met));
         running = running.without(is_met).and(first.at_most(one));
         if !running.any() {
@@ -98,6 +113,7 @@ fn within<S: Simd, T: LaneNewtonTangent<S>>(
             let size = step_size(&step, bare.reach);
             let again = size * size;
             let is_met = (first * size).at_most(square).and(again.at_most(square * last));
+            let is_met = tangent.leaves_square(is_met, whole, &step, size);
             met = met.or(by_this.and(is_met));
             running = running.without(by_this.and(is_met));
             let before = last * last;
@@ -150,8 +166,14 @@ impl<S: Simd> LaneNewtonTangent<S> for LaneTangent<S> {
     }
 
     #[inline(always)]
-    fn is_last(&self, tolerance: Lanes<S>, _: &LaneTwist<S>, size: Lanes<S>) -> LaneMask<S> {
-        size.at_most(tolerance)
+    fn leaves_square(
+        &self,
+        lanes: LaneMask<S>,
+        _: Lanes<S>,
+        _: &LaneTwist<S>,
+        _: Lanes<S>,
+    ) -> LaneMask<S> {
+        lanes
     }
 }
 
@@ -216,10 +238,17 @@ impl<S: Simd> LaneNewtonTangent<S> for LaneBlockDiagonal<S> {
     }
 
     #[inline(always)]
-    fn is_last(&self, tolerance: Lanes<S>, step: &LaneTwist<S>, size: Lanes<S>) -> LaneMask<S> {
+    fn leaves_square(
+        &self,
+        lanes: LaneMask<S>,
+        square: Lanes<S>,
+        step: &LaneTwist<S>,
+        size: Lanes<S>,
+    ) -> LaneMask<S> {
         let Left { by_force, by_moment } = self.left;
-        let left = (by_force * size).max(by_moment * step.linear.max_abs());
-        size.at_most(tolerance).and(left.at_most(tolerance * tolerance))
+        let in_force = by_force * size;
+        let left = in_force.max(by_moment * (step.linear.max_abs() + in_force));
+        lanes.and(left.at_most(square))
     }
 }
 
