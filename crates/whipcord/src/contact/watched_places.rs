@@ -7,7 +7,7 @@ use whipcord_numerics::{Vec3, equally_spaced};
 use crate::error::SolveError;
 use crate::robot::Robot;
 
-/// The backbone is watched at this many places from base to tip, besides the disks.
+/// The backbone is watched at this many places from base to tip, and at the disks.
 const WATCHED: usize = 80;
 
 /// Where a rod is watched.
