@@ -83,7 +83,7 @@ impl Rubbing<'_> {
     /// Asks the chain under all of the load.
     fn ask<T>(&mut self, ask: impl FnOnce(&mut Chain, &mut Task<'_>) -> T) -> T {
         let Scratch { chain, groups, applied, .. } = &mut *self.scratch;
-        let raise = Raise { problem: self.problem, commands: &[], derivatives: false };
+        let raise = Raise::at_tensions(self.problem);
         ask(chain, &mut raise.task(groups, applied, 1.0))
     }
 }

@@ -45,7 +45,7 @@ pub(super) fn solve(
     scratch: &mut Scratch,
 ) -> Result<Found, Failure> {
     let commands = if problem.by_length() { problem.commands } else { &[] };
-    let raise = Raise { problem, commands, derivatives: false };
+    let raise = Raise { commands, ..Raise::at_tensions(problem) };
     let near = match start {
         Start::Coarser => Some((true, false)),
         Start::Near(&Neighbour { ref disks, base: Some(base), stable, .. })

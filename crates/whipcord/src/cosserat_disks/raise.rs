@@ -26,6 +26,10 @@ const FAR_BENDS: [f64; 3] = [1.0, 2.5, 5.0];
 
 const FAR_WAYS: usize = 8;
 
+/// Beside dead moments the load is raised by at least this part of it: they turn the corner where a branch leaves its
+/// path into a bend, over more than that.
+const LEAST_PERTURBED_STEP: f64 = 1.0 / 256.0;
+
 /// Halvings that locate the loss of stability.
 pub(super) const LOSS_HALVINGS: usize = 12;
 
@@ -35,6 +39,8 @@ pub(super) struct Raise<'a> {
     /// What drives the cables, where any is driven by its length; else empty.
     pub commands: &'a [Command],
     pub derivatives: bool,
+    /// The load is raised by at least this part of it, or the path is given up.
+    pub least_step: f64,
 }
 
 /// Where it could not be raised any more.
@@ -44,6 +50,13 @@ pub(super) struct Ended {
     pub residual: f64,
     pub iterations: usize,
     pub fault: Fault,
+}
+
+impl<'a> Raise<'a> {
+    /// At tensions that are held.
+    pub const fn at_tensions(problem: &'a Problem<'a>) -> Self {
+        Self { problem, commands: &[], derivatives: false, least_step: LEAST_LOAD_STEP }
+    }
 }
 
 impl Raise<'_> {
@@ -155,7 +168,8 @@ impl Raise<'_> {
     pub fn perturbed(&self, scratch: &mut Scratch, rest: &Place) -> Option<Effort> {
         let loads = scratch.applied.clone();
         let kept = Place::of(&scratch.chain);
-        let mut perturbed = PerturbedChain { raise: self, scratch, loads: &loads, rest, kept };
+        let raise = &Raise { least_step: LEAST_PERTURBED_STEP, ..*self };
+        let mut perturbed = PerturbedChain { raise, scratch, loads: &loads, rest, kept };
         let found = perturbation::stable_equilibrium(&mut perturbed);
         scratch.applied.clone_from(&loads);
         found
@@ -222,6 +236,7 @@ impl Raise<'_> {
         let steps = ContinuationSteps {
             first: 1.0,
             after_miss: FIRST_LOAD_STEP,
+            least: self.least_step,
             ..load_steps(FIRST_LOAD_STEP)
         };
         let raised = continuation(&steps, |load| match newton(scratch, load) {

@@ -82,7 +82,12 @@ impl CosseratDisks {
             };
             if is_attempt && is_open {
                 attempts -= 1;
-                next = if attempts == 0 { without_load.unwrap_or(first) } else { next };
+                next = match attempts {
+                    // What it is left for on coarser steps counts for nothing.
+                    0 if found.is_ok() => level.max(LEAVE_LEVEL),
+                    0 => without_load.unwrap_or(first),
+                    _ => next,
+                };
                 workspace.scratch.open = None;
                 continue;
             }

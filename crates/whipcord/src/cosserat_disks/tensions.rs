@@ -95,7 +95,7 @@ impl<'a> Rod<'a> {
             return None;
         }
         let Problem { frame, mesh, commands, .. } = *self.problem;
-        let raise = Raise { problem: self.problem, commands, derivatives: false };
+        let raise = Raise { commands, ..Raise::at_tensions(self.problem) };
         let mut closed = None;
         if self.respond_with(start, true, false).is_ok() {
             let Scratch { chain, groups, unloaded, .. } = &mut *self.scratch;
@@ -147,7 +147,7 @@ impl<'a> Rod<'a> {
     fn under_load(&mut self, tensions: &[f64], warm: bool, derivatives: bool) -> Result<(), Fault> {
         let Scratch { chain, groups, .. } = &mut *self.scratch;
         chain.pull(groups, tensions);
-        let raise = Raise { problem: self.problem, commands: &[], derivatives };
+        let raise = Raise { derivatives, ..Raise::at_tensions(self.problem) };
         if self.closed && warm {
             self.scratch.chain.trace.stage = Stage::Warm;
             match raise.newton(self.scratch, 1.0, false) {
