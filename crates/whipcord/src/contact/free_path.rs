@@ -97,12 +97,12 @@ pub(crate) fn solve_free(
     if diagnostics.is_unstable() || diagnostics.stability_lost_at.is_some() {
         return Ok(WHOLE);
     }
-    let unclear = |end: &[Vec3]| {
-        let first_step = clearance.first_step(&start, end);
+    let unclear = |shape: &[Vec3], part: f64| {
+        let first_step = clearance.first_step(&start, shape, part);
         Ok(FreeWay::Unclear { first_step })
     };
     if !clearance.is_clear(&end) {
-        return unclear(&end);
+        return unclear(&end, 1.0);
     }
     // Shapes farther on the way, the next one last.
     let (mut here, mut ahead, mut shapes) = ((0.0, start.clone()), vec![(1.0, end)], 0);
@@ -115,15 +115,14 @@ pub(crate) fn solve_free(
         let middle = 0.5 * (here.0 + way);
         shapes += 1;
         if way - here.0 < LEAST_STEP || shapes > MOST_SHAPES {
-            return unclear(&ahead[0].1);
+            return unclear(&ahead[0].1, 1.0);
         }
         let mut between = Vec::new();
         if !known(model.look(&homotopy.at(middle, &initial), &mut between))? {
-            return unclear(&ahead[0].1);
+            return unclear(&ahead[0].1, 1.0);
         }
         if !clearance.is_clear(&between) {
-            let first_step = middle * clearance.first_step(&start, &between);
-            return Ok(FreeWay::Unclear { first_step: first_step.max(LEAST_FIRST_STEP) });
+            return unclear(&between, middle);
         }
         ahead.push((middle, between));
     }
@@ -243,15 +242,16 @@ impl Clearance {
         })
     }
 
-    /// The part of the way to the end on which no cross-section moves too far at once, nor comes to touch, if it moves in a straight line.
-    fn first_step(&self, start: &[Vec3], end: &[Vec3]) -> f64 {
-        let ways = start.iter().zip(end).map(|(start, end)| (*end - *start).norm());
+    /// The part of the way on which no cross-section moves too far at once, nor comes to touch, if it moves in a straight line to this shape,
+    /// which is found after a part of the way; no more than that part.
+    fn first_step(&self, start: &[Vec3], shape: &[Vec3], part: f64) -> f64 {
+        let ways = start.iter().zip(shape).map(|(start, end)| (*end - *start).norm());
         let farthest = ways.fold(0.0, f64::max);
         let stride = SHORTENED * STRIDE * self.length / farthest;
         let mut touch = f64::INFINITY;
         for (_, obstacle) in self.scene.iter() {
             let mut distance = DistanceBound::new(obstacle);
-            for (k, (start, end)) in start.iter().zip(end).enumerate().skip(1) {
+            for (k, (start, end)) in start.iter().zip(shape).enumerate().skip(1) {
                 if distance.least(*end) > self.reach[k] {
                     continue;
                 }
@@ -261,7 +261,7 @@ impl Clearance {
                 }
             }
         }
-        stride.min(touch).clamp(LEAST_FIRST_STEP, 1.0)
+        (part * stride.min(touch).min(1.0)).max(LEAST_FIRST_STEP)
     }
 
     /// Whether the free balls around each centre before and after cover its way, eq. (7).
@@ -294,7 +294,7 @@ mod tests {
     use crate::robot::{Backbone, Cable, Disks, Routing};
 
     /// A ball of 0.1 m with its surface so far beside the tip of a straight robot of 1 m.
-    fn first_step(gap: f64, way: f64) -> (f64, f64) {
+    fn first_step(gap: f64, way: f64, part: f64) -> (f64, f64) {
         let cable = Cable::new("0", Routing::Straight { angle: 0.0, radius: 0.01 });
         let disks = Disks::equally_spaced(1.0, 4, 0.01);
         let robot = Robot::new(Backbone::new(1.0), disks, vec![cable]).unwrap();
@@ -310,19 +310,20 @@ mod tests {
         let clearance = Clearance::new(&robot, &case, &[0.0, 0.5, 1.0]);
         let start = [0.0, 0.5, 1.0].map(|z| Vec3::new(0.0, 0.0, z));
         let end = [start[0], start[1], start[2] + Vec3::new(way, 0.0, 0.0)];
-        (clearance.first_step(&start, &end), clearance.reach[2])
+        (clearance.first_step(&start, &end, part), clearance.reach[2])
     }
 
     #[test]
     fn the_first_step_ends_where_the_robot_touches_or_goes_too_far() {
-        assert_eq!(first_step(1.0, 0.0).0, 1.0);
-        assert_eq!(first_step(1.0, 0.2).0, 1.0);
-        assert!((first_step(1.0, 0.5).0 - 0.45).abs() < 1e-12);
-        let (step, reach) = first_step(0.04, 0.08);
-        assert!((step - (0.04 - reach) / 0.08).abs() < 1e-12);
-        let (step, reach) = first_step(0.011, 0.2);
+        assert_eq!(first_step(1.0, 0.0, 1.0).0, 1.0);
+        assert_eq!(first_step(1.0, 0.2, 1.0).0, 1.0);
+        assert_eq!(first_step(1.0, 0.2, 0.5).0, 0.5);
+        assert!((first_step(1.0, 0.5, 1.0).0 - 0.45).abs() < 1e-12);
+        let (step, reach) = first_step(0.04, 0.08, 0.5);
+        assert!((step - 0.5 * (0.04 - reach) / 0.08).abs() < 1e-12);
+        let (step, reach) = first_step(0.011, 0.2, 0.5);
         assert!(reach > 0.005 && step == LEAST_FIRST_STEP, "{reach}, {step}");
         // Where it touches from the start nothing is known.
-        assert_eq!(first_step(-0.01, 0.2).0, 1.0);
+        assert_eq!(first_step(-0.01, 0.2, 1.0).0, 1.0);
     }
 }

@@ -7,7 +7,6 @@ use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use super::noted::{Found, Noted, NotedEnd, NotedWay, Noting, OnWay, where_it_counts};
 use super::steps::solve_rubbing;
-use super::watched_places::watched;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::derivatives::{Derivatives, gravity_change};
@@ -66,7 +65,7 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
     robot: &'a Robot,
     /// As the user wants the answer.
     options: &'a Options,
-    watched: Vec<f64>,
+    watched: &'a [f64],
     /// Where steps end.
     stations: Vec<f64>,
     initial_lengths: Vec<f64>,
@@ -95,17 +94,17 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
 }
 
 impl<'a, R: ContactRod> RodAdapter<'a, R> {
-    /// A rod whose cables have these lengths in m before actuation; `stiffness` is that of bending at the base, and it has at least
-    /// so many steps where the accuracy that is asked for does not say how many.
+    /// A rod that is watched at these arc lengths in m, and whose cables have these lengths in m before actuation; `stiffness` is that of
+    /// bending at the base, and it has at least so many steps where the accuracy that is asked for does not say how many.
     pub fn new(
         robot: &'a Robot,
         options: &'a Options,
+        watched: &'a [f64],
         initial_lengths: Vec<f64>,
         stiffness: f64,
         steps: usize,
     ) -> Self {
         let length = robot.backbone().length;
-        let watched = watched(robot);
         let count = watched.len();
         let mut adapter = Self {
             robot,
@@ -332,7 +331,7 @@ pub(super) fn differentiate_rubbing<R: ContactRod + Clone>(
 
 impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
     fn watched(&self) -> &[f64] {
-        &self.watched
+        self.watched
     }
 
     fn initial_lengths(&self) -> &[f64] {

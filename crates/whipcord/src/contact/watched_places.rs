@@ -42,7 +42,7 @@ impl WatchedPlaces {
 }
 
 /// The arc lengths at which the backbone is watched: those of the disks and some between.
-pub(super) fn watched(robot: &Robot) -> Vec<f64> {
+fn watched(robot: &Robot) -> Vec<f64> {
     let length = robot.backbone().length;
     let mut places = robot.disks().arc_lengths.clone();
     places.extend(equally_spaced(0.0, length, WATCHED + 1));

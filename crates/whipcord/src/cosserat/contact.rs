@@ -31,7 +31,8 @@ impl RodSolves for Cosserat {
     fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, ContactResponse>, SolveError> {
         let at_base = self.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let (initial, stiffness) = (self.initial_lengths(), at_base.column(0).x);
-        Ok(RodAdapter::new(&self.robot, &self.options, initial, stiffness, steps))
+        let watched = &self.watched_places().places;
+        Ok(RodAdapter::new(&self.robot, &self.options, watched, initial, stiffness, steps))
     }
 
     fn find_clear(
@@ -40,7 +41,7 @@ impl RodSolves for Cosserat {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<FreeWay, SolveError> {
-        let watched = self.watched.get_or_init(|| WatchedPlaces::of(&self.robot));
+        let watched = self.watched_places();
         let initial_lengths = self.initial_lengths();
         let mut free = FreeRod { model: self, workspace, watched, initial_lengths };
         contact::solve_free(&mut free, &self.robot, case, warm_start)
@@ -74,6 +75,10 @@ impl RodSolves for Cosserat {
 }
 
 impl Cosserat {
+    fn watched_places(&self) -> &WatchedPlaces {
+        self.watched.get_or_init(|| WatchedPlaces::of(&self.robot))
+    }
+
     /// Lengths of the cables before actuation in m.
     fn initial_lengths(&self) -> Vec<f64> {
         let mut initial_lengths = vec![0.0; self.layout.order.len()];

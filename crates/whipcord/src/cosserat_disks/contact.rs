@@ -31,7 +31,8 @@ impl RodSolves for CosseratDisks {
         let at_base = self.mesh(0)?.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let initial = self.frame().rest_lengths.clone();
         let stiffness = at_base.column(0).x;
-        Ok(RodAdapter::new(self.robot(), self.options(), initial, stiffness, steps))
+        let watched = &self.watched_places().places;
+        Ok(RodAdapter::new(self.robot(), self.options(), watched, initial, stiffness, steps))
     }
 
     fn find_clear(
@@ -40,7 +41,7 @@ impl RodSolves for CosseratDisks {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<FreeWay, SolveError> {
-        let watched = self.watched.get_or_init(|| WatchedPlaces::of(self.robot()));
+        let watched = self.watched_places();
         let mut free = FreeRod { model: self, workspace, watched };
         contact::solve_free(&mut free, self.robot(), case, warm_start)
     }
@@ -69,6 +70,12 @@ impl RodSolves for CosseratDisks {
         workspace: &mut Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
         self.solve_with_derivatives(case, near, parameters, workspace)
+    }
+}
+
+impl CosseratDisks {
+    fn watched_places(&self) -> &WatchedPlaces {
+        self.watched.get_or_init(|| WatchedPlaces::of(self.robot()))
     }
 }
 
