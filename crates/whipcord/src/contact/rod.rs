@@ -229,7 +229,7 @@ impl<R: ContactRod> RodAdapter<'_, R> {
 
     /// Notes where the watched places are.
     fn see(&mut self) {
-        self.found.shape().centres(&self.watched, &mut self.centres);
+        self.found.shape().centres(self.watched, &mut self.centres);
     }
 
     /// The derivatives of the answer that it stands at, with the contacts that hold it.

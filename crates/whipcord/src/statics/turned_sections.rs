@@ -30,8 +30,8 @@ pub(crate) struct TurnedSection {
 pub(crate) struct Turn {
     pub cos: f64,
     pub sin: f64,
-    /// Sign of slopes across the backbone: -1 on the way back.
-    pub way: f64,
+    /// Of slopes across the backbone: -1 on the way back.
+    pub slope_sign: f64,
 }
 
 impl Turn {
@@ -46,14 +46,14 @@ impl Turn {
     #[inline]
     fn slope(self, v: Vec3) -> Vec3 {
         let v = self.turned(v);
-        Vec3::new(self.way * v.x, self.way * v.y, v.z)
+        Vec3::new(self.slope_sign * v.x, self.slope_sign * v.y, v.z)
     }
 
     /// The strain of the section by that of the other one.
     #[inline]
     pub fn strain(self, Strain { linear, angular }: Strain) -> Strain {
         let u = self.turned(angular);
-        Strain { linear: self.slope(linear), angular: Vec3::new(u.x, u.y, self.way * u.z) }
+        Strain { linear: self.slope(linear), angular: Vec3::new(u.x, u.y, self.slope_sign * u.z) }
     }
 
     /// What takes one set of crossings to another, to rounding.
@@ -63,8 +63,9 @@ impl Turn {
             // That of the greatest offset turns the others most exactly.
             (a.offset.norm() == radius).then_some((a.radial, b.radial))
         })?;
-        let forth = Self { cos: a.x * b.x + a.y * b.y, sin: a.x * b.y - a.y * b.x, way: 1.0 };
-        [forth, Self { way: -1.0, ..forth }].into_iter().find(|turn| {
+        let forth =
+            Self { cos: a.x * b.x + a.y * b.y, sin: a.x * b.y - a.y * b.x, slope_sign: 1.0 };
+        [forth, Self { slope_sign: -1.0, ..forth }].into_iter().find(|turn| {
             of.iter().zip(to).all(|(a, b)| {
                 (turn.turned(a.offset) - b.offset).max_abs() <= ALIKE * radius
                     && (turn.slope(a.slope) - b.slope).max_abs() <= ALIKE
@@ -92,7 +93,7 @@ pub(crate) fn turned_sections(places: &[Place<'_>]) -> Vec<TurnedSection> {
                 return None;
             }
             let turn = Turn::between(other.crossings, place.crossings)?;
-            (turn.way > 0.0 || rest.z == 0.0).then_some(TurnedSection { node, of, turn })
+            (turn.slope_sign > 0.0 || rest.z == 0.0).then_some(TurnedSection { node, of, turn })
         });
         match found {
             Some(found) => turned.push(found),
@@ -132,7 +133,7 @@ mod tests {
     /// Two cables at so much of a span, and all of them turned.
     fn crossings(share: f64, angle: f64) -> Vec<Crossing> {
         let (sin, cos) = angle.sin_cos();
-        let turn = Turn { cos, sin, way: 1.0 };
+        let turn = Turn { cos, sin, slope_sign: 1.0 };
         let at = |from: Vec3, to: Vec3| {
             let offset = from + (to - from) * share;
             Crossing::new(turn.turned(offset), turn.turned((to - from) * (1.0 / 0.02)))
@@ -164,7 +165,7 @@ mod tests {
             assert_eq!(of, node % 3);
             let (sin, cos) = TURNS[node / 3].sin_cos();
             assert!((turn.cos - cos).abs() < 1e-15 && (turn.sin - sin).abs() < 1e-15);
-            assert!(turn.way > 0.0);
+            assert!(turn.slope_sign > 0.0);
         }
     }
 
@@ -177,7 +178,7 @@ mod tests {
             .collect();
         let all = [crossings(0.3, 0.0), crossings(0.3, -2.0), back];
         let turned = find(&round, &all);
-        assert_eq!(turned.iter().map(|of| of.turn.way).collect::<Vec<_>>(), [1.0, -1.0]);
+        assert_eq!(turned.iter().map(|of| of.turn.slope_sign).collect::<Vec<_>>(), [1.0, -1.0]);
         let solve = |crossings: &[Crossing]| {
             let mut strain = round.rest_strain();
             equilibrium(&round, crossings, &[2.0, 0.7], BodyWrench::default(), &mut strain)

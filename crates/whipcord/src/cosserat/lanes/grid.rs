@@ -17,8 +17,8 @@ pub(super) struct LaneGrid {
     pub rest_excess: Vec<f64>,
     /// Before how many steps a frame is kept, ascending.
     pub kept: Vec<usize>,
-    /// The nodes whose sections are not solved in the order of the rod, in the order in which they are.
-    pub first: Vec<usize>,
+    /// The nodes whose sections are solved ahead of all others, in the order in which they are.
+    pub solved_ahead: Vec<usize>,
     /// Those whose sections these give.
     pub turned: Vec<TurnedSection>,
     /// How many cables reach through a step: every number that occurs, once.
@@ -33,7 +33,7 @@ pub(super) struct LaneNode {
     pub weight: f64,
     /// Whether the section is that of the node before it ([`crate::statics::grid::Nodes::repeats`]).
     pub repeats: bool,
-    /// Whether it is in a run: one of [`LaneGrid::first`] or of [`LaneGrid::turned`].
+    /// Whether it is in a run: one of [`LaneGrid::solved_ahead`] or of [`LaneGrid::turned`].
     pub is_in_run: bool,
 }
 
@@ -94,7 +94,7 @@ impl LaneGrid {
             steps: grid.steps.iter().map(|step| step.length).collect(),
             rest_excess: grid.gauss.rest_excess.clone(),
             kept,
-            first: waves().flat_map(|wave| wave.nodes.iter().copied()).collect(),
+            solved_ahead: waves().flat_map(|wave| wave.nodes.iter().copied()).collect(),
             turned: grid.gauss.runs.iter().flat_map(|run| run.turned.iter().copied()).collect(),
             active,
         })
