@@ -52,6 +52,7 @@ pub fn derivatives(
     let count = parameters.len();
     let start = start.map(|solution| Arc::clone(&solution.inner));
     let of = Arc::clone(&case);
+    let remembers_steps = setup.get().robot.has_history();
     let answer = Setup::watched(setup, model, move |prepared| {
         match prepared {
             Prepared::Cosserat(..) | Prepared::CosseratDisks(..) | Prepared::Linkage(..) => {}
@@ -61,6 +62,11 @@ pub fn derivatives(
                 return Ok(Some((solution, Inner::FourBar(inner))));
             }
             Prepared::FourBar(..) | Prepared::ConstantCurvature(..) => return Ok(None),
+        }
+        if remembers_steps {
+            // No solution tells the steps before it: all of them are taken anew.
+            let (solution, inner) = prepared.solve_with_derivatives(&of, None, &parameters)?;
+            return Ok(Some((solution, Inner::All(inner))));
         }
         let mut left = None;
         if start.is_none() && !of.independent {

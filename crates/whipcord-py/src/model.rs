@@ -84,15 +84,26 @@ impl Model {
             };
             options.accuracy = match (tolerance, steps) {
                 (None, None) => options.accuracy,
-                (Some(tolerance), None) if tolerance > 0.0 => Accuracy::Tolerance(tolerance),
+                (Some(tolerance), None) if whipcord::Model::TOLERANCES.contains(&tolerance) => {
+                    Accuracy::Tolerance(tolerance)
+                }
+                (Some(_), None) => {
+                    let range = whipcord::Model::TOLERANCES;
+                    let message = format!(
+                        "tolerance must be from {:e} to {}, a part of the length",
+                        range.start(),
+                        range.end()
+                    );
+                    return Err(errors::input(py, "tolerance", message));
+                }
                 (None, Some(steps)) if steps > 0 => Accuracy::Steps(steps),
                 (Some(_), Some(_)) => {
                     let message = "give either a tolerance or a number of steps".to_owned();
                     return Err(errors::input(py, "steps", message));
                 }
                 _ => {
-                    let message = "tolerance and steps must be greater than zero".to_owned();
-                    return Err(errors::input(py, "tolerance", message));
+                    let message = "steps must be greater than zero".to_owned();
+                    return Err(errors::input(py, "steps", message));
                 }
             };
             match residual {

@@ -13,7 +13,7 @@ use whipcord_io::{CaseFile, Fit as Unknowns, FittedFile, Inexpressible, Mounting
 
 use crate::deadline;
 use crate::inputs::{self, Inputs};
-use crate::model_arguments::{ActuationArgument, actuation, model_parser};
+use crate::model_arguments::{ActuationArgument, FourBarArguments, actuation, model_parser};
 use crate::progress;
 use crate::warnings::Warnings;
 use whipcord_study::failure::{Failure, refuses};
@@ -40,6 +40,8 @@ pub struct FitArgs {
     /// the file gives it
     #[arg(long, value_name = "WHAT")]
     actuation: Option<ActuationArgument>,
+    #[command(flatten)]
+    four_bar: FourBarArguments,
     /// Parameter to estimate with one value for all files: a path such as backbone.diameter or
     /// cables[0].friction (lists count from 0); one number for several cables or motors:
     /// cables[*].axial_stiffness for all, motors[segment 1].stiffness for a group; replaces [fit]
@@ -175,7 +177,7 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         skips: true,
         starts: args.starts.into(),
         threads: args.threads,
-        ..Settings::new(model(args.model))
+        ..Settings::new(args.four_bar.applied_to(model(args.model))?)
     };
     let robot = &cases[0].robot;
     let fail = |error: IdentifyError| failure(&cases, &error);

@@ -310,7 +310,8 @@ fn summary(
     let repeats = match (solve.repeats, steps.len()) {
         (1, 0) => String::from("one cold solve"),
         (n, 0) => format!("median of {n} cold solves"),
-        (_, n) => format!("the last of {n} steps"),
+        (1, n) => format!("the last of {n} steps"),
+        (_, n) => format!("the mean of {n} steps"),
     };
     text += &format!(
         "solve time {} ({repeats}; building the model took {})\n",

@@ -33,8 +33,9 @@ impl<M: Noting> PathTracker<'_, M> {
         acting: impl Fn(f64) -> Acting,
         lost: SolveError,
     ) -> Result<(), SolveError> {
-        let is_cancelled = matches!(lost, SolveError::Cancelled { .. });
-        if is_cancelled || self.objects.count() > 0 || self.scene.iter().any(|(_, o)| is_pipe(o)) {
+        let is_ended =
+            matches!(lost, SolveError::Cancelled { .. } | SolveError::BudgetSpent { .. });
+        if is_ended || self.objects.count() > 0 || self.scene.iter().any(|(_, o)| is_pipe(o)) {
             return Err(lost);
         }
         let reached = self.reached;

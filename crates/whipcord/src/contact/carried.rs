@@ -158,12 +158,13 @@ impl Carried {
                 nearest.normal * pair.force + traction(nearest, pose)
             };
             contact.geometric(force, pair.total(), 6, Differences::Central, &mut all.blocks);
-            let sticking = grip.filter(|grip| grip.sticks);
             if let Some(grip) = grip.filter(|_| before.is_some()) {
                 all.remember_objects((pair, &grip), &turned, objects, scene);
             }
             let mut lines = Vec::new();
-            contact.lines(pair.force, sticking.as_ref(), &mut lines);
+            let normal = pair.nearest.normal;
+            let held = grip.as_ref().map(|grip| (grip, grip.held_axes(normal, before.is_some())));
+            contact.lines(pair.force, held, &mut lines);
             for (number, line) in lines.iter().enumerate() {
                 for mut end in line.ends().copied() {
                     // What slides bears along the surface in proportion.

@@ -146,7 +146,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         let pushes = (contacts + self.dampers.all.len()) as f64;
         let columns = 1.0 + pushes / COSTLY;
         self.spent += self.model.effort() * columns + (pushes / DENSE).powi(3);
-        if self.spent > self.budget {
+        if self.spent > self.budget || self.is_limit_passed() {
             let Self { iterations, residual, .. } = *self;
             return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
         }

@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::body::{Nearest, along};
+use super::body::{Nearest, along, tangents};
 
 /// How a contact holds on to its obstacle.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,19 @@ impl Grip {
     /// What touches at a pose of the cross-section has slid since the step began.
     pub fn slip_at(&self, pose: &Pose, nearest: &Nearest, rounding: f64) -> Vec3 {
         nearest.slip(&self.from, pose, rounding)
+    }
+
+    /// The directions along the surface in which a contact does not slide on from where it is: all of one that sticks; of one that slides
+    /// the one across its traction, unless it `remembers` where its step began, from where its slip turns the traction.
+    pub fn held_axes(&self, normal: Vec3, remembers: bool) -> impl Iterator<Item = Vec3> {
+        let across = normal.cross(self.traction);
+        let across = across / across.norm();
+        let (axes, count) = match (self.sticks, remembers) {
+            (true, _) => (tangents(normal), 2),
+            (false, false) if across.is_finite() => ([across; 2], 1),
+            (false, _) => ([Vec3::ZERO; 2], 0),
+        };
+        axes.into_iter().take(count)
     }
 
     /// How the traction of a contact that slides turns with its slip; with the normal it turns besides.

@@ -1,7 +1,7 @@
 //! The contacts of an answer, linearised: what each pushes when the robot moves under something else.
 //!
 //! With `X` the motions of the cross-sections that touch, `C` their compliance under pushes, `B δf` the pushes along the lines
-//! that hold (the normal of each contact, and the tangents of one that sticks) and `G X` what the pushes turn by, a motion `X₀`
+//! that hold (the normal of each contact, the tangents of one that sticks, the one across its traction of one that slides) and `G X` what the pushes turn by, a motion `X₀`
 //! that something else would cause without the contacts becomes
 //!
 //! ```text
@@ -9,7 +9,7 @@
 //! ```
 //!
 //! where the rows of `R` say how the gaps, and the slips of those that stick, change. A contact that slides keeps its force on
-//! Coulomb's cone and its way along the obstacle. One of the backbone moves along it to where the gap is least, an unknown more
+//! Coulomb's cone, and slides on along its traction: across it, it sticks. One of the backbone moves along it to where the gap is least, an unknown more
 //! with the condition that the tangent stays along the obstacle.
 //!
 //! Where the whole way to the answer is differentiated, slips count from where the cross-sections were at the equilibrium before, which
@@ -89,7 +89,7 @@ impl Holding {
         }
         for pair in &touching {
             let numbers = (holding.places.len(), holding.unknowns.len());
-            holding.add(pair, model, scene, length);
+            holding.add(pair, (model, scene), length, remembers);
             if let Some(grip) = pair.grip.filter(|_| remembers) {
                 let from = |s: f64| scene.carried(model.pose_before(s));
                 let along = Along { pair, grip, scene, from: &from };
@@ -105,7 +105,13 @@ impl Holding {
         holding
     }
 
-    fn add(&mut self, pair: &Pair, model: &impl Compliant, scene: &Scene, length: f64) {
+    fn add(
+        &mut self,
+        pair: &Pair,
+        (model, scene): (&impl Compliant, &Scene),
+        length: f64,
+        remembers: bool,
+    ) {
         let contact = self.places.len();
         let s = pair.member.arc_length;
         let (pose, body) = (model.pose(s), &pair.member.body);
@@ -141,12 +147,12 @@ impl Holding {
         }
         let unit = nearest.push();
         self.unknowns.push(Unknown::new(contact, along_normal, unit));
-        if let Some(grip) = pair.grip.filter(|grip| grip.sticks) {
+        if let Some(grip) = pair.grip {
             // From the answer on.
             let from = Grip { from: pose, ..grip };
             let slip = |pose: &Pose| [from.slip_at(pose, &at(pose), rounding)];
             let rates = differences(6, &pose, body.reach(), slip);
-            for axis in tangents(nearest.normal) {
+            for axis in grip.held_axes(nearest.normal, remembers) {
                 let rate = rates.map(|[rate]| rate.dot(axis));
                 let push = wrench_of(axis, lever);
                 self.unknowns.push(Unknown::new(contact, push, rate));

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::{Case, PointLoad};
 use crate::error::SolveError;
@@ -37,6 +38,9 @@ pub(crate) trait Compliant {
 
     /// What ends the solve from outside.
     fn cancel(&self) -> &Cancel;
+
+    /// What a solve may spend as its user says.
+    fn limit(&self) -> Budget;
 
     /// What an iteration without contacts costs, relative to one of a rod of 100 steps.
     fn effort(&self) -> f64;

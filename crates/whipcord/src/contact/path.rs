@@ -12,6 +12,7 @@ use super::pairs::Pairs;
 use super::scene::Scene;
 use super::step::Scratch;
 
+use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::{Cable, Robot};
@@ -368,6 +369,17 @@ impl<M: Compliant> PathTracker<'_, M> {
         Kept { pairs: self.pairs.clone(), objects: self.objects.clone(), odd: self.odd }
     }
 
+    /// Integration steps that take as long as its iterations.
+    const fn integration_steps(&self) -> usize {
+        (100.0 * self.spent) as usize
+    }
+
+    /// Whether it has spent more than its user lets it.
+    pub(super) fn is_limit_passed(&self) -> bool {
+        let Budget { iterations, integration_steps } = self.model.limit();
+        self.iterations > iterations || self.integration_steps() > integration_steps
+    }
+
     /// From here on it may spend a part of what the way may, whatever is spent.
     pub(super) fn renew_budget(&mut self) {
         self.budget = self.spent + RENEWED * self.model.budget();
@@ -396,6 +408,16 @@ impl<M: Compliant> PathTracker<'_, M> {
             Some(Stop::Model(error)) => Obstruction::Model(Box::new(error)),
             Some(Stop::NotConverged(residual)) => Obstruction::NotConverged { residual },
             Some(Stop::Slips) => Obstruction::Slips,
+            Some(Stop::Spent(Obstruction::BudgetSpent { iterations, .. }))
+                if self.is_limit_passed() =>
+            {
+                let integration_steps = self.integration_steps();
+                return SolveError::BudgetSpent {
+                    iterations,
+                    integration_steps,
+                    last_load: Some(way),
+                };
+            }
             Some(Stop::Spent(why) | Stop::Lost(why)) => why,
             Some(Stop::Cancelled) => return SolveError::Cancelled { last_load: Some(way) },
             None => Obstruction::Leaps,

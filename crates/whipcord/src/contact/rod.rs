@@ -7,6 +7,7 @@ use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use super::noted::{Found, Noted, NotedEnd, NotedWay, Noting, OnWay, where_it_counts};
 use super::steps::solve_rubbing;
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::derivatives::{Derivatives, gravity_change};
@@ -348,6 +349,10 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
 
     fn cancel(&self) -> &Cancel {
         &self.options.cancel
+    }
+
+    fn limit(&self) -> Budget {
+        self.options.budget
     }
 
     fn effort(&self) -> f64 {

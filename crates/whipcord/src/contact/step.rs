@@ -2,7 +2,7 @@
 
 use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
-use super::body::{Nearest, along};
+use super::body::{Nearest, along, tangents};
 use super::complementarity::{Complementarity, Contact};
 use super::dampers::Dampers;
 use super::friction::Grip;
@@ -78,7 +78,9 @@ impl Scratch {
             let contact = of_robot(k, pair, (&*model, &*scene, &*objects), sections);
             let carried = |grip: Grip| Grip { from: scene.carry(pair.obstacle, grip.from), ..grip };
             let normal_line = self.lines.len();
-            contact.lines(pair.force, pair.grip.map(carried).as_ref(), &mut self.lines);
+            let grip = pair.grip.map(carried);
+            let grip = grip.as_ref().map(|grip| (grip, tangents(pair.nearest.normal)));
+            contact.lines(pair.force, grip, &mut self.lines);
             self.lines[normal_line].gap -= pair.slide.map_or(0.0, |slide| slide.depth());
             let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
             // A ball looks the same from all sides.
@@ -110,7 +112,9 @@ impl Scratch {
         for pair in touching {
             let contact = of_objects(pair, (&*scene, &*objects), sections);
             let carried = |grip: Grip| Grip { from: scene.carry(pair.other, grip.from), ..grip };
-            contact.lines(pair.force, pair.grip.map(carried).as_ref(), &mut self.lines);
+            let grip = pair.grip.map(carried);
+            let grip = grip.as_ref().map(|grip| (grip, tangents(pair.nearest.normal)));
+            contact.lines(pair.force, grip, &mut self.lines);
             let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
             let normal = |nearest: &Nearest| nearest.normal * pair.force;
             if pair.force > 0.0 {

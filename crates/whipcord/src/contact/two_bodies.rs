@@ -6,7 +6,7 @@
 
 use whipcord_numerics::{Pose, Vec3, dot};
 
-use super::body::{Nearest, tangents, wrench_of};
+use super::body::{Nearest, wrench_of};
 use super::differences::{differences as central, one_sided};
 use super::friction::Grip;
 
@@ -92,9 +92,14 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         wrench_of(axis, self.arm(centre)).map(|component| -component)
     }
 
-    /// Its lines: that of the normal with this force, and two tangents where there is friction; the grip begins where the first
+    /// Its lines: that of the normal with this force, and those along the surface where there is friction; the grip begins where the first
     /// body was, carried along with the second.
-    pub fn lines(&self, force: f64, grip: Option<&Grip>, lines: &mut Vec<Line>) {
+    pub fn lines(
+        &self,
+        force: f64,
+        grip: Option<(&Grip, impl IntoIterator<Item = Vec3>)>,
+        lines: &mut Vec<Line>,
+    ) {
         let Nearest { normal, gap, .. } = *self.nearest;
         let Bodies { first, second } = self.bodies;
         let unit = self.nearest.push();
@@ -104,10 +109,10 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
             End { body, unit, rate: unit }
         });
         lines.push(Line { force: normal, ends: [on_first, on_second], gap, before: force });
-        let Some(grip) = grip else { return };
+        let Some((grip, axes)) = grip else { return };
         let slip = |pose: &Pose| [grip.slip_at(pose, &(self.look)(pose), self.rounding)];
         let rates = central(6, &self.pose, self.reach, slip);
-        for axis in tangents(normal) {
+        for axis in axes {
             let unit = wrench_of(axis, self.nearest.lever(self.rounding));
             let rate = rates.map(|[rate]| rate.dot(axis));
             let on_first = first.map(|body| End { body, unit, rate });

@@ -10,6 +10,7 @@ use super::motion::Coordinates;
 use super::statics::{Effort, FEW_ITERATIONS};
 use super::task::{DeadMoments, Task};
 use super::{Linkage, Workspace};
+use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Case;
 use crate::contact::model::{Compliant, Push};
@@ -270,6 +271,10 @@ impl Compliant for ContactAdapter<'_> {
 
     fn cancel(&self) -> &Cancel {
         &self.model.options.cancel
+    }
+
+    fn limit(&self) -> Budget {
+        self.model.options.budget
     }
 
     fn effort(&self) -> f64 {

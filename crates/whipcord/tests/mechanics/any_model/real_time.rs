@@ -5,7 +5,8 @@ use whipcord::{
     Solution, SolveError, Statics as _, Stations, Status, Vec3, WarmStart,
 };
 
-use crate::common::{helix, paper_backbone, paper_disks, straight};
+use crate::common::{helix, model_with_forces, paper_backbone, paper_disks, straight};
+use crate::contact::{among, finger, wall};
 
 fn model(kind: ModelKind) -> Model {
     Model::new(kind, Stations::Equal(25), Actuation::Natural)
@@ -226,5 +227,35 @@ fn a_solve_whose_budget_is_spent_says_so() {
         let expected = model(kind).solve(&robot, &case);
         let ample = Budget { iterations: 1_000, integration_steps: 100_000 };
         assert_eq!(model(kind).with_budget(ample).solve(&robot, &case), expected, "{kind}");
+    }
+}
+
+#[test]
+fn a_budget_ends_a_solve_among_obstacles() {
+    let case = among(Case::with_tensions(&[3.0]), vec![wall(0.05)]);
+    for friction in [None, Some(0.2)] {
+        let smooth = finger(9);
+        let cables = smooth.cables().iter().map(|cable| Cable { friction, ..cable.clone() });
+        let (backbone, disks) = (smooth.backbone().clone(), smooth.disks().clone());
+        let robot = Robot::new(backbone, disks, cables.collect()).unwrap();
+        for kind in ModelKind::ALL.into_iter().filter(|&kind| kind != ModelKind::ConstantCurvature)
+        {
+            let model = model_with_forces(kind, Stations::Disks, Actuation::Natural);
+            let expected = model.solve(&robot, &case).unwrap();
+            assert!(!expected.contacts.is_empty());
+            for iterations in [1, 3] {
+                let budget = Budget { iterations, ..Budget::UNLIMITED };
+                let error = model.clone().with_budget(budget).solve(&robot, &case).unwrap_err();
+                let SolveError::BudgetSpent { iterations: spent, .. } = error else {
+                    panic!("{kind}: {error}")
+                };
+                assert!((iterations..=iterations + 1).contains(&spent), "{kind}: {spent}");
+            }
+            let budget = Budget { integration_steps: 10, ..Budget::UNLIMITED };
+            let error = model.clone().with_budget(budget).solve(&robot, &case).unwrap_err();
+            assert!(matches!(error, SolveError::BudgetSpent { .. }), "{kind}: {error}");
+            let ample = Budget { iterations: 10_000, integration_steps: 1_000_000 };
+            assert_eq!(model.with_budget(ample).solve(&robot, &case).unwrap(), expected, "{kind}");
+        }
     }
 }

@@ -15,6 +15,7 @@ for_every_model!(
     the_backbone_on_a_ball,
     a_contact_that_sticks,
     a_contact_that_slides,
+    a_contact_slides_on_along_its_traction,
     a_cable_of_given_length,
     backward_is_forward_transposed,
     what_touches_nothing_has_the_derivatives_of_the_robot_alone,
@@ -220,6 +221,46 @@ fn a_contact_that_slides(tested: Tested) {
     let obstacle = Obstacle { friction: 0.1, ..wall(0.05) };
     // It slides up the wall as it is pulled.
     check_axes(tested, &among(Case::with_tensions(&[3.0]), vec![obstacle]), true, &[0, 2]);
+}
+
+/// A force across bends the finger sideways along the wall, and the answer is a corner: what slides on one way sticks the other. It
+/// slides on in steps from the answer.
+fn a_contact_slides_on_along_its_traction(tested: Tested) {
+    let robot = finger(9);
+    let at = |tension: f64, across: f64| {
+        let obstacle = Obstacle { friction: 0.3, ..wall(0.05) };
+        let mut case = among(Case::with_tensions(&[tension]), vec![obstacle]);
+        case.loads.tip_force.y = across;
+        case
+    };
+    let (tension, across) = (3.0, 0.1);
+    let mut model = tested.prepared(&robot, &at(tension, across));
+    let (solution, derivatives) =
+        model.solve_with_derivatives(&at(tension, across), None, &[]).unwrap();
+    assert!(!solution.contacts.is_empty());
+    let turned = |friction: Option<Vec3>| friction.is_some_and(|along| along.y.abs() > 1e-3);
+    assert!(solution.contacts.iter().all(|touch| !touch.sticks && turned(touch.friction)));
+    let here = values(&solution);
+    for (unit, [by_tension, by_force]) in [(1.0, [1.0, 0.0]), (0.03, [0.0, 1.0])] {
+        let on = |h: f64| {
+            let case = at(tension + by_tension * h * unit, across + by_force * h * unit);
+            let mut model = tested.prepared(&robot, &case);
+            let solution = model.solve(&case, Some(&solution)).unwrap();
+            assert!(solution.contacts.iter().all(|touch| !touch.sticks));
+            values(&solution)
+        };
+        let change = match by_tension == 1.0 {
+            true => derivatives.command(0),
+            false => derivatives.wrench(Place::Tip, 1, Hold::Commands),
+        };
+        let found: Vec<f64> = rates(&solution, &change).iter().map(|rate| unit * rate).collect();
+        // What the conditions of contact leave is the limit of one-sided differences.
+        assert_difference("on", 1e-4, &found, 1e-3, |h| {
+            let [one, two, three] = [h, 2.0 * h, 3.0 * h].map(on);
+            let at = |i: usize| 18.0 * one[i] - 9.0 * two[i] + 2.0 * three[i] - 11.0 * here[i];
+            (0..here.len()).map(|i| at(i) / (6.0 * h)).collect()
+        });
+    }
 }
 
 fn a_cable_of_given_length(tested: Tested) {
