@@ -295,6 +295,37 @@ def test_jacobians_are_those_of_differences(model: models.Cosserat | models.Coss
     assert np.allclose(derivatives.position_by_parameter[-1, :, 0], compliance[:, 0], rtol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "model",
+    [
+        models.Cosserat(steps=36),
+        models.CosseratDisks(steps=2),
+        "piecewise-constant-curvature",
+        "pseudo-rigid-body",
+        models.FourBar(objective="strain-energy", length_rule="free"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize(
+    ("example", "parameter"),
+    [("rubbing-finger", "cables[0].friction"), ("hysteresis-loop", "backbone.yield_moment")],
+)
+def test_derivatives_follow_all_steps_of_a_robot_that_remembers_them(
+    model: models.Cosserat | models.CosseratDisks | models.FourBar | str, example: str, parameter: str
+) -> None:
+    case = whipcord.load(f"examples/{example}.toml")
+    solution, derivatives = case.differentiate(parameters=[parameter], model=model)
+    assert np.allclose(solution.position, case.solve_steps(model=model)[-1].position, atol=1e-9)
+    value = case.parameter(parameter)
+    h = 1e-4 * value
+    ahead, behind = (
+        case.with_parameters({parameter: value + step}).solve_steps(model=model)[-1].position for step in (h, -h)
+    )
+    expected = (ahead - behind) / (2 * h)
+    got = derivatives.position_by_parameter[:, :, 0]
+    assert np.abs(got - expected).max() < 1e-4 * np.abs(expected).max()
+
+
 def test_pulling_back_is_the_transpose_of_pushing_forward() -> None:
     case = whipcord.load("examples/wall-mounted-arm.toml")
     parameters = ["backbone.young_modulus", "loads.mass[0].mass"]

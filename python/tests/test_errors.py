@@ -133,6 +133,7 @@ def test_wrong_options(case: whipcord.Case) -> None:
         ({"length": [[1]]}, "length must be a number in m or a text with a unit, but is [1]"),
         ({"actuation": "force"}, "choose tension or shortening"),
         ({"model": whipcord.models.Cosserat(steps=0)}, "greater than zero"),
+        ({"model": whipcord.models.CosseratDisks(tolerance=100.0)}, "tolerance must be from 1e-13 to 0.01"),
         ({"model": whipcord.models.Cosserat(steps=10**12)}, "must be at most 100000, but is 1000000000000"),
         ({"model": whipcord.models.FourBar(chord="bow")}, "there is no chord `bow`"),
     ):

@@ -98,15 +98,26 @@ pub(crate) fn movable_objects(model: ModelKind, case: &Case) -> Result<(), Solve
     })
 }
 
-/// Refuses a case with obstacles where something other than its shape is asked for.
-pub(crate) fn among_obstacles(what: &str, model: ModelKind, case: &Case) -> Result<(), SolveError> {
+/// Refuses derivatives of a case with obstacles.
+pub(crate) fn derivatives_among_obstacles(model: ModelKind, case: &Case) -> Result<(), SolveError> {
+    let advice = "remove the obstacles, or take finite differences of neighbouring solutions";
+    among_obstacles(("derivatives", advice), model, case)
+}
+
+/// Refuses branches of a case with obstacles.
+pub(crate) fn branches_among_obstacles(model: ModelKind, case: &Case) -> Result<(), SolveError> {
+    let advice = "a path of equilibria is followed while its equations stay the same, and contacts come and go on it: remove the obstacles, or raise the load in several `[[steps]]`, each from the equilibrium before";
+    among_obstacles(("branches", advice), model, case)
+}
+
+fn among_obstacles(
+    (what, advice): (&str, &'static str),
+    model: ModelKind,
+    case: &Case,
+) -> Result<(), SolveError> {
     if case.obstacles.is_empty() {
         return Ok(());
     }
-    Err(SolveError::Unsupported {
-        model,
-        path: format!("a request for {what}"),
-        what: "the case has obstacles",
-        advice: "remove the obstacles, or take finite differences of neighbouring solutions",
-    })
+    let path = format!("a request for {what}");
+    Err(SolveError::Unsupported { model, path, what: "the case has obstacles", advice })
 }

@@ -27,7 +27,7 @@ impl Cosserat {
         options: &BranchOptions,
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
-        refusal::among_obstacles("branches", ModelKind::Cosserat, case)?;
+        refusal::branches_among_obstacles(ModelKind::Cosserat, case)?;
         refusal::friction_with_branches(ModelKind::Cosserat, &self.robot)?;
         refusal::bending_friction_with_branches(ModelKind::Cosserat, &self.robot)?;
         let found = self.follow_branches(case, options, workspace);

@@ -31,7 +31,7 @@ impl CosseratDisks {
         options: &BranchOptions,
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
-        refusal::among_obstacles("branches", ModelKind::CosseratDisks, case)?;
+        refusal::branches_among_obstacles(ModelKind::CosseratDisks, case)?;
         refusal::friction_with_branches(ModelKind::CosseratDisks, self.robot())?;
         refusal::bending_friction_with_branches(ModelKind::CosseratDisks, self.robot())?;
         let found = self.follow_branches(case, options, workspace);

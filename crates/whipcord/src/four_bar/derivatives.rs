@@ -94,7 +94,7 @@ impl FourBar {
                 "take the objective coupler-angle or strain-energy",
             ));
         }
-        refusal::among_obstacles("derivatives", ModelKind::FourBar, case)?;
+        refusal::derivatives_among_obstacles(ModelKind::FourBar, case)?;
         let mut solution = Solution::empty(ModelKind::FourBar);
         let compromise = self.solve_and_tell(case, workspace, &mut solution)?;
         if compromise {

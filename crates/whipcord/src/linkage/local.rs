@@ -35,7 +35,7 @@ impl Linkage {
         warm_start: Option<&Solution>,
         workspace: &mut Workspace,
     ) -> Result<(Solution, Local), SolveError> {
-        refusal::among_obstacles("derivatives", self.kind, case)?;
+        refusal::derivatives_among_obstacles(self.kind, case)?;
         let at = [arc_length];
         if self.keeps_history() {
             let (solution, derivatives) =

@@ -251,7 +251,7 @@ impl Linkage {
         options: &BranchOptions,
         workspace: &mut Workspace,
     ) -> Result<Branches, SolveError> {
-        refusal::among_obstacles("branches", self.kind, case)?;
+        refusal::branches_among_obstacles(self.kind, case)?;
         refusal::friction_with_branches(self.kind, &self.robot)?;
         refusal::bending_friction_with_branches(self.kind, &self.robot)?;
         let found = self.follow_branches(case, options, workspace);
