@@ -51,6 +51,11 @@ pub(crate) trait Compliant {
         3500.0
     }
 
+    /// What it may spend on the way into pipes, before the way to the answer.
+    fn insertion_budget(&self) -> f64 {
+        self.budget()
+    }
+
     /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then
     /// has to be solved again.
     fn refine(&mut self) -> Result<bool, SolveError>;

@@ -154,12 +154,14 @@ impl Jumps {
 pub(super) struct Steps {
     pub first: f64,
     pub longest: f64,
+    /// What a step grows by after one that had to be shortened; after another it is doubled.
+    pub growth_after_short: f64,
 }
 
 impl Steps {
     /// No longer than this.
     pub const fn up_to(longest: f64) -> Self {
-        Self { first: longest, longest }
+        Self { first: longest, longest, growth_after_short: 2.0 }
     }
 }
 
@@ -233,7 +235,7 @@ impl<M: Noting> PathTracker<'_, M> {
         acting: impl Fn(f64) -> Acting,
         steps: Steps,
     ) -> Result<(), SolveError> {
-        let (mut way, mut step) = (0.0, steps.first);
+        let (mut way, mut step, mut was_short) = (0.0, steps.first, false);
         self.reached = 0.0;
         let mut jumps = Jumps::default();
         let watched = self.model.watched().len();
@@ -268,7 +270,9 @@ impl<M: Noting> PathTracker<'_, M> {
                     if way == 1.0 {
                         return Ok(());
                     }
-                    step = (2.0 * step).min(steps.longest);
+                    let growth = if was_short { steps.growth_after_short } else { 2.0 };
+                    was_short = false;
+                    step = (growth * step).min(steps.longest);
                     if self.is_touching() {
                         let is_counted = self.unstable.is_some();
                         step = step.min(if is_counted { COUNTED_STEP } else { LONGEST_STEP });
@@ -293,6 +297,7 @@ impl<M: Noting> PathTracker<'_, M> {
                     Some(stop)
                 }
             };
+            was_short = true;
             self.restore(kept);
             self.arrange(acting(way));
             if step >= LEAST_STEP {

@@ -27,6 +27,8 @@ const CONTACT_STEPS: [usize; 2] = [10, 96];
 
 /// What a tension of a passage adds to the effort of an iteration, and the cube of their number.
 const RUBBING_EFFORT: [f64; 2] = [0.003, 3e-7];
+/// What the way into pipes may spend on few steps: it is long where they are narrow and bent.
+const INSERTION_BUDGET: f64 = 3500.0;
 /// What a solve may spend where cables rub.
 const RUBBING_BUDGET: f64 = 2000.0;
 
@@ -367,6 +369,11 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
             return RUBBING_BUDGET;
         }
         if self.steps < CONTACT_STEPS[1] { 700.0 } else { 1500.0 }
+    }
+
+    fn insertion_budget(&self) -> f64 {
+        let are_few = self.steps < CONTACT_STEPS[1];
+        if are_few && !self.rubs { INSERTION_BUDGET } else { self.budget() }
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {

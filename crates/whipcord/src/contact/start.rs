@@ -15,6 +15,8 @@ use crate::solution::{Part, Solution};
 const FOUND_AGAIN: f64 = 1e-9;
 /// How far the base is drawn back to insert the robot, as a part of its length.
 const INSERTED: f64 = 1.02;
+/// In a narrow pipe all steps are short: after one that had to be shortened the next is little longer.
+const GROWTH_INSIDE: f64 = 1.2;
 
 /// Whether an obstruction may be that of an object, and not of the budget.
 const fn error_of_object(why: &Obstruction) -> bool {
@@ -85,7 +87,12 @@ impl<M: Noting> PathTracker<'_, M> {
         self.scene.draw_back(start);
         self.refuse_overlap()?;
         let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
-        self.go(case, |_| case.clone(), back)
+        let growth_after_short = GROWTH_INSIDE;
+        let steps = Steps { growth_after_short, ..Steps::up_to(self.longest_step()) };
+        self.budget = self.spent + self.model.insertion_budget();
+        self.go_in_steps(case, |_| case.clone(), back, steps)?;
+        self.budget = self.spent + self.model.budget();
+        Ok(())
     }
 
     /// Goes the way once more with all objects held where they are, then takes away what holds them: a grasp may be the first thing

@@ -108,7 +108,7 @@ fn solve_step(
     };
     tracker.start((&at(0.0), of_case(0.0)), warm_start, &to_base)?;
     let longest = tracker.longest_step();
-    let steps = Steps { first: first_step.min(longest), longest };
+    let steps = Steps { first: first_step.min(longest), ..Steps::up_to(longest) };
     let mut gone = tracker.go_in_steps(case, at, grow, steps);
     if let Err(error) = &gone
         && warm_start.is_none()

@@ -165,6 +165,31 @@ fn sections_lie_where_the_rod_does() {
     }
 }
 
+/// With half a millimetre and less around the disks all steps of the way in are short.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
+fn a_catheter_finds_its_way_into_a_narrow_vessel() {
+    let robot = catheter(20);
+    for radius in [0.0022, 0.002] {
+        let mut vessel = pipe(9);
+        let Form::Pipe(bore) = &vessel.form else { unreachable!() };
+        vessel.form = Form::Pipe(Pipe::new(radius, bore.points(), Bends::Smooth).unwrap());
+        let case = among(Case::with_tensions(&[20.0]), vec![vessel.clone()]);
+        let solve = |kind: ModelKind| {
+            let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+            model.prepare(&robot, &case.loads).unwrap().solve(&case, None).unwrap()
+        };
+        let sections = solve(ModelKind::PiecewiseConstantCurvature);
+        for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks] {
+            let rod = solve(kind);
+            let apart = rod.disks.distances(&sections.disks).fold(0.0, f64::max);
+            assert!(apart < 0.01 * LENGTH, "{kind}: {apart}");
+            assert!(rod.contacts.len() >= 3, "{kind}: {:?}", rod.contacts);
+            assert_clear(&robot, &rod, &vessel);
+        }
+    }
+}
+
 #[test]
 fn a_vessel_that_is_too_narrow_is_told_of() {
     let mut vessel = pipe(3);
