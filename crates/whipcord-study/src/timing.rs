@@ -3,7 +3,7 @@
 use std::num::NonZero;
 use std::time::{Duration, Instant};
 
-use whipcord::{Case, Model, Robot, Shape, Solution, SolveError, over_determined};
+use whipcord::{Cable, Case, Model, Robot, Shape, Solution, SolveError, over_determined};
 
 use crate::statistics::median;
 
@@ -81,8 +81,9 @@ pub fn solve_within(
             begun = Instant::now();
         })?;
     }
-    // Among obstacles a robot that remembers has all steps found before the first is told.
-    if robot.has_history() && !case.obstacles.is_empty() && !case.independent && !steps.is_empty() {
+    // Among obstacles a robot whose cables rub has all steps found before the first is told.
+    let rubs = robot.cables().iter().any(Cable::has_friction);
+    if rubs && !case.obstacles.is_empty() && !case.independent && !steps.is_empty() {
         let repeats = steps.len();
         let median = steps.iter().map(|(_, time)| time).sum::<f64>() / repeats as f64;
         steps.iter_mut().for_each(|(_, time)| *time = median);

@@ -10,7 +10,7 @@ use crate::warm_start::Status;
 ///
 /// It is part of a model's options ([`Model::with_budget`](crate::Model::with_budget)). A solve that has spent it ends with
 /// [`SolveError::BudgetSpent`], or where it is asked for by [`Prepared::solve_into`](crate::Prepared::solve_into) with the best
-/// shape so far. As long as it is not spent, it changes no answer.
+/// shape so far, but among obstacles with none. As long as it is not spent, it changes no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     /// Newton iterations, those at parts of the load and those in vain among them.

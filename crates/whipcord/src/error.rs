@@ -390,6 +390,7 @@ impl SolveError {
         !matches!(
             self,
             Self::Cancelled { .. }
+                | Self::BudgetSpent { .. }
                 | Self::ObjectOverlaps { .. }
                 | Self::ObstacleInTheWay { .. }
                 | Self::Obstructed { why: Obstruction::BudgetSpent { .. }, .. }

@@ -208,7 +208,11 @@ pub fn run(args: &FitArgs, style: Style) -> Result<String, Failure> {
         return Err(Failure::Solve(format!("error: {}", not_converged(&paths, &found))));
     }
     let models = match args.compare_models {
-        true => ModelKind::ALL.into_iter().map(model).collect(),
+        // The one that is fitted with the options that it has.
+        true => ModelKind::ALL
+            .into_iter()
+            .map(|kind| if kind == args.model { settings.model.clone() } else { model(kind) })
+            .collect(),
         false => Vec::new(),
     };
     let asked = Asked {

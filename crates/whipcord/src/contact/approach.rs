@@ -60,7 +60,9 @@ impl<M: Noting> PathTracker<'_, M> {
                     self.lose_notes();
                     return Ok(());
                 }
-                Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                Err(error @ (SolveError::Cancelled { .. } | SolveError::BudgetSpent { .. })) => {
+                    return Err(error);
+                }
                 Err(_) => {}
             }
         }

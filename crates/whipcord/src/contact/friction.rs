@@ -30,11 +30,12 @@ impl Grip {
     }
 
     /// The directions along the surface in which a contact does not slide on from where it is: all of one that sticks; of one that slides
-    /// the one across its traction, unless it `remembers` where its step began, from where its slip turns the traction.
-    pub fn held_axes(&self, normal: Vec3, remembers: bool) -> impl Iterator<Item = Vec3> {
+    /// the one across its traction, unless it `slides_across`: where it remembers where its step began, from where its slip turns the traction,
+    /// and where something else keeps it from that.
+    pub fn held_axes(&self, normal: Vec3, slides_across: bool) -> impl Iterator<Item = Vec3> {
         let across = normal.cross(self.traction);
         let across = across / across.norm();
-        let (axes, count) = match (self.sticks, remembers) {
+        let (axes, count) = match (self.sticks, slides_across) {
             (true, _) => (tangents(normal), 2),
             (false, false) if across.is_finite() => ([across; 2], 1),
             (false, _) => ([Vec3::ZERO; 2], 0),

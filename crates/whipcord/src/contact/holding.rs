@@ -42,6 +42,13 @@ const ONE_CONTACT: f64 = 1e-3;
 /// A backbone that bends away from what it touches by less than this, in units of 1/L, lies on it: its contacts stay.
 const LIES_ON: f64 = 1e-2;
 
+/// What a contact that slides yields across its traction, as a part of what the robot does: several on one disk may depend on one another
+/// there, and share what they carry.
+const SHARING: f64 = 1e-10;
+
+/// Sine of the angle between the normals of two contacts of a cross-section by which it slides along both obstacles only.
+const GUIDED: f64 = 0.02;
+
 /// Step of differences along the backbone, as a part of its length.
 const ALONG: f64 = 1e-5;
 
@@ -89,7 +96,12 @@ impl Holding {
         }
         for pair in &touching {
             let numbers = (holding.places.len(), holding.unknowns.len());
-            holding.add(pair, (model, scene), length, remembers);
+            // Beside another obstacle its normals alone keep a disk from sliding across the tractions.
+            let is_guided = touching.iter().any(|other| {
+                let turned = other.nearest.normal.cross(pair.nearest.normal).norm();
+                other.member.arc_length == pair.member.arc_length && turned > GUIDED
+            });
+            holding.add(pair, (model, scene), length, remembers || is_guided);
             if let Some(grip) = pair.grip.filter(|_| remembers) {
                 let from = |s: f64| scene.carried(model.pose_before(s));
                 let along = Along { pair, grip, scene, from: &from };
@@ -110,7 +122,7 @@ impl Holding {
         pair: &Pair,
         (model, scene): (&impl Compliant, &Scene),
         length: f64,
-        remembers: bool,
+        slides_across: bool,
     ) {
         let contact = self.places.len();
         let s = pair.member.arc_length;
@@ -152,10 +164,11 @@ impl Holding {
             let from = Grip { from: pose, ..grip };
             let slip = |pose: &Pose| [from.slip_at(pose, &at(pose), rounding)];
             let rates = differences(6, &pose, body.reach(), slip);
-            for axis in grip.held_axes(nearest.normal, remembers) {
+            let own = if grip.sticks { 0.0 } else { SHARING * length / model.force_scale() };
+            for axis in grip.held_axes(nearest.normal, slides_across) {
                 let rate = rates.map(|[rate]| rate.dot(axis));
                 let push = wrench_of(axis, lever);
-                self.unknowns.push(Unknown::new(contact, push, rate));
+                self.unknowns.push(Unknown { own, ..Unknown::new(contact, push, rate) });
             }
         }
         if pair.member.part == Part::Backbone

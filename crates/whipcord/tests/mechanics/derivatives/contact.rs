@@ -3,8 +3,8 @@
 use whipcord::cosserat::{Accuracy, Options};
 use whipcord::derivatives::{Cotangent, Hold, Place};
 use whipcord::{
-    Case, Linearization, Obstacle, Parameter, Prepared, Robot, Shortening, Solution, Stations,
-    Twist, Vec3,
+    Case, Linearization, Obstacle, Parameter, Pose, Prepared, Robot, Shortening, Solution,
+    Stations, Twist, UnitQuaternion, Vec3,
 };
 
 use super::{Tested, off_with_all};
@@ -16,6 +16,7 @@ for_every_model!(
     a_contact_that_sticks,
     a_contact_that_slides,
     a_contact_slides_on_along_its_traction,
+    two_contacts_slide_along_a_groove,
     a_cable_of_given_length,
     backward_is_forward_transposed,
     what_touches_nothing_has_the_derivatives_of_the_robot_alone,
@@ -261,6 +262,28 @@ fn a_contact_slides_on_along_its_traction(tested: Tested) {
             (0..here.len()).map(|i| at(i) / (6.0 * h)).collect()
         });
     }
+}
+
+/// What keeps a disk from sliding across one of the walls, the other one keeps it from, too.
+fn two_contacts_slide_along_a_groove(tested: Tested) {
+    let side = |angle: f64| {
+        let turn = Pose { rotation: UnitQuaternion::exp(Vec3::Z * angle), ..Pose::IDENTITY };
+        let (wall, name) = (wall(0.045), format!("wall at {angle} rad"));
+        Obstacle { friction: 0.1, pose: turn * wall.pose, name, ..wall }
+    };
+    let case = among(Case::with_tensions(&[3.0]), vec![side(0.6), side(-0.6)]);
+    let robot = finger(9);
+    let (solution, derivatives) = tested.differentiate(&robot, &case, &[]);
+    assert!(solution.contacts.len() > 1 && solution.contacts.iter().all(|touch| !touch.sticks));
+    let found = rates(&solution, &derivatives.command(0));
+    // From rest, where the slips on the way turn the tractions a little.
+    assert_difference("command", 5e-3, &found, 1e-3, |h| {
+        difference(tested, &solution, true, h, |x| {
+            let mut case = case.clone();
+            case.commands[0].tension = Some(3.0 + x);
+            (robot.clone(), case)
+        })
+    });
 }
 
 fn a_cable_of_given_length(tested: Tested) {
