@@ -83,15 +83,14 @@ pub fn solve_within(
     }
     // Among obstacles a robot whose cables rub has all steps found before the first is told.
     let rubs = robot.cables().iter().any(Cable::has_friction);
+    let mut repeats = 1;
     if rubs && !case.obstacles.is_empty() && !case.independent && !steps.is_empty() {
-        let repeats = steps.len();
-        let median = steps.iter().map(|(_, time)| time).sum::<f64>() / repeats as f64;
-        steps.iter_mut().for_each(|(_, time)| *time = median);
-        let solution = steps[repeats - 1].0.clone();
-        return Ok(TimedSolution { solution, solve: Timing { median, repeats }, build, steps });
+        repeats = steps.len();
+        let mean = steps.iter().map(|(_, time)| time).sum::<f64>() / repeats as f64;
+        steps.iter_mut().for_each(|(_, time)| *time = mean);
     }
     if let Some((solution, time)) = steps.last() {
-        let solve = Timing { median: *time, repeats: 1 };
+        let solve = Timing { median: *time, repeats };
         return Ok(TimedSolution { solution: solution.clone(), solve, build, steps });
     }
     let (solution, solve) = measure(budget, REPEATS, || prepared.solve(case, None));
