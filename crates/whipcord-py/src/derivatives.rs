@@ -52,7 +52,6 @@ pub fn derivatives(
     let count = parameters.len();
     let start = start.map(|solution| Arc::clone(&solution.inner));
     let of = Arc::clone(&case);
-    let remembers_steps = setup.get().robot.has_history();
     let answer = Setup::watched(setup, model, move |prepared| {
         match prepared {
             Prepared::Cosserat(..) | Prepared::CosseratDisks(..) | Prepared::Linkage(..) => {}
@@ -63,20 +62,8 @@ pub fn derivatives(
             }
             Prepared::FourBar(..) | Prepared::ConstantCurvature(..) => return Ok(None),
         }
-        if remembers_steps {
-            // No solution tells the steps before it: all of them are taken anew.
-            let (solution, inner) = prepared.solve_with_derivatives(&of, None, &parameters)?;
-            return Ok(Some((solution, Inner::All(inner))));
-        }
-        let mut left = None;
-        if start.is_none() && !of.independent {
-            for step in of.single_steps().take(of.before.len()) {
-                left = Some(prepared.solve(&step, left.as_ref())?);
-            }
-        }
-        let start = start.as_deref().or(left.as_ref());
-        let last = Case { before: Vec::new(), ..(*of).clone() };
-        let (solution, inner) = prepared.solve_with_derivatives(&last, start, &parameters)?;
+        let (solution, inner) =
+            prepared.solve_last_with_derivatives(&of, start.as_deref(), &parameters)?;
         Ok(Some((solution, Inner::All(inner))))
     })?;
     let Some((solution, inner)) = answer else {

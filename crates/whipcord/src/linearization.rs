@@ -360,6 +360,8 @@ impl Prepared {
             return Ok(());
         }
         let of_rod = |of: Option<_>| of.map(|of| Linearization::Rod(Box::new(of)));
+        // Of answers among obstacles that rub the way to them is differentiated.
+        let follows_way = case.has_rubbing_obstacles() && !self.robot().has_bending_friction();
         match self {
             Self::Cosserat(model, workspace) if model.bends_in_steps() => {
                 let mut step = 0;
@@ -375,7 +377,7 @@ impl Prepared {
                     step += 1;
                 });
             }
-            Self::Cosserat(model, workspace) if model.has_friction() => {
+            Self::Cosserat(model, workspace) if model.has_friction() || follows_way => {
                 return model.slide_with_derivatives(
                     case,
                     parameters,
@@ -384,7 +386,7 @@ impl Prepared {
                     |(solution, of)| each(solution, of_rod(of)),
                 );
             }
-            Self::CosseratDisks(model, workspace) if model.has_friction() => {
+            Self::CosseratDisks(model, workspace) if model.has_friction() || follows_way => {
                 return model.solve_steps_with_derivatives(
                     case,
                     parameters,
@@ -393,7 +395,9 @@ impl Prepared {
                     |(solution, of)| each(solution, of_rod(of)),
                 );
             }
-            Self::Linkage(model, workspace) if model.has_friction() || model.keeps_history() => {
+            Self::Linkage(model, workspace)
+                if model.has_friction() || model.keeps_history() || follows_way =>
+            {
                 return model.solve_steps_with_derivatives(
                     case,
                     parameters,
@@ -403,7 +407,7 @@ impl Prepared {
                 );
             }
             Self::FourBar(model, workspace) => {
-                let remembers = model.has_memory();
+                let remembers = model.has_memory() || follows_way;
                 if let Some((chain, workspace)) = model.chain(workspace).filter(|_| remembers) {
                     return chain.solve_steps_with_derivatives(
                         case,
@@ -428,6 +432,40 @@ impl Prepared {
             each(last.insert(solution).clone(), of);
         }
         Ok(())
+    }
+
+    /// The answer to the last step of a case with its derivatives, from a neighbouring answer where one is given, else from rest through all
+    /// steps. A robot that remembers these takes them anew whatever is given, as no answer tells them.
+    ///
+    /// # Errors
+    /// As [`Self::solve_with_derivatives`].
+    pub fn solve_last_with_derivatives(
+        &mut self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+        parameters: &[Parameter],
+    ) -> Result<(Solution, Linearization), SolveError> {
+        let follows_way = warm_start.is_none() && case.has_rubbing_obstacles();
+        if self.robot().has_history() || follows_way {
+            return self.solve_with_derivatives(case, None, parameters);
+        }
+        let left = self.lead_to_last(case, warm_start)?;
+        let last = Case { before: Vec::new(), ..case.clone() };
+        self.solve_with_derivatives(&last, left.as_ref(), parameters)
+    }
+
+    /// Where the last step of a case begins: at the answer that is given, or at that to the step before.
+    pub(crate) fn lead_to_last(
+        &mut self,
+        case: &Case,
+        warm_start: Option<&Solution>,
+    ) -> Result<Option<Solution>, SolveError> {
+        let mut left = warm_start.cloned();
+        let before = if left.is_some() || case.independent { 0 } else { case.before.len() };
+        for step in case.single_steps().take(before) {
+            left = Some(self.solve(&step, left.as_ref())?);
+        }
+        Ok(left)
     }
 
     /// The derivatives of the answer to a case, from that answer: the model is not built anew, and of the solve only the

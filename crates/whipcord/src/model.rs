@@ -11,7 +11,7 @@ use crate::error::SolveError;
 use crate::kind::ModelKind;
 use crate::kinematics::Local;
 use crate::prepared::Prepared;
-use crate::robot::{Cable, Robot, check_on_backbone};
+use crate::robot::{Robot, check_on_backbone};
 use crate::solution::Solution;
 use crate::statics::Statics;
 use crate::statics::options::StabilityAnalysis;
@@ -295,28 +295,20 @@ impl Model {
             }
         };
         let mut prepared = model.prepare(robot, &case.loads)?;
-        let slides = self.has_hole_friction() && robot.cables().iter().any(Cable::has_friction);
-        if slides || robot.has_bending_friction() {
-            // No solution tells the steps before it: all of them are taken anew.
-            let (solution, derivatives) = prepared.solve_with_derivatives(case, None, &[])?;
-            let local = derivatives.at(crate::derivatives::Place::Station(0))?;
-            return Ok((solution, local));
+        if case.obstacles.is_empty() && !robot.has_history() {
+            let left = prepared.lead_to_last(case, warm_start)?;
+            let chain = match &mut prepared {
+                Prepared::Linkage(model, workspace) => Some((&**model, &mut **workspace)),
+                Prepared::FourBar(model, workspace) => model.chain(workspace),
+                _ => None,
+            };
+            if let Some((chain, workspace)) = chain {
+                let last = Case { before: Vec::new(), ..case.clone() };
+                return chain.solve_at(&last, arc_length, left.as_ref(), workspace);
+            }
         }
-        let mut left = warm_start.cloned();
-        let before = if left.is_some() || case.independent { 0 } else { case.before.len() };
-        for step in case.single_steps().take(before) {
-            left = Some(prepared.solve(&step, left.as_ref())?);
-        }
-        let last = Case { before: Vec::new(), ..case.clone() };
-        let chain = match &mut prepared {
-            Prepared::Linkage(model, workspace) => Some((&**model, &mut **workspace)),
-            Prepared::FourBar(model, workspace) => model.chain(workspace),
-            _ => None,
-        };
-        if let Some((chain, workspace)) = chain.filter(|_| case.obstacles.is_empty()) {
-            return chain.solve_at(&last, arc_length, left.as_ref(), workspace);
-        }
-        let (solution, derivatives) = prepared.solve_with_derivatives(&last, left.as_ref(), &[])?;
+        let (solution, derivatives) =
+            prepared.solve_last_with_derivatives(case, warm_start, &[])?;
         let local = derivatives.at(crate::derivatives::Place::Station(0))?;
         Ok((solution, local))
     }

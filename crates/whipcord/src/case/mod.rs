@@ -197,6 +197,11 @@ impl Case {
         Some(steps)
     }
 
+    /// Whether an obstacle has friction: the answer remembers the way to it.
+    pub(crate) fn has_rubbing_obstacles(&self) -> bool {
+        self.obstacles.iter().any(Obstacle::has_friction)
+    }
+
     /// The steps that lead to the answer to this case, of [`Self::single_steps`]: all of them, or the last alone where they are
     /// independent.
     pub fn leading_steps(&self) -> impl Iterator<Item = Self> + '_ {

@@ -135,7 +135,8 @@ impl Carried {
                     grip.sticks |= grip.slip.norm() <= OVERLAP * length;
                     return Grip { from: scene.carry(pair.other, grip.from), ..grip };
                 }
-                // From the answer on.
+                // From the answer on, where it slides on.
+                grip.sticks &= !grip.is_at_bound(pair.force, ABOUT_TO_CHANGE);
                 Grip { from: contact.pose, slip: Vec3::ZERO, ..grip }
             });
             let turning = grip.filter(|grip| before.is_some() && !grip.sticks);

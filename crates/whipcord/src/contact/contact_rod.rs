@@ -89,7 +89,8 @@ pub(crate) trait ContactRod: Default {
     /// Its grid.
     fn grid(&self) -> Option<&Grid>;
 
-    /// How the cables stand in their holes where it stands, in equilibrium; `None` where none rubs.
+    /// How the cables stand in their holes where it stands, in equilibrium, where every cable that rubs nowhere is one passage; `None`
+    /// before it has stood anywhere.
     fn standing(&self) -> Option<Standing>;
 
     /// Where it stands, without keeping it.

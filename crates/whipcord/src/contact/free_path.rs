@@ -4,11 +4,11 @@ use whipcord_numerics::Vec3;
 
 use super::homotopy::Homotopy;
 use super::model::is_near;
+use super::path::rounded_step;
 use super::scene::{DistanceBound, Scene};
 use super::step_length::{SHORTENED, STRIDE};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
-use crate::obstacle::Obstacle;
 use crate::robot::Robot;
 use crate::solution::Solution;
 
@@ -67,7 +67,7 @@ pub(crate) fn solve_free(
     warm_start: Option<&Solution>,
 ) -> Result<FreeWay, SolveError> {
     let can_move = case.obstacles.iter().any(|obstacle| obstacle.movable.is_some());
-    let has_history = !case.before.is_empty() && case.obstacles.iter().any(Obstacle::has_friction);
+    let has_history = !case.before.is_empty() && case.has_rubbing_obstacles();
     if can_move || has_history || warm_start.is_some_and(|answer| !answer.contacts.is_empty()) {
         return Ok(WHOLE);
     }
@@ -98,7 +98,10 @@ pub(crate) fn solve_free(
         return Ok(WHOLE);
     }
     let unclear = |shape: &[Vec3], part: f64| {
-        let first_step = clearance.first_step(&start, shape, part);
+        let mut first_step = clearance.first_step(&start, shape, part);
+        if case.has_rubbing_obstacles() {
+            first_step = rounded_step(0.0, first_step);
+        }
         Ok(FreeWay::Unclear { first_step })
     };
     if !clearance.is_clear(&end) {

@@ -29,6 +29,11 @@ impl Grip {
         nearest.slip(&self.from, pose, rounding)
     }
 
+    /// Whether the traction is all, but for this part, that friction bears under a force in N: it slides on where it was, or sticks.
+    pub fn is_at_bound(&self, force: f64, part: f64) -> bool {
+        self.traction.norm() >= (1.0 - part) * self.coefficient * force
+    }
+
     /// The directions along the surface in which a contact does not slide on from where it is: all of one that sticks; of one that slides
     /// the one across its traction, unless it `slides_across`: where it remembers where its step began, from where its slip turns the traction,
     /// and where something else keeps it from that.

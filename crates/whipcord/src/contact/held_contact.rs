@@ -42,9 +42,8 @@ pub(super) fn is_near_change(
         return gap <= near * length;
     }
     let of_grip = grip.is_some_and(|grip| {
-        let most = grip.coefficient * force;
         if grip.sticks {
-            grip.traction.norm() >= (1.0 - near) * most
+            grip.is_at_bound(force, near)
         } else {
             grip.slip.norm() <= OVERLAP.min(near) * length
         }

@@ -90,8 +90,11 @@ impl Holding {
         let mut touching = merged(pairs, length);
         for pair in &mut touching {
             if let Some(grip) = &mut pair.grip {
-                // What has not slid, though its traction is at its bound, stays where it was.
-                grip.sticks |= remembers && grip.slip.norm() <= OVERLAP * length;
+                // What has not slid, though its traction is at its bound, stays where it was; from the answer on it slides on.
+                match remembers {
+                    true => grip.sticks |= grip.slip.norm() <= OVERLAP * length,
+                    false => grip.sticks &= !grip.is_at_bound(pair.force, ABOUT_TO_CHANGE),
+                }
             }
         }
         for pair in &touching {

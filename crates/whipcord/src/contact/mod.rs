@@ -86,5 +86,5 @@ pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::RodAdapter;
 pub(crate) use rod_response::{Linearised, RodHoles, RodResponse};
 pub(crate) use rod_solves::RodSolves;
-pub(crate) use steps::{solve, solve_holding, solve_rubbing};
+pub(crate) use steps::{RubbedAnswer, solve, solve_holding, solve_rubbing};
 pub(crate) use watched_places::WatchedPlaces;

@@ -165,6 +165,14 @@ impl Steps {
     }
 }
 
+/// A step that ends at a round place of the way, if that is not much nearer: the same for neighbouring cases, as friction remembers the places
+/// of the way.
+pub(super) fn rounded_step(way: f64, step: f64) -> f64 {
+    const PLACES: [f64; 2] = [64.0, 512.0];
+    let rounded = PLACES.map(|places| ((way + step) * places).floor() / places - way);
+    rounded.into_iter().find(|&rounded| rounded >= 0.5 * step).unwrap_or(step)
+}
+
 /// Whether any cable rubs in its holes.
 pub(super) fn has_friction(robot: &Robot) -> bool {
     robot.cables().iter().any(Cable::has_friction)
@@ -285,6 +293,9 @@ impl<M: Noting> PathTracker<'_, M> {
                 }
                 Ok(Some(part)) => {
                     step = (next - way) * part;
+                    if asked.has_rubbing_obstacles() && !self.rubs {
+                        step = rounded_step(way, step);
+                    }
                     None
                 }
                 Err(stop @ (Stop::Spent(_) | Stop::Lost(_) | Stop::Cancelled)) => {

@@ -6,7 +6,7 @@ use super::contact_rod::ContactRod;
 use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use super::noted::{Found, Noted, NotedEnd, NotedWay, Noting, OnWay, where_it_counts};
-use super::steps::solve_rubbing;
+use super::steps::{RubbedAnswer, solve_rubbing};
 use crate::budget::Budget;
 use crate::cancel::Cancel;
 use crate::case::Case;
@@ -286,7 +286,8 @@ pub(crate) fn rub<R: ContactRod>(
     mut each: impl FnMut((Solution, bool)),
 ) -> Result<(), (usize, SolveError)> {
     let robot = adapter.robot;
-    solve_rubbing(adapter, robot, case, |adapter, (mut solution, has_touched)| {
+    solve_rubbing(adapter, robot, (case, 1.0), |adapter, answer| {
+        let RubbedAnswer { mut solution, has_touched, .. } = answer;
         if robot.has_bending_friction() {
             keep_plastic(adapter, &mut solution)?;
         }
@@ -306,11 +307,11 @@ fn keep_plastic<R: ContactRod>(
     Ok(())
 }
 
-/// The answers to all steps of a case of a rod whose cables rub, from rest on: those that are asked for by their number from 0 with their
-/// derivatives by commands, loads and these parameters.
+/// The answers to all steps of a case of a rod whose cables or obstacles rub, from rest on, with the first step on the way to the first: those that
+/// are asked for by their number from 0 with their derivatives by commands, loads and these parameters.
 pub(super) fn differentiate_rubbing<R: ContactRod + Clone>(
     adapter: &mut RodAdapter<'_, R>,
-    (case, parameters): (&Case, &[Parameter]),
+    (case, first_step, parameters): (&Case, f64, &[Parameter]),
     asks: impl Fn(usize) -> bool,
     found: &mut Vec<Found<Derivatives>>,
 ) -> Result<(), (usize, SolveError)> {
@@ -318,10 +319,23 @@ pub(super) fn differentiate_rubbing<R: ContactRod + Clone>(
     let (robot, steps) = (adapter.robot, case.leading_steps().collect::<Vec<Case>>());
     let bends = robot.has_bending_friction();
     let mut remembering = Remembering::default();
-    solve_rubbing(adapter, robot, case, |adapter, (mut solution, has_touched)| {
+    solve_rubbing(adapter, robot, (case, first_step), |adapter, answer| {
+        let RubbedAnswer { mut solution, has_touched, holding } = answer;
         let step = found.len();
         let asked = (step, &steps[..], parameters);
-        let mut differentiate = || adapter.differentiate_notes(asked, &mut remembering);
+        let mut differentiate = || {
+            let of_way = adapter.differentiate_notes(asked, &mut remembering);
+            if adapter.rubs {
+                return of_way;
+            }
+            let on = adapter.differentiate(&holding, &[], parameters)?;
+            match of_way {
+                Ok(of_way) => Ok(of_way.moving_on(on)),
+                // What has jumped moves on as if its way had begun there.
+                Err(SolveError::NoDerivativesOfRest) => Ok(on),
+                Err(error) => Err(error),
+            }
+        };
         let derivatives = (asks(step) || bends).then(&mut differentiate);
         let derivatives = where_it_counts(derivatives, has_touched)?;
         if bends {

@@ -108,20 +108,45 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         followed
     }
 
-    /// The same, those that are asked for by their number from 0 with their derivatives.
+    /// Whether the derivatives of an answer from rest are those of the way to it: where cables rub, or obstacles do, whose contacts slide on
+    /// another way with another command. A backbone with friction against bending among obstacles follows the answer before alone.
+    fn differentiates_way(&self, case: &Case) -> bool {
+        let bends = self.robot().has_bending_friction();
+        self.rubs() || (case.has_rubbing_obstacles() && !bends)
+    }
+
+    /// The same where cables or obstacles rub, those that are asked for by their number from 0 with their derivatives.
     fn rub_with_derivatives(
         &self,
         (case, parameters): (&Case, &[Parameter]),
         asks: &dyn Fn(usize) -> bool,
         memory: &mut Self::Workspace,
-        each: impl FnMut((Solution, Option<Derivatives>)),
+        mut each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
         self.check_among_obstacles(case).map_err(|error| (0, error))?;
+        let mut first_step = 1.0;
+        if !self.rubs() && case.leading_steps().nth(1).is_none() {
+            match self.find_clear(case, None, memory).map_err(|error| (0, error))? {
+                FreeWay::Clear(solution) => {
+                    let alone = Case { obstacles: Vec::new(), ..case.clone() };
+                    let asked = asks(0).then(|| {
+                        self.differentiate_alone(&alone, Some(&solution), parameters, memory)
+                    });
+                    each(match asked.transpose().map_err(|error| (0, error))? {
+                        Some((solution, derivatives)) => (solution, Some(derivatives)),
+                        None => (solution, None),
+                    });
+                    return Ok(());
+                }
+                FreeWay::Unclear { first_step: first } => first_step = first,
+            }
+        }
         let mut found = Vec::new();
         let followed = self.on_steps(case, memory, |steps| {
             let adapter = self.adapter(steps).map_err(|error| (0, error))?;
             let mut adapter = adapter.with_stations().taking_notes();
-            differentiate_rubbing(&mut adapter, (case, parameters), asks, &mut found)
+            let of = (case, first_step, parameters);
+            differentiate_rubbing(&mut adapter, of, asks, &mut found)
         });
         let asked = (case, asks, parameters);
         with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
@@ -142,7 +167,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         parameters: &[Parameter],
         memory: &mut Self::Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        if self.rubs() {
+        if self.rubs() || (warm_start.is_none() && self.differentiates_way(case)) {
             let of = (case, parameters);
             return last_with_derivatives(case, |asks, each| {
                 self.rub_with_derivatives(of, asks, memory, each)
@@ -234,7 +259,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         Ok(())
     }
 
-    /// Follows the steps of actuation of a robot whose cables rub, on as many steps as it takes. The error is that of the step of
+    /// Follows the steps of actuation of a robot whose cables or obstacles rub, on as many steps as it takes. The error is that of the step of
     /// actuation with this number.
     fn on_steps(
         &self,
@@ -244,7 +269,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
     ) -> Result<(), (usize, SolveError)> {
         let least = if self.robot().has_bending_friction() { BENDING_FRICTION_STEPS } else { 0 };
         let needed = self.needed_steps(case, memory).max(least);
-        if let Some(least) = Self::RUBBING_STEPS {
+        if let Some(least) = Self::RUBBING_STEPS.filter(|_| self.rubs()) {
             return follow(needed.max(least));
         }
         let mut number = 0;

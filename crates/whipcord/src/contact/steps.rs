@@ -35,7 +35,7 @@ pub(crate) fn solve_holding(
     }
     // Friction remembers the steps before the last.
     let mut last = Err(SolveError::NoDerivatives);
-    let followed = follow_steps(model, robot, case, |_, answer| {
+    let followed = follow_steps(model, robot, (case, 1.0), |_, answer| {
         last = Ok(answer);
         Ok(())
     });
@@ -43,20 +43,29 @@ pub(crate) fn solve_holding(
     last
 }
 
-/// The answers to all steps of actuation of a case whose cables rub in their holes, from rest on, and whether anything had touched on
-/// the way to each; `each` gets the model too, at the equilibrium of a step.
+/// The answer to a step of actuation of a robot that friction makes remember the steps before.
+pub(crate) struct RubbedAnswer {
+    pub solution: Solution,
+    /// Whether anything has touched on the way to it.
+    pub has_touched: bool,
+    /// Its contacts, linearised.
+    pub holding: Holding,
+}
+
+/// The answers to all steps of actuation of a case whose cables or obstacles rub, from rest on, with the first step on the way to the first;
+/// `each` gets the model too, at the equilibrium of a step.
 ///
 /// # Errors
 /// The number of the first step without an answer, from 0, and why it has none.
 pub(crate) fn solve_rubbing<M: Noting>(
     model: &mut M,
     robot: &Robot,
-    case: &Case,
-    mut each: impl FnMut(&mut M, (Solution, bool)) -> Result<(), SolveError>,
+    of: (&Case, f64),
+    mut each: impl FnMut(&mut M, RubbedAnswer) -> Result<(), SolveError>,
 ) -> Result<(), (usize, SolveError)> {
-    follow_steps(model, robot, case, |model, (solution, _)| {
+    follow_steps(model, robot, of, |model, (solution, holding)| {
         let has_touched = model.has_touched();
-        each(model, (solution, has_touched))
+        each(model, RubbedAnswer { solution, has_touched, holding })
     })
 }
 
@@ -64,21 +73,35 @@ pub(crate) fn solve_rubbing<M: Noting>(
 fn follow_steps<M: Noting>(
     model: &mut M,
     robot: &Robot,
-    case: &Case,
+    (case, mut first_step): (&Case, f64),
     mut each: impl FnMut(&mut M, (Solution, Holding)) -> Result<(), SolveError>,
 ) -> Result<(), (usize, SolveError)> {
+    let rubs = has_friction(robot);
     let mut last: Option<(Solution, Vec<CableCommand>)> = None;
     for (n, step) in case.leading_steps().enumerate() {
         let from = match &last {
             Some((solution, commands)) => (Some(solution), Some(&commands[..])),
             None => (None, None),
         };
+        if let (Some(before), false) = (from.1, rubs)
+            && !are_driven_alike(before, &step.commands)
+        {
+            // The way begins at what the answer before has of what is commanded now.
+            model.lose_notes();
+        }
         let (solution, holding) =
-            solve_step(model, robot, (n, &step, 1.0), from).map_err(|error| (n, error))?;
+            solve_step(model, robot, (n, &step, first_step), from).map_err(|error| (n, error))?;
+        first_step = 1.0;
         last = Some((solution.clone(), step.commands));
         each(model, (solution, holding)).map_err(|error| (n, error))?;
     }
     Ok(())
+}
+
+/// Whether each cable is driven by its tension in both, or by its length.
+fn are_driven_alike(before: &[CableCommand], now: &[CableCommand]) -> bool {
+    let by = |command: &CableCommand| (command.tension.is_some(), command.shortening.is_some());
+    before.iter().map(by).eq(now.iter().map(by))
 }
 
 /// The answer to one step of actuation, from the robot at rest, or from an answer that was led to by commands where these are known.

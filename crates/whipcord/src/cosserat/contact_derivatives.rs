@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use super::contact_grid::ContactGrid;
 use super::contact_response::{ContactResponse, Kept};
+use super::friction::compliance;
+
 use super::prepared::Workspace;
 use super::state::{Node, State};
 use crate::case::Case;
@@ -17,7 +19,7 @@ use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::section::Fault;
 use crate::shape::Wrench;
-use crate::statics::friction::Carried;
+use crate::statics::friction::{Carried, Holes};
 use crate::statics::outcome::Failure;
 use crate::statics::plastic_curvature::PlasticCurvature;
 
@@ -85,7 +87,24 @@ impl ContactResponse {
             Some((end, _)) => end.noted.holding.gain(compliance),
             None => Ok(ContactGain::default()),
         };
+        // On a way where nothing but obstacles rub every cable is one passage.
+        let whole = end.filter(|_| strands.is_none()).map(|_| {
+            let Cables { order, rest_lengths, .. } = Cables::of(&model.layout);
+            let cables = order.iter().copied().zip(rest_lengths.iter().copied());
+            let holes = Holes::of_whole_cables(robot, cables, compliance(robot, grid));
+            (holes, Strands::of_cables(order.len()))
+        });
         let (mut sliding, mut open) = (None, None);
+        if let (Some((holes, strands)), Some((end, carried))) = (&whole, end) {
+            sliding = Some(SlidingAnswer {
+                holes,
+                standing: end.standing,
+                carried,
+                strands,
+                varying: None,
+                on_way: Some(end.on_way(|s| contact_grid.node(s), &gain)),
+            });
+        }
         if let (Some((strands, slopes)), Some(friction)) = (&strands, &contact_grid.friction) {
             let varying = Varying { tensions: &self.chain.varying, strands, slopes };
             let varying = Some(varying);
@@ -135,8 +154,10 @@ impl ContactResponse {
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError> {
         self.go_back(&end.noted.state);
-        self.holes.put(end.standing);
         let contact_grid = self.contact_grid.clone().ok_or(SolveError::NoDerivatives)?;
+        if contact_grid.friction.is_some() {
+            self.holes.put(end.standing);
+        }
         let ContactGrid { model, grid, stations, pushes, .. } = &*contact_grid;
         self.look(robot, &model.options, end.case, (stations, pushes), None)?;
         let regridded = end.before.and_then(|before| {
@@ -155,7 +176,10 @@ impl ContactResponse {
             };
             Some(end.carried?.iter().map(on_grid).collect::<Vec<_>>())
         });
-        let taut = vec![true; end.standing.base.len()];
+        let taut = match contact_grid.friction {
+            Some(_) => vec![true; end.standing.base.len()],
+            None => self.taut(&contact_grid),
+        };
         let of_end = Some((end, regridded.as_deref().or(end.carried)));
         let of = (robot, end.case, end.history);
         self.derivatives(&contact_grid, of, &taut, parameters, of_end)

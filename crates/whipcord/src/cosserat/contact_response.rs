@@ -402,8 +402,11 @@ impl ContactRod for ContactResponse {
     }
 
     fn standing(&self) -> Option<Standing> {
-        let Friction { holes, .. } = self.contact_grid.as_ref()?.friction.as_ref()?;
-        self.holes.standing(holes, &self.workspace.commands)
+        let commands = &self.workspace.commands;
+        match &self.contact_grid.as_ref()?.friction {
+            Some(Friction { holes, .. }) => self.holes.standing(holes, commands),
+            None => Some(Standing::of_whole_cables(commands, &self.chain.state.tensions)),
+        }
     }
 
     fn here(&self) -> Kept {

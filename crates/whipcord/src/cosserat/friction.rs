@@ -59,13 +59,7 @@ impl Friction {
                 range.for_each(|node| yielding[node] = lengths[node] / stiffness);
             }
         }
-        let length = robot.backbone().length;
-        let radius = robot
-            .routes()
-            .iter()
-            .map(|route| route.at(0.0).offset.norm().max(route.at(route.end()).offset.norm()))
-            .fold(1e-3 * length, f64::max);
-        let compliance = radius * radius / Scales::of(grid, length).moment;
+        let (length, compliance) = (robot.backbone().length, compliance(robot, grid));
         let of_cable = (0..order.len()).map(|cable| nodes.of_cable(cable).collect()).collect();
         let at_rest = Vec::new();
         let outside = order.iter().map(|&cable| robot.outside_compliance(cable)).collect();
@@ -83,6 +77,17 @@ impl Friction {
         holes.at_rest = holes.beyond(&lengths, &vec![0.0; lengths.len()]);
         Self { nodes, holes }
     }
+}
+
+/// By how much a tension of 1 N shortens a cable, in m: its order of magnitude.
+pub(super) fn compliance(robot: &Robot, grid: &Grid) -> f64 {
+    let length = robot.backbone().length;
+    let radius = robot
+        .routes()
+        .iter()
+        .map(|route| route.at(0.0).offset.norm().max(route.at(route.end()).offset.norm()))
+        .fold(1e-3 * length, f64::max);
+    radius * radius / Scales::of(grid, length).moment
 }
 
 /// Memory of the linear response.

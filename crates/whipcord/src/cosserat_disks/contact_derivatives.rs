@@ -11,13 +11,14 @@ use crate::case::Case;
 use crate::contact::{ContactRod as _, NotedEnd, RodResponse};
 use crate::derivatives::{
     Cables, ContactGain, Derivatives, Motion, NoDerivatives, OpenStrands, SlidingAnswer, Solved,
-    StepGap, StraightCables, plastic_left,
+    StepGap, StraightCables, Strands, plastic_left,
 };
 use crate::error::SolveError;
 use crate::parameter::Parameter;
 use crate::robot::Robot;
 use crate::section::BodyWrench;
 use crate::shape::Wrench;
+use crate::statics::friction::Holes;
 use crate::statics::plastic_curvature::PlasticCurvature;
 
 impl ContactResponse {
@@ -89,7 +90,16 @@ impl ContactResponse {
             Some(end) => end.noted.holding.gain(compliance),
             None => Ok(ContactGain::default()),
         };
-        let holes = model.holes.as_ref().zip(rubbing.as_ref());
+        // On a way where nothing but obstacles rub every cable is one passage.
+        let whole = end.filter(|_| rubbing.is_none()).map(|_| {
+            let cables = frame.rest_lengths.iter().copied().enumerate();
+            let holes = Holes::of_whole_cables(robot, cables, frame.compliance(mesh));
+            (holes, Strands::of_cables(order.len()))
+        });
+        let holes = match &whole {
+            Some((holes, strands)) => Some((holes, strands)),
+            None => model.holes.as_ref().zip(rubbing.as_ref()),
+        };
         let sliding = holes.zip(end).map(|((holes, strands), end)| SlidingAnswer {
             holes,
             standing: end.standing,
@@ -184,8 +194,10 @@ impl ContactResponse {
         parameters: &[Parameter],
     ) -> Result<Derivatives, SolveError> {
         self.go_back(&end.noted.state);
-        self.holes.put(end.standing);
         let contact_mesh = self.contact_mesh.clone().ok_or(SolveError::NoDerivatives)?;
+        if contact_mesh.model.has_friction() {
+            self.holes.put(end.standing);
+        }
         contact_mesh.model.accept(end.case, &contact_mesh.mesh, &mut self.workspace)?;
         self.looked(&contact_mesh, false, None)?;
         let taut = self.taut(&contact_mesh);

@@ -331,8 +331,11 @@ impl ContactRod for ContactResponse {
     }
 
     fn standing(&self) -> Option<Standing> {
-        let holes = self.contact_mesh.as_ref()?.model.holes.as_ref()?;
-        self.holes.standing(holes, self.workspace.commands())
+        let commands = self.workspace.commands();
+        match &self.contact_mesh.as_ref()?.model.holes {
+            Some(holes) => self.holes.standing(holes, commands),
+            None => Some(Standing::of_whole_cables(commands, &self.chain.tensions)),
+        }
     }
 
     fn here(&self) -> Kept {

@@ -35,11 +35,11 @@ impl CosseratDisks {
         workspace: &mut Workspace,
         each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
-        let Some(holes) = &self.holes else { return Ok(()) };
         if !case.obstacles.is_empty() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             return self.rub_with_derivatives((case, parameters), &asks, workspace, each);
         }
+        let Some(holes) = &self.holes else { return Ok(()) };
         self.slide_with_derivatives(holes, case, parameters, asks, workspace, each)
     }
 

@@ -56,6 +56,9 @@ impl Derivatives {
     /// When there is no such station or disk.
     #[must_use]
     pub fn tension_jacobian(&self, at: Place) -> Vec<Twist> {
+        if let Some(on) = &self.moving_on {
+            return on.tension_jacobian(at);
+        }
         let node = self.places.number(at);
         self.jacobian(|place| self.twist_of(node, &self.pulled(place, Hold::Tensions)[0]))
     }
@@ -81,6 +84,9 @@ impl Derivatives {
     /// # Panics
     /// When there is no such station or disk.
     pub fn compliance(&self, at: Place, hold: Hold) -> Result<Matrix6, crate::SolveError> {
+        if let Some(on) = &self.moving_on {
+            return on.compliance(at, hold);
+        }
         let node = self.places.number(at);
         let mut columns = [Twist::default(); 6];
         for (component, column) in columns.iter_mut().enumerate() {
@@ -125,6 +131,9 @@ impl Derivatives {
     /// lengths. Symmetric and not positive under dead forces.
     #[must_use]
     pub fn length_by_tension(&self) -> Vec<Vec<f64>> {
+        if let Some(on) = &self.moving_on {
+            return on.length_by_tension();
+        }
         self.lengths_by(Hold::Tensions)
     }
 }

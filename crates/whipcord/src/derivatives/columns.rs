@@ -311,6 +311,9 @@ impl Derivatives {
     /// When the robot has no cable of this number.
     #[must_use]
     pub fn tension(&self, cable: usize) -> Change {
+        if let Some(on) = &self.moving_on {
+            return on.tension(cable);
+        }
         let place = self.place_of[cable];
         self.with_tensions(self.pulled(place, Hold::Tensions), Cause::Tension(place))
     }
@@ -356,6 +359,9 @@ impl Derivatives {
     #[must_use]
     pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
         assert!(component < 6, "a wrench has six components, none of which is {component}");
+        if let Some(on) = &self.moving_on {
+            return on.wrench(at, component, hold);
+        }
         let node = self.places.number(at);
         self.completed(Source::Wrench { node, component }, hold, Cause::Nothing)
     }

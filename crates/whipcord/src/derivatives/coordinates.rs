@@ -96,6 +96,9 @@ pub struct CoordinateDerivatives {
     /// Where cables rub.
     sliding: Option<Box<SlidingHoles>>,
     contacts: Contacts,
+    /// Of an answer whose way was differentiated though no cable rubs: the derivatives of its motion from there on, for what is added to the
+    /// robot as it stands.
+    moving_on: Option<Box<Self>>,
     length: f64,
     are_cables_about_to_change: bool,
     is_bending_about_to_change: bool,
@@ -178,6 +181,7 @@ impl CoordinateDerivatives {
             held: HeldCables::default(),
             sliding: None,
             contacts: Contacts { are_about_to_change, ..Contacts::default() },
+            moving_on: None,
             length,
             are_cables_about_to_change: false,
             is_bending_about_to_change: solved.is_bending_about_to_change,
@@ -197,22 +201,22 @@ impl CoordinateDerivatives {
         let count = derivatives.cables.len();
         let pulls = holes.map_or(count, |answer| answer.holes.count());
         derivatives.by_tension = (0..pulls).map(|i| derivatives.by_tension(i)).collect();
-        let lengths = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
+        // Of cables that rub nowhere there are no angles.
+        let lengths =
+            |i: usize, j: usize| derivatives.by_tension[j].lengths.get(i).copied().unwrap_or(0.0);
         let cables = &derivatives.cables;
-        match holes {
-            Some(answer) => {
-                derivatives.sliding = Some(Box::new(SlidingHoles::new(answer, lengths)?));
-            }
-            None => {
-                derivatives.held = HeldCables::new(
-                    count,
-                    lengths,
-                    |i| cables[i].compliance,
-                    |i| cables[i].is_taut,
-                    |i| cables[i].command.is_length(),
-                )?;
-                derivatives.held.settle(alone);
-            }
+        if holes.is_none_or(|answer| !answer.holes.rub()) {
+            derivatives.held = HeldCables::new(
+                count,
+                lengths,
+                |i| cables[i].compliance,
+                |i| cables[i].is_taut,
+                |i| cables[i].command.is_length(),
+            )?;
+            derivatives.held.settle(alone);
+        }
+        if let Some(answer) = holes {
+            derivatives.sliding = Some(Box::new(SlidingHoles::new(answer, lengths)?));
         }
         let finite = derivatives.by_tension.iter().all(Response::is_finite);
         if finite { Ok(derivatives) } else { Err(Critical) }
@@ -397,6 +401,9 @@ impl CoordinateDerivatives {
     /// When the robot has no cable of this number.
     #[must_use]
     pub fn tension(&self, cable: usize) -> Change {
+        if let Some(on) = &self.moving_on {
+            return on.tension(cable);
+        }
         match self.sliding {
             Some(_) => self.completed(self.still(), Hold::Tensions, Cause::Tension(cable)),
             None => self.pulled(cable, Hold::Tensions),
@@ -420,6 +427,9 @@ impl CoordinateDerivatives {
     #[must_use]
     pub fn wrench(&self, at: Place, component: usize, hold: Hold) -> Change {
         assert!(component < 6, "a wrench has six components, none of which is {component}");
+        if let Some(on) = &self.moving_on {
+            return on.wrench(at, component, hold);
+        }
         self.completed(self.by_wrench(self.places.number(at), component), hold, Cause::Nothing)
     }
 
@@ -520,6 +530,11 @@ impl CoordinateDerivatives {
         self.contacts.are_about_to_change
     }
 
+    /// As [`super::Derivatives::moving_on`].
+    pub(crate) fn moving_on(self, on: Self) -> Self {
+        Self { moving_on: Some(Box::new(on)), ..self }
+    }
+
     /// Notes whether a contact was between two cases on the way, of which something is remembered.
     pub(crate) const fn remember_change(&mut self, was_between: bool) {
         self.contacts.are_about_to_change |= was_between;
@@ -528,8 +543,9 @@ impl CoordinateDerivatives {
     /// Notes which cables are about to go slack or to become taut in the answer.
     pub(crate) fn note_cables(&mut self, solution: &Solution) {
         let commands = self.cables.iter().map(|cable| &cable.command);
-        self.are_cables_about_to_change = self.sliding.is_none()
-            && Command::are_about_to_change(commands, &solution.cables, self.length);
+        let rub = self.sliding.as_ref().is_some_and(|sliding| sliding.held.rub());
+        self.are_cables_about_to_change =
+            !rub && Command::are_about_to_change(commands, &solution.cables, self.length);
     }
 
     /// As [`super::Derivatives::is_cable_about_to_change`].

@@ -57,7 +57,7 @@ pub(crate) struct Solved<'a> {
     pub history: &'a [PlasticCurvature],
     /// Nodes of the grid that are asked for beside the disks, where cables run straight between these.
     pub nodes: &'a [usize],
-    /// Where cables rub.
+    /// Where cables rub, or the way to the answer counts.
     pub sliding: Option<SlidingAnswer<'a>>,
     /// Where cables rub, but the tensions of their strands are not those of an answer: nothing is held but these.
     pub open: Option<OpenStrands<'a>>,
@@ -213,6 +213,7 @@ impl Derivatives {
             sliding: None,
             cables: Vec::new(),
             touching: Touching::default(),
+            moving_on: None,
             ends,
             length: robot.backbone().length,
             are_cables_about_to_change: false,
@@ -257,8 +258,15 @@ impl Derivatives {
                 let gravity: Vec<Vec3> = parameters.iter().map(gravity).collect();
                 derivatives.touching.remembered =
                     Remembered::new(&contact_gain, Some(&answer)).weighing(&contact_gain, &gravity);
-                let by_tension = |i: usize, j: usize| derivatives.by_tension[j].lengths[i];
+                // Of cables that rub nowhere there are no angles.
+                let by_tension = |i: usize, j: usize| {
+                    derivatives.by_tension[j].lengths.get(i).copied().unwrap_or(0.0)
+                };
                 derivatives.sliding = Some(Box::new(SlidingHoles::new(&answer, by_tension)?));
+                if !strands.rub() {
+                    derivatives.hold()?;
+                    derivatives.held.settle(0.0);
+                }
             }
         }
         let tip = derivatives.raw(Source::Wrench { node: grid.len(), component: 0 });
@@ -347,7 +355,7 @@ impl Derivatives {
     /// Notes which cables are about to go slack or to become taut in the answer.
     pub(crate) fn note_cables(&mut self, solution: &Solution) {
         let commands = self.place_of.iter().map(|&place| &self.commands[place]);
-        self.are_cables_about_to_change = self.sliding.is_none()
+        self.are_cables_about_to_change = !self.strands.rub()
             && Command::are_about_to_change(commands, &solution.cables, self.length);
     }
 
@@ -410,6 +418,11 @@ impl Derivatives {
     pub(crate) fn at_stations(mut self, nodes: Vec<usize>) -> Self {
         Arc::make_mut(&mut self.places).stations = nodes;
         self
+    }
+
+    /// The same, where loads at a place and tensions below the base are added to the robot as it stands, which moves on with these.
+    pub(crate) fn moving_on(self, on: Self) -> Self {
+        Self { moving_on: Some(Box::new(on)), ..self }
     }
 
     /// Notes whether a contact was between two cases on the way, of which something is remembered.

@@ -78,6 +78,9 @@ pub struct Derivatives {
     /// What each tension of 1 N adds to the length of its cable in m, and whether it is taut; by grid places.
     pub(super) cables: Vec<CableEnd>,
     pub(super) touching: Touching,
+    /// Of an answer whose way was differentiated though no cable rubs: the derivatives of its motion from there on, for what is added to the
+    /// robot as it stands.
+    pub(super) moving_on: Option<Box<Self>>,
     /// With friction against bending.
     pub(super) ends: Option<StepEnds>,
     /// Length of the backbone in m.

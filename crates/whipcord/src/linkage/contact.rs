@@ -7,7 +7,7 @@ use super::friction::Rubbing;
 use super::plastic_derivatives::Asked;
 use super::{Linkage, Workspace};
 use crate::case::Case;
-use crate::contact::{self, FreeWay, NotedWay, Unobstructed};
+use crate::contact::{self, FreeWay, NotedWay, RubbedAnswer, Unobstructed};
 use crate::derivatives::CoordinateDerivatives;
 use crate::error::SolveError;
 use crate::parameter::Parameter;
@@ -61,12 +61,13 @@ impl Linkage {
         }
         let mut adapter = ContactAdapter::new(self, Watched::new(self), workspace);
         let mut found = Vec::new();
-        let each_found = |adapter: &mut ContactAdapter<'_>, (mut solution, has_touched)| {
+        let each_found = |adapter: &mut ContactAdapter<'_>, answer| {
+            let RubbedAnswer { mut solution, has_touched, .. } = answer;
             adapter.keep_plastic(&mut solution);
             found.push((solution, has_touched));
             Ok(())
         };
-        let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, each_found);
+        let followed = contact::solve_rubbing(&mut adapter, &self.robot, (case, 1.0), each_found);
         contact::rubbing_or_free(
             case,
             found,
@@ -83,10 +84,10 @@ impl Linkage {
         followed
     }
 
-    /// With friction at the holes: the answer to the last step, with its derivatives.
+    /// With friction at the holes or of obstacles: the answer to the last step, with its derivatives.
     pub(super) fn rub_and_differentiate(
         &self,
-        rubbing: &Rubbing,
+        rubbing: Option<&Rubbing>,
         (case, parameters): (&Case, &[Parameter]),
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
@@ -101,17 +102,38 @@ impl Linkage {
     /// The same, those that are asked for by their number from 0 with their derivatives.
     pub(super) fn rub_with_derivatives_among_obstacles(
         &self,
-        rubbing: &Rubbing,
+        rubbing: Option<&Rubbing>,
         (case, parameters): (&Case, &[Parameter]),
         asks: &dyn Fn(usize) -> bool,
         workspace: &mut Workspace,
-        each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
+        mut each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
     ) -> Result<(), (usize, SolveError)> {
         if !self.knows_forces {
             refusal::movable_objects(self.kind, case).map_err(|error| (0, error))?;
         }
         let steps: Vec<Case> = case.leading_steps().collect();
-        let mut adapter = ContactAdapter::new(self, Watched::new(self), workspace);
+        let watched = Watched::new(self);
+        let mut first_step = 1.0;
+        if rubbing.is_none() && steps.len() == 1 {
+            let mut free = FreeChain { model: self, workspace, watched: &watched.places };
+            let found = contact::solve_free(&mut free, &self.robot, case, None);
+            match found.map_err(|error| (0, error))? {
+                FreeWay::Clear(solution) if asks(0) => {
+                    let alone = Case { obstacles: Vec::new(), ..case.clone() };
+                    let asked = Asked::new(parameters, &self.stations);
+                    let found = self.differentiate_step(&alone, Some(&solution), asked, workspace);
+                    let (solution, derivatives) = found.map_err(|error| (0, error))?;
+                    each((solution, Some(derivatives)));
+                    return Ok(());
+                }
+                FreeWay::Clear(solution) => {
+                    each((solution, None));
+                    return Ok(());
+                }
+                FreeWay::Unclear { first_step: first } => first_step = first,
+            }
+        }
+        let mut adapter = ContactAdapter::new(self, watched, workspace);
         adapter.notes = Some(NotedWay::default());
         let mut carrying = Carrying::default();
         let mut found = Vec::new();
@@ -121,18 +143,31 @@ impl Linkage {
         let followed = contact::solve_rubbing(
             &mut adapter,
             &self.robot,
-            case,
-            |adapter, (mut solution, has_touched)| {
+            (case, first_step),
+            |adapter, answer| {
+                let RubbedAnswer { mut solution, has_touched, holding } = answer;
                 let step = found.len();
-                let ContactAdapter { model, notes, workspace, .. } = &mut *adapter;
+                let ContactAdapter { model, notes, workspace, case: pushed, .. } = &mut *adapter;
                 let keeps_history = model.keeps_history();
                 let mut differentiate = || {
                     let way = notes.as_ref().ok_or(SolveError::NoDerivatives)?;
                     let history = history.as_deref().ok_or(SolveError::NoDerivativesOfRest)?;
                     let asked = Asked { parameters, stations: &self.stations, step, history };
-                    let asked = (&steps[..], asked);
+                    let of_way = (&steps[..], asked);
                     let before = before.as_ref();
-                    model.differentiate_noted(way, asked, before, &mut carrying, workspace)
+                    let found =
+                        model.differentiate_noted(way, of_way, before, &mut carrying, workspace);
+                    if rubbing.is_some() {
+                        return found;
+                    }
+                    model.accept(pushed, workspace)?;
+                    let on = model.differentiate(pushed, &holding, asked, workspace)?;
+                    match found {
+                        Ok(of_way) => Ok(of_way.moving_on(on)),
+                        // What has jumped moves on as if its way had begun there.
+                        Err(SolveError::NoDerivativesOfRest) => Ok(on),
+                        Err(error) => Err(error),
+                    }
                 };
                 let derivatives = (asks(step) || keeps_history).then(&mut differentiate);
                 let derivatives = contact::where_it_counts(derivatives, has_touched)?;
@@ -161,8 +196,13 @@ impl Linkage {
                     Ok((found.0, Some(found.1)))
                 }
                 Some(parameters) => {
-                    let of = (alone, Asked::new(parameters, &self.stations));
-                    let found = self.slide_with_derivatives(rubbing, of, workspace)?;
+                    let asked = Asked::new(parameters, &self.stations);
+                    let found = match rubbing {
+                        Some(rubbing) => {
+                            self.slide_with_derivatives(rubbing, (alone, asked), workspace)
+                        }
+                        None => self.differentiate_step(alone, None, asked, workspace),
+                    }?;
                     Ok((found.0, Some(found.1)))
                 }
                 None => {
@@ -181,6 +221,11 @@ impl Linkage {
 }
 
 impl Linkage {
+    /// Whether the derivatives of an answer from rest are those of the way to it, as [`contact::RodSolves`] has it.
+    pub(super) fn differentiates_way(&self, case: &Case) -> bool {
+        self.has_friction() || (case.has_rubbing_obstacles() && !self.keeps_history())
+    }
+
     /// The same, with the derivatives of the answer and the contacts that hold it.
     pub(super) fn differentiate_among_obstacles(
         &self,

@@ -19,7 +19,7 @@ use crate::error::SolveError;
 use crate::shape::Wrench;
 use crate::solution::{Diagnostics, NoStability, Solution};
 use crate::statics::command::Command;
-use crate::statics::friction::History;
+use crate::statics::friction::{History, Standing};
 use crate::statics::options::StabilityAnalysis;
 
 /// The backbone is watched at this many places or more from base to tip.
@@ -483,8 +483,11 @@ impl Noting for ContactAdapter<'_> {
     }
 
     fn note(&mut self, holding: Holding, at: OnWay) {
-        let Workspace { scratch, commands, .. } = &*self.workspace;
-        let standing = self.holes.as_ref().and_then(|holes| holes.standing(commands));
+        let Workspace { scratch, commands, tensions, .. } = &*self.workspace;
+        let standing = match &self.holes {
+            Some(holes) => holes.standing(commands),
+            None => Some(Standing::of_whole_cables(commands, tensions)),
+        };
         if let (Some(way), Some(standing)) = (&mut self.notes, standing) {
             let (state, case) = (scratch.chain.q.clone(), self.case.clone());
             way.note(standing, Noted { state, case, holding, at, next: Vec::new() });

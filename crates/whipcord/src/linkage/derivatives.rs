@@ -49,8 +49,9 @@ impl Linkage {
             return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
-        if let Some(rubbing) = &self.friction {
-            let found = self.rub_and_differentiate(rubbing, (case, parameters), workspace);
+        if self.friction.is_some() || (warm_start.is_none() && self.differentiates_way(case)) {
+            let of = (case, parameters);
+            let found = self.rub_and_differentiate(self.friction.as_ref(), of, workspace);
             return workspace.meter.checked(found);
         }
         let asked = Asked::new(parameters, &self.stations);

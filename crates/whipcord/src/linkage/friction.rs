@@ -63,10 +63,22 @@ impl Rubbing {
         rubs.then(|| Self::of(robot, division, sections))
     }
 
-    /// Of these sections of a robot.
+    /// Of these sections of a robot; where no cable rubs each is one passage.
     pub fn of(robot: &Robot, division: &Division, sections: &[Section]) -> Self {
         let cables = robot.cables();
+        let length = robot.backbone().length;
         let passages = || sections.iter().flat_map(|section| &section.passages);
+        let lever = passages().map(|p| p.near.norm()).fold(1e-3 * length, f64::max);
+        let bending = |a: usize| sections.iter().map(move |s| s.stiffness[a] * s.length);
+        let softest = bending(1).chain(bending(2)).fold(f64::INFINITY, f64::min);
+        let compliance = lever * lever * length / softest;
+        if !cables.iter().any(Cable::has_friction) {
+            let rest = rest_lengths(division, sections, cables.len());
+            let whole = rest.iter().copied().enumerate();
+            let holes = Holes::of_whole_cables(robot, whole, compliance);
+            let (sections, strands) = (sections.to_vec(), sections.to_vec());
+            return Self { holes, sections, strands, rest };
+        }
         let of_cable: Vec<usize> = passages().map(|passage| passage.cable).collect();
         let numbered = |number: &dyn Fn(usize) -> usize| {
             let mut sections = sections.to_vec();
@@ -82,11 +94,6 @@ impl Rubbing {
         };
         let (strands, sections) = (numbered(&first), numbered(&|p| p));
         let lengths = rest_lengths(division, &sections, of_cable.len());
-        let length = robot.backbone().length;
-        let lever = passages().map(|p| p.near.norm()).fold(1e-3 * length, f64::max);
-        let bending = |a: usize| sections.iter().map(move |s| s.stiffness[a] * s.length);
-        let softest = bending(1).chain(bending(2)).fold(f64::INFINITY, f64::min);
-        let compliance = lever * lever * length / softest;
         let pieces = of_cable.iter().copied().zip(lengths.iter().copied());
         let holes = Holes::new(robot, pieces, length, compliance);
         Self { holes, sections, strands, rest: lengths }

@@ -52,7 +52,7 @@ impl Linkage {
         Ok((solution, derivatives))
     }
 
-    /// The answers to all steps of a case in order, whose cables rub or whose backbone has friction against bending; those that are asked for,
+    /// The answers to all steps of a case in order, where cables or obstacles rub or the backbone has friction against bending; those that are asked for,
     /// by their number from 0, with their derivatives.
     pub(crate) fn solve_steps_with_derivatives(
         &self,
@@ -66,14 +66,14 @@ impl Linkage {
             let of = (case, parameters);
             return self.differentiate_in_steps(of, &self.stations, &asks, workspace, each);
         }
-        let Some(rubbing) = &self.friction else { return Ok(()) };
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
         if !case.obstacles.is_empty() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
-            let of = (case, parameters);
+            let (rubbing, of) = (self.friction.as_ref(), (case, parameters));
             return self.rub_with_derivatives_among_obstacles(rubbing, of, &asks, workspace, each);
         }
+        let Some(rubbing) = &self.friction else { return Ok(()) };
         workspace.forget();
         workspace.friction.history = History::with_trail();
         let mut carrying = Carrying::default();
@@ -156,7 +156,14 @@ impl Linkage {
                 }
                 _ => return Err(SolveError::NoDerivativesOfRest),
             };
-            let rubbing = chain.friction.as_ref().ok_or(SolveError::NoDerivatives)?;
+            let whole;
+            let rubbing = match &chain.friction {
+                Some(rubbing) => rubbing,
+                None => {
+                    whole = Rubbing::of(&chain.robot, &chain.division, &chain.sections);
+                    &whole
+                }
+            };
             let cases = noted.cases(steps).ok_or(SolveError::NoDerivatives)?;
             let case = noted.case_by_fractions(&cases);
             chain.accept(&case, workspace)?;
@@ -200,8 +207,10 @@ impl Linkage {
         let chain = &mut scratch.chain;
         chain.q.clone_from(shape);
         let mut system = self.linear_system(&places.arc_lengths, &task, chain)?;
-        friction.turned.measure(chain, &task, holes, &mut Vec::new());
-        friction.turned.rows(&task, &mut system.lengths);
+        if holes.rub() {
+            friction.turned.measure(chain, &task, holes, &mut Vec::new());
+            friction.turned.rows(&task, &mut system.lengths);
+        }
         let mut changes = Vec::with_capacity(parameters.len());
         let mut sources = Vec::with_capacity(parameters.len());
         let is_length = |cable: usize| standing.commands[cable].is_length();
@@ -236,11 +245,16 @@ impl Linkage {
             self.add_history(shape, asked.before(p), &mut change);
             changes.push(change);
         }
-        let cables = standing.commands.iter().map(|command| CoordinateCable {
+        let cable = |(i, command): (usize, &_)| CoordinateCable {
             command: *command,
-            is_taut: true,
-            compliance: 0.0,
-        });
+            is_taut: holes.rub() || standing.tensions[i] > 0.0,
+            compliance: if holes.rub() {
+                0.0
+            } else {
+                self.robot.cable_compliance(i, self.rest_lengths[i])
+            },
+        };
+        let cables = standing.commands.iter().enumerate().map(cable);
         let solved = SolvedCoordinates {
             system,
             places,
@@ -285,7 +299,9 @@ impl Linkage {
         let loads = Default::default();
         let task = Task { sections, ..self.task(&loads, tensions, &meter) };
         let mut turns = Vec::new();
-        Turned::default().measure(&chain, &task, holes, &mut turns);
+        if holes.rub() {
+            Turned::default().measure(&chain, &task, holes, &mut turns);
+        }
         let mut whole = Vec::new();
         holes.cable_lengths(rest, &mut whole);
         let commanded = |(i, &rest): (usize, &f64)| {

@@ -122,10 +122,12 @@ impl CoordinateDerivatives {
                 _ => commands = self.pull_back(cotangent, Hold::Commands).commands,
             }
         }
+        let moving_on = self.moving_on.as_ref().map(|on| on.pull_back(cotangent, hold).wrenches);
+        let here = || (0..system.positions.len()).map(wrench).collect();
         Gradient {
             commands,
             parameters: self.parameters.iter().enumerate().map(of_parameter).collect(),
-            wrenches: (0..system.positions.len()).map(wrench).collect(),
+            wrenches: moving_on.unwrap_or_else(here),
             places: self.places.clone(),
         }
     }

@@ -131,6 +131,11 @@ impl HeldHoles {
         Ok(held)
     }
 
+    /// Whether any cable rubs.
+    pub fn rub(&self) -> bool {
+        self.holes.rub()
+    }
+
     /// How many passages there are.
     pub fn passages(&self) -> usize {
         self.holes.count()

@@ -75,6 +75,33 @@ impl Holes {
         holes
     }
 
+    /// Of cables that rub nowhere, and so have one passage each: the compliance in m/N of each outside the robot, and its length in m on
+    /// the robot at rest.
+    pub fn of_whole_cables(
+        robot: &Robot,
+        cables: impl Iterator<Item = (usize, f64)>,
+        compliance: f64,
+    ) -> Self {
+        let (mut yielding, mut outside, mut at_rest) = (Vec::new(), Vec::new(), Vec::new());
+        for (cable, rest_length) in cables {
+            let stiffness = robot.cables()[cable].axial_stiffness;
+            yielding.push(stiffness.map_or(0.0, |stiffness| rest_length / stiffness));
+            outside.push(robot.outside_compliance(cable));
+            at_rest.push(rest_length);
+        }
+        Self {
+            of_cable: (0..at_rest.len()).map(|cable| vec![cable]).collect(),
+            coefficients: vec![0.0; at_rest.len()],
+            yielding,
+            outside,
+            at_rest,
+            length: robot.backbone().length,
+            compliance,
+            met: MET,
+            drives: Drives::default(),
+        }
+    }
+
     /// All holes, each with its cable, its place on it, and the passage behind it.
     pub fn all(&self) -> impl Iterator<Item = ((usize, usize), usize)> + '_ {
         self.of_cable.iter().enumerate().flat_map(|(cable, passages)| {
@@ -99,6 +126,11 @@ impl Holes {
     /// Whether the near end of the first passage of a cable is a drive, not a hole.
     pub fn starts_outside(&self, cable: usize) -> bool {
         self.drives.outside.contains(&cable)
+    }
+
+    /// Whether any cable rubs.
+    pub fn rub(&self) -> bool {
+        self.coefficients.iter().any(|&coefficient| coefficient > 0.0)
     }
 
     /// Number of all passages.

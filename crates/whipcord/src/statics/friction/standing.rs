@@ -12,6 +12,21 @@ use crate::statics::command::Command;
 const NEAR: f64 = 1e-6;
 
 impl Standing {
+    /// Of cables that rub nowhere, with these tensions in N.
+    pub(crate) fn of_whole_cables(commands: &[Command], tensions: &[f64]) -> Self {
+        Self {
+            tensions: tensions.to_vec(),
+            turns: vec![0.0; tensions.len()],
+            slides: vec![Some(-1.0); tensions.len()],
+            base: tensions.to_vec(),
+            commands: commands.to_vec(),
+            fraction: 1.0,
+            trigger: None,
+            rates: Vec::new(),
+            is_about_to_change: false,
+        }
+    }
+
     /// At the end of a substep, with the slip state of a passage, which is asked whether its near hole is the base hole of a cable
     /// that is wound up, and with how far the cable slid there in m.
     pub(super) fn new(

@@ -58,6 +58,7 @@ mod hole_friction;
 mod kinds_of_load;
 mod locked_in_contact;
 mod objects_that_rub;
+mod obstacles_that_rub;
 mod segments;
 
 use crate::common;
@@ -228,7 +229,9 @@ fn solve_near(
         _ => tested.steps(),
     };
     let accuracy = Accuracy::Steps(steps);
-    tested.solve(robot, case, &Options { accuracy, ..options(tested, case) }, Some(at))
+    // Obstacles that rub remember the way from rest.
+    let at = Some(at).filter(|_| case.obstacles.iter().all(|obstacle| obstacle.friction == 0.0));
+    tested.solve(robot, case, &Options { accuracy, ..options(tested, case) }, at)
 }
 
 /// How far off differences of each of these steps are, where none is within the tolerance: they err by what they leave out or by
