@@ -4,9 +4,8 @@ use whipcord_numerics::Vec3;
 
 use super::homotopy::Homotopy;
 use super::model::is_near;
-use super::path::rounded_step;
 use super::scene::{DistanceBound, Scene};
-use super::step_length::{SHORTENED, STRIDE};
+use super::step_length::{SHORTENED, STRIDE, rounded};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::Robot;
@@ -100,7 +99,7 @@ pub(crate) fn solve_free(
     let unclear = |shape: &[Vec3], part: f64| {
         let mut first_step = clearance.first_step(&start, shape, part);
         if case.has_rubbing_obstacles() {
-            first_step = rounded_step(0.0, first_step);
+            first_step = rounded(0.0, first_step);
         }
         Ok(FreeWay::Unclear { first_step })
     };
@@ -293,7 +292,7 @@ mod tests {
     use whipcord_numerics::{Pose, UnitQuaternion};
 
     use super::*;
-    use crate::obstacle::Form;
+    use crate::obstacle::{Form, Obstacle};
     use crate::robot::{Backbone, Cable, Disks, Routing};
 
     /// A ball of 0.1 m with its surface so far beside the tip of a straight robot of 1 m.

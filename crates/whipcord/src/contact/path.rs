@@ -11,6 +11,7 @@ use super::object::Objects;
 use super::pairs::Pairs;
 use super::scene::Scene;
 use super::step::Scratch;
+use super::step_length::rounded;
 
 use crate::budget::Budget;
 use crate::case::Case;
@@ -165,14 +166,6 @@ impl Steps {
     }
 }
 
-/// A step that ends at a round place of the way, if that is not much nearer: the same for neighbouring cases, as friction remembers the places
-/// of the way.
-pub(super) fn rounded_step(way: f64, step: f64) -> f64 {
-    const PLACES: [f64; 2] = [64.0, 512.0];
-    let rounded = PLACES.map(|places| ((way + step) * places).floor() / places - way);
-    rounded.into_iter().find(|&rounded| rounded >= 0.5 * step).unwrap_or(step)
-}
-
 /// Whether any cable rubs in its holes.
 pub(super) fn has_friction(robot: &Robot) -> bool {
     robot.cables().iter().any(Cable::has_friction)
@@ -294,7 +287,7 @@ impl<M: Noting> PathTracker<'_, M> {
                 Ok(Some(part)) => {
                     step = (next - way) * part;
                     if asked.has_rubbing_obstacles() && !self.rubs {
-                        step = rounded_step(way, step);
+                        step = rounded(way, step);
                     }
                     None
                 }

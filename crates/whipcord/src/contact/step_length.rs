@@ -12,6 +12,14 @@ pub(super) const SHORTENED: f64 = 0.9;
 /// Free balls below this part of the length count as it, where they bound the steps on the way.
 const LEAST_REACH: f64 = 0.005;
 
+/// A step that ends at a round place of the way, if that is not much nearer: the same for neighbouring cases, as friction remembers the places
+/// of the way.
+pub(super) fn rounded(way: f64, step: f64) -> f64 {
+    const PLACES: [f64; 2] = [64.0, 512.0];
+    let rounded = PLACES.map(|places| ((way + step) * places).floor() / places - way);
+    rounded.into_iter().find(|&rounded| rounded >= 0.5 * step).unwrap_or(step)
+}
+
 /// The centres of the cross-sections before a step, in a scene of this length.
 pub(super) struct StepLength<'a> {
     pub scene: &'a Scene,
