@@ -35,6 +35,7 @@ mod dampers;
 mod dense_output;
 mod differences;
 mod discovery;
+mod division;
 mod drawn_out;
 mod equilibrium;
 mod features;

@@ -3,6 +3,7 @@
 use whipcord_numerics::Vec3;
 
 use super::dampers::Dampers;
+use super::division::FROM_REST;
 use super::drawn_out::DrawnOut;
 use super::holding::Holding;
 use super::model::{Compliant, Push};
@@ -27,8 +28,6 @@ pub(super) const NUDGE: f64 = 2e-2;
 const COUNTED_STEP: f64 = 0.5;
 /// The same where eq. (6) misses two of them.
 const LONGEST_STEP: f64 = 0.2;
-/// That of a robot whose cables rub in their holes: what sticks at the end of a step has its length beyond the hole from where that began.
-const RUBBING_STEP: f64 = 1.0 / 32.0;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-3;
 /// How far ahead on the way a robot comes to rest that has lost its equilibrium.
@@ -115,6 +114,8 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) is_off_answer: bool,
     /// Whether its cables rub in their holes, which remember every place of the way.
     pub(super) rubs: bool,
+    /// The longest step of a way that they remember.
+    pub(super) longest_step: f64,
     /// Whether a place of the way is taken less nearly than they remember: cables that stick may hold the robot so that nothing tells the force of a
     /// contact.
     pub(super) is_lenient: bool,
@@ -180,7 +181,7 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
     ) -> Self {
         let pairs = Pairs::new(robot, model.watched());
         let (force_scale, length) = (model.force_scale(), robot.backbone().length);
-        let budget = model.budget();
+        let (budget, rubs) = (model.budget(), has_friction(robot));
         Self {
             model,
             scene: Scene::new(case),
@@ -204,7 +205,8 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
             lost_at: None,
             slipped_at: None,
             is_off_answer: false,
-            rubs: has_friction(robot),
+            rubs,
+            longest_step: if rubs { FROM_REST } else { 1.0 },
             is_lenient: false,
             on_way: OnWay { step, ..OnWay::default() },
         }
@@ -219,12 +221,7 @@ impl<M: Noting> PathTracker<'_, M> {
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
-        self.go_in_steps(asked, at, acting, Steps::up_to(self.longest_step()))
-    }
-
-    /// The longest step of a way that the holes remember.
-    pub(super) const fn longest_step(&self) -> f64 {
-        if self.rubs { RUBBING_STEP } else { 1.0 }
+        self.go_in_steps(asked, at, acting, Steps::up_to(self.longest_step))
     }
 
     /// The same in such steps.
