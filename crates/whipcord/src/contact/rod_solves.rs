@@ -2,7 +2,7 @@
 
 use super::contact_rod::ContactRod;
 use super::free_path::{FreeWay, last_of, or_none_alone, rubbing_or_free};
-use super::noted::{last_with_derivatives, with_derivatives_or_free};
+use super::noted::last_with_derivatives;
 use super::rod::{RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
 use super::steps::{solve, solve_holding};
 use crate::case::Case;
@@ -47,6 +47,23 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         case: &Case,
         memory: &mut Self::Workspace,
     ) -> Result<Solution, SolveError>;
+
+    /// The answers to all steps of actuation of a case without obstacles.
+    fn solve_steps_alone(
+        &self,
+        case: &Case,
+        memory: &mut Self::Workspace,
+        each: &mut dyn FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)>;
+
+    /// The same of a robot whose cables rub, those that are asked for by their number from 0 with their derivatives.
+    fn differentiate_steps_alone(
+        &self,
+        of: (&Case, &[Parameter]),
+        asks: &dyn Fn(usize) -> bool,
+        memory: &mut Self::Workspace,
+        each: &mut dyn FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)>;
 
     /// The plastic curvature that was set.
     fn plastic(&self) -> Option<&PlasticCurvature>;
@@ -94,7 +111,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         &self,
         case: &Case,
         memory: &mut Self::Workspace,
-        mut each: impl FnMut(Solution),
+        each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         self.check_among_obstacles(case).map_err(|error| (0, error))?;
         let mut found = Vec::new();
@@ -103,9 +120,14 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             let mut adapter = self.adapter(steps).map_err(|error| (0, error))?;
             rub(&mut adapter, case, |of_step| found.push(of_step))
         });
-        rubbing_or_free(case, found, |of| of, |alone| self.solve_alone(alone, memory))
-            .try_for_each(|solution| solution.map(&mut each))?;
-        followed
+        let found = (found, followed);
+        rubbing_or_free(
+            case,
+            found,
+            |of| of,
+            each,
+            |alone, each| self.solve_steps_alone(alone, memory, each),
+        )
     }
 
     /// The same, those that are asked for by their number from 0 with their derivatives.
@@ -123,15 +145,13 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             let mut adapter = adapter.with_stations().taking_notes();
             differentiate_rubbing(&mut adapter, (case, parameters), asks, &mut found)
         });
-        let asked = (case, asks, parameters);
-        with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
-            Some(parameters) => {
-                let (solution, of) = self.differentiate_alone(alone, None, parameters, memory)?;
-                Ok((solution, Some(of)))
-            }
-            None => Ok((self.solve_alone(alone, memory)?, None)),
-        })?;
-        followed
+        rubbing_or_free(
+            case,
+            (found, followed),
+            |(of, _)| of,
+            each,
+            |alone, each| self.differentiate_steps_alone((alone, parameters), asks, memory, each),
+        )
     }
 
     /// The answer to a case among obstacles, with its derivatives and the contacts that hold it.

@@ -51,6 +51,25 @@ impl RodSolves for Cosserat {
         self.solve(case, None, workspace)
     }
 
+    fn solve_steps_alone(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        each: &mut dyn FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        self.solve_steps(case, workspace, each)
+    }
+
+    fn differentiate_steps_alone(
+        &self,
+        (case, parameters): (&Case, &[Parameter]),
+        asks: &dyn Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        each: &mut dyn FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        self.slide_with_derivatives(case, parameters, asks, workspace, each)
+    }
+
     fn plastic(&self) -> Option<&PlasticCurvature> {
         self.plastic.as_ref()
     }

@@ -3,7 +3,6 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::contact_adapter::{ContactAdapter, Watched};
-use super::friction::Rubbing;
 use super::plastic_derivatives::Asked;
 use super::{Linkage, Workspace};
 use crate::case::Case;
@@ -54,7 +53,7 @@ impl Linkage {
         &self,
         case: &Case,
         workspace: &mut Workspace,
-        mut each: impl FnMut(Solution),
+        each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         if !self.knows_forces {
             refusal::movable_objects(self.kind, case).map_err(|error| (0, error))?;
@@ -69,24 +68,16 @@ impl Linkage {
         let followed = contact::solve_rubbing(&mut adapter, &self.robot, case, each_found);
         contact::rubbing_or_free(
             case,
-            found,
+            (found, followed),
             |of| of,
-            |alone| {
-                workspace.forget();
-                if self.keeps_history() {
-                    return contact::last_of(|each| self.bend_in_steps(alone, workspace, each));
-                }
-                self.solve_alone(alone, None, workspace)
-            },
+            each,
+            |alone, each| self.solve_steps(alone, workspace, each),
         )
-        .try_for_each(|solution| solution.map(&mut each))?;
-        followed
     }
 
     /// With friction at the holes: the answer to the last step, with its derivatives.
     pub(super) fn rub_and_differentiate(
         &self,
-        rubbing: &Rubbing,
         (case, parameters): (&Case, &[Parameter]),
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
@@ -94,14 +85,13 @@ impl Linkage {
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
         contact::last_with_derivatives(case, |asks, each| {
             let of = (case, parameters);
-            self.rub_with_derivatives_among_obstacles(rubbing, of, asks, workspace, each)
+            self.rub_with_derivatives_among_obstacles(of, asks, workspace, each)
         })
     }
 
     /// The same, those that are asked for by their number from 0 with their derivatives.
     pub(super) fn rub_with_derivatives_among_obstacles(
         &self,
-        rubbing: &Rubbing,
         (case, parameters): (&Case, &[Parameter]),
         asks: &dyn Fn(usize) -> bool,
         workspace: &mut Workspace,
@@ -149,34 +139,15 @@ impl Linkage {
                 Ok(())
             },
         );
-        let asked = (case, asks, parameters);
-        contact::with_derivatives_or_free(
-            asked,
-            found,
+        contact::rubbing_or_free(
+            case,
+            (found, followed),
+            |(of, _)| of,
             each,
-            |alone, parameters| match parameters {
-                Some(parameters) if self.keeps_history() => {
-                    let of = (alone, parameters);
-                    let found = self.differentiate_last_step(of, &self.stations, workspace)?;
-                    Ok((found.0, Some(found.1)))
-                }
-                Some(parameters) => {
-                    let of = (alone, Asked::new(parameters, &self.stations));
-                    let found = self.slide_with_derivatives(rubbing, of, workspace)?;
-                    Ok((found.0, Some(found.1)))
-                }
-                None => {
-                    workspace.forget();
-                    if self.keeps_history() {
-                        let bent =
-                            contact::last_of(|each| self.bend_in_steps(alone, workspace, each))?;
-                        return Ok((bent, None));
-                    }
-                    Ok((self.solve_alone(alone, None, workspace)?, None))
-                }
+            |alone, each| {
+                self.solve_steps_with_derivatives(alone, parameters, asks, workspace, each)
             },
-        )?;
-        followed
+        )
     }
 }
 

@@ -49,8 +49,8 @@ impl Linkage {
             return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
-        if let Some(rubbing) = &self.friction {
-            let found = self.rub_and_differentiate(rubbing, (case, parameters), workspace);
+        if self.has_friction() {
+            let found = self.rub_and_differentiate((case, parameters), workspace);
             return workspace.meter.checked(found);
         }
         let asked = Asked::new(parameters, &self.stations);

@@ -72,7 +72,7 @@ impl Linkage {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
             let of = (case, parameters);
-            return self.rub_with_derivatives_among_obstacles(rubbing, of, &asks, workspace, each);
+            return self.rub_with_derivatives_among_obstacles(of, &asks, workspace, each);
         }
         workspace.forget();
         workspace.friction.history = History::with_trail();

@@ -168,10 +168,10 @@ impl Linkage {
     ) -> Result<(), (usize, SolveError)> {
         case.check(&self.robot).map_err(|error| (0, error.into()))?;
         workspace.meter.start(&self.options.cancel, self.options.budget);
-        if let Some(rubbing) = self.friction.as_ref().filter(|_| !case.obstacles.is_empty()) {
+        if self.has_friction() && !case.obstacles.is_empty() {
             check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
             let of = (case, parameters);
-            return self.rub_with_derivatives_among_obstacles(rubbing, of, asks, workspace, each);
+            return self.rub_with_derivatives_among_obstacles(of, asks, workspace, each);
         }
         let steps: Vec<Case> = case.leading_steps().collect();
         let mut chain = self.clone();
