@@ -406,8 +406,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             touching.map(|pair| self.scene.get(pair.obstacle).name.clone()).collect();
         names.dedup();
         let why = match stop {
-            Some(Stop::Model(error)) if names.is_empty() => return error,
-            Some(Stop::Model(error)) => Obstruction::Model(Box::new(error)),
+            Some(Stop::Model(error)) if names.is_empty() => return error.on_way(way),
+            Some(Stop::Model(error)) => Obstruction::Model(Box::new(error.on_way(way))),
             Some(Stop::NotConverged(residual)) => Obstruction::NotConverged { residual },
             Some(Stop::Slips) => Obstruction::Slips,
             Some(Stop::Spent(Obstruction::BudgetSpent { iterations, .. }))
