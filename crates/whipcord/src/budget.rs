@@ -24,6 +24,21 @@ impl Budget {
     pub const UNLIMITED: Self = Self { iterations: usize::MAX, integration_steps: usize::MAX };
 }
 
+/// Integration steps of an iteration of a rod that is divided finely.
+const STEPS_OF_ITERATION: usize = 400;
+
+impl Budget {
+    /// So many iterations, and as many integration steps as they take, by default at least.
+    #[must_use]
+    pub fn of_iterations(iterations: usize) -> Self {
+        let integration_steps = iterations.saturating_mul(STEPS_OF_ITERATION);
+        Self {
+            iterations,
+            integration_steps: integration_steps.max(Self::default().integration_steps),
+        }
+    }
+}
+
 /// About two seconds on a common processor for the rods, less for models of sections.
 impl Default for Budget {
     fn default() -> Self {
