@@ -6,6 +6,7 @@ use super::homotopy::Homotopy;
 use super::model::is_near;
 use super::scene::{DistanceBound, Scene};
 use super::step_length::{SHORTENED, STRIDE};
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::obstacle::Obstacle;
@@ -41,6 +42,9 @@ pub(crate) trait Unobstructed {
     /// Length of each cable before actuation in m.
     fn initial_lengths(&self) -> &[f64];
 
+    /// What the solve has spent.
+    fn meter(&mut self) -> &mut Meter;
+
     /// The answer to a case without obstacles, and the centres of the watched cross-sections in the frame of the base.
     fn solve(
         &mut self,
@@ -59,8 +63,20 @@ pub(crate) trait Unobstructed {
 }
 
 /// The answer to a case with obstacles, where balls around the cross-sections stay clear of them from rest, or from a
-/// known answer without contacts, to it.
+/// known answer without contacts, to it. Half of the budget is kept for contacts.
 pub(crate) fn solve_free(
+    model: &mut impl Unobstructed,
+    robot: &Robot,
+    case: &Case,
+    warm_start: Option<&Solution>,
+) -> Result<FreeWay, SolveError> {
+    let budget = model.meter().hold_back_half();
+    let way = look_for_free(model, robot, case, warm_start);
+    model.meter().allow(budget);
+    way
+}
+
+fn look_for_free(
     model: &mut impl Unobstructed,
     robot: &Robot,
     case: &Case,

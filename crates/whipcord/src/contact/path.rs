@@ -13,7 +13,6 @@ use super::pairs::Pairs;
 use super::scene::Scene;
 use super::step::Scratch;
 
-use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::{Cable, Robot};
@@ -38,6 +37,8 @@ const JUMPS_IN_VAIN: usize = 3;
 /// A cross-section that moves farther than this part of the length while it does so has jumped.
 const JUMP: f64 = 0.02;
 
+/// Integration steps of an iteration of a rod of 100 steps without contacts.
+const INTEGRATION_STEPS: f64 = 100.0;
 /// What it may spend at the end of the way, and on another one, as a part of what the way may.
 const RENEWED: f64 = 0.5;
 
@@ -371,15 +372,10 @@ impl<M: Compliant> PathTracker<'_, M> {
         Kept { pairs: self.pairs.clone(), objects: self.objects.clone(), odd: self.odd }
     }
 
-    /// Integration steps that take as long as its iterations.
-    const fn integration_steps(&self) -> usize {
-        (100.0 * self.spent) as usize
-    }
-
-    /// Whether it has spent more than its user lets it.
-    pub(super) fn is_limit_passed(&self) -> bool {
-        let Budget { iterations, integration_steps } = self.model.limit();
-        self.iterations > iterations || self.integration_steps() > integration_steps
+    /// Counts what takes as long as so many iterations of a rod of 100 steps without contacts.
+    pub(super) fn spend(&mut self, effort: f64) {
+        self.spent += effort;
+        self.model.meter().integrate((INTEGRATION_STEPS * effort).ceil() as usize);
     }
 
     /// From here on it may spend a part of what the way may, whatever is spent.
@@ -410,15 +406,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             Some(Stop::Model(error)) => Obstruction::Model(Box::new(error.on_way(way))),
             Some(Stop::NotConverged(residual)) => Obstruction::NotConverged { residual },
             Some(Stop::Slips) => Obstruction::Slips,
-            Some(Stop::Spent(Obstruction::BudgetSpent { iterations, .. }))
-                if self.is_limit_passed() =>
-            {
-                let integration_steps = self.integration_steps();
-                return SolveError::BudgetSpent {
-                    iterations,
-                    integration_steps,
-                    last_load: Some(way),
-                };
+            Some(Stop::Spent(Obstruction::BudgetSpent { .. })) if self.model.meter().is_spent() => {
+                return self.model.meter().spent(Some(way));
             }
             Some(Stop::Spent(why) | Stop::Lost(why)) => why,
             Some(Stop::Cancelled) => return SolveError::Cancelled { last_load: Some(way) },

@@ -5,6 +5,7 @@ use super::free_path::{FreeWay, last_of, or_none_alone, rubbing_or_free};
 use super::noted::last_with_derivatives;
 use super::rod::{RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
 use super::steps::{solve, solve_holding};
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
@@ -30,8 +31,12 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
     /// How many steps the loads of a case need.
     fn needed_steps(&self, case: &Case, memory: &mut Self::Workspace) -> usize;
 
-    /// The rod with so many steps at least.
-    fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, Self::Rod>, SolveError>;
+    /// The rod with so many steps at least, whose solve a meter counts.
+    fn adapter<'a>(
+        &'a self,
+        steps: usize,
+        meter: &'a Meter,
+    ) -> Result<RodAdapter<'a, Self::Rod>, SolveError>;
 
     /// The shape of a robot that keeps clear of the obstacles of a checked case.
     fn find_clear(
@@ -41,7 +46,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         memory: &mut Self::Workspace,
     ) -> Result<FreeWay, SolveError>;
 
-    /// The answer to a case without obstacles.
+    /// The answer to a case without obstacles of a robot without history, by what is left of the budget.
     fn solve_alone(
         &self,
         case: &Case,
@@ -68,13 +73,6 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
     /// The plastic curvature that was set.
     fn plastic(&self) -> Option<&PlasticCurvature>;
 
-    /// The answer to a step of actuation without obstacles from that plastic curvature.
-    fn solve_step_alone(
-        &self,
-        step: &Case,
-        memory: &mut Self::Workspace,
-    ) -> Result<Solution, SolveError>;
-
     /// The answer to a case without obstacles with its derivatives, from a neighbouring answer when given.
     fn differentiate_alone(
         &self,
@@ -100,8 +98,9 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(case, memory);
+        let meter = &*Self::meter(memory);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            solve(&mut self.adapter(steps)?, self.robot(), (case, first_step), warm_start)
+            solve(&mut self.adapter(steps, meter)?, self.robot(), (case, first_step), warm_start)
         });
         or_none_alone(found, case, |alone| self.solve_alone(alone, memory))
     }
@@ -115,9 +114,9 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
     ) -> Result<(), (usize, SolveError)> {
         self.check_among_obstacles(case).map_err(|error| (0, error))?;
         let mut found = Vec::new();
-        let followed = self.on_steps(case, memory, |steps| {
+        let followed = self.on_steps(case, memory, |steps, meter| {
             found.clear();
-            let mut adapter = self.adapter(steps).map_err(|error| (0, error))?;
+            let mut adapter = self.adapter(steps, meter).map_err(|error| (0, error))?;
             rub(&mut adapter, case, |of_step| found.push(of_step))
         });
         let found = (found, followed);
@@ -140,8 +139,8 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
     ) -> Result<(), (usize, SolveError)> {
         self.check_among_obstacles(case).map_err(|error| (0, error))?;
         let mut found = Vec::new();
-        let followed = self.on_steps(case, memory, |steps| {
-            let adapter = self.adapter(steps).map_err(|error| (0, error))?;
+        let followed = self.on_steps(case, memory, |steps, meter| {
+            let adapter = self.adapter(steps, meter).map_err(|error| (0, error))?;
             let mut adapter = adapter.with_stations().taking_notes();
             differentiate_rubbing(&mut adapter, (case, parameters), asks, &mut found)
         });
@@ -177,8 +176,9 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(case, memory);
+        let meter = &*Self::meter(memory);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            let mut adapter = self.adapter(steps)?.with_stations();
+            let mut adapter = self.adapter(steps, meter)?.with_stations();
             let (solution, holding) =
                 solve_holding(&mut adapter, self.robot(), (case, first_step), warm_start)?;
             Ok((solution, adapter.differentiate(&holding, &[], parameters)?))
@@ -204,12 +204,16 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
+        let meter = &*Self::meter(memory);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            let mut adapter = self.adapter(steps)?.with_plastic(self.plastic());
+            let mut adapter = self.adapter(steps, meter)?.with_plastic(self.plastic());
             let solution = solve(&mut adapter, self.robot(), (step, first_step), from)?;
             Ok((solution, adapter.plastic_left()?))
         });
-        or_none_alone(found, step, |alone| self.solve_step_alone(alone, memory))
+        or_none_alone(found, step, |alone| {
+            let mut solution = Solution::empty(Self::KIND);
+            self.take_step(alone, None, memory, &mut solution).map(|_| solution)
+        })
     }
 
     /// The same with its derivatives, where the plastic curvature before changes with each parameter as `history` says, and how that which it
@@ -233,8 +237,10 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
+        let meter = &*Self::meter(memory);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            let mut adapter = self.adapter(steps)?.with_plastic(self.plastic()).with_stations();
+            let mut adapter =
+                self.adapter(steps, meter)?.with_plastic(self.plastic()).with_stations();
             let (solution, holding) =
                 solve_holding(&mut adapter, self.robot(), (step, first_step), from)?;
             let derivatives = adapter.differentiate(&holding, history, parameters)?;
@@ -260,16 +266,17 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         &self,
         case: &Case,
         memory: &mut Self::Workspace,
-        mut follow: impl FnMut(usize) -> Result<(), (usize, SolveError)>,
+        mut follow: impl FnMut(usize, &Meter) -> Result<(), (usize, SolveError)>,
     ) -> Result<(), (usize, SolveError)> {
         let least = if self.robot().has_bending_friction() { BENDING_FRICTION_STEPS } else { 0 };
         let needed = self.needed_steps(case, memory).max(least);
+        let meter = &*Self::meter(memory);
         if let Some(least) = Self::RUBBING_STEPS {
-            return follow(needed.max(least));
+            return follow(needed.max(least), meter);
         }
         let mut number = 0;
         let followed = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            follow(steps).map_err(|(n, error)| {
+            follow(steps, meter).map_err(|(n, error)| {
                 number = n;
                 error
             })

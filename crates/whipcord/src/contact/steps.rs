@@ -71,6 +71,7 @@ fn follow_steps<M: Noting>(
     let mut last: Option<(Solution, Case)> = None;
     let mut commanded = Commanded::default();
     for (n, step) in case.leading_steps().enumerate() {
+        model.meter().grant_step(n);
         let longest_part = commanded.longest_part(&step.commands, model.initial_lengths());
         let from = match &last {
             Some((solution, before)) => {

@@ -5,6 +5,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::contact_adapter::{ContactAdapter, Watched};
 use super::plastic_derivatives::Asked;
 use super::{Linkage, Workspace};
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::contact::{self, FreeWay, NotedWay, Unobstructed};
 use crate::derivatives::CoordinateDerivatives;
@@ -209,6 +210,10 @@ impl Unobstructed for FreeChain<'_> {
 
     fn initial_lengths(&self) -> &[f64] {
         &self.model.rest_lengths
+    }
+
+    fn meter(&mut self) -> &mut Meter {
+        &mut self.workspace.meter
     }
 
     fn solve(
