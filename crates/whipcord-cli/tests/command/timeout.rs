@@ -83,7 +83,7 @@ fn a_solve_of_many_steps_says_how_far_it_came() {
     let path = folder.path().join("steps.toml");
     fs::write(&path, [robot, wall, &steps].concat()).unwrap();
     let file = path.to_str().unwrap();
-    let told = fail(1, &["solve", file, "--model", "pseudo-rigid-body", "--timeout", "1 s"]);
+    let told = fail(1, &["solve", file, "--model", "cosserat-disks", "--timeout", "1 s"]);
     assert!(told.contains(&format!(" of {STEPS}: the solve was cancelled; ")), "{told}");
     assert!(!told.contains("step 1 of"), "{told}");
 }
