@@ -1,8 +1,10 @@
 //! The model that the command line chooses, with its options.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use whipcord::{Actuation, Model, ModelKind, ModelPreset, StabilityAnalysis, Stations, four_bar};
+use whipcord::{
+    Actuation, Budget, Model, ModelKind, ModelPreset, StabilityAnalysis, Stations, four_bar,
+};
 use whipcord_viewer::offered;
 
 use crate::deadline;
@@ -23,6 +25,10 @@ pub struct ModelArguments {
     /// Estimated error that cosserat and cosserat-disks may leave in positions and lengths, as a fraction of the length
     #[arg(long, value_name = "FRACTION", default_value = "1e-6", value_parser = tolerance)]
     tolerance: f64,
+    /// Newton iterations that each solve may take, with those at parts of the load and those in vain; by default there are
+    /// enough for about two seconds
+    #[arg(long, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..))]
+    max_iterations: Option<usize>,
 }
 
 /// What only the four-bar model has to choose.
@@ -94,7 +100,8 @@ impl ModelArguments {
     pub fn model(&self) -> Result<Model, Failure> {
         let model = Model::new(self.kind, Stations::Disks, self.actuation())
             .with_stability(StabilityAnalysis::Eigenvalue)
-            .with_tolerance(self.tolerance);
+            .with_tolerance(self.tolerance)
+            .with_budget(self.max_iterations.map_or_else(Budget::default, Budget::of_iterations));
         self.four_bar.applied_to(model.cancelled_by(&deadline::cancel()))
     }
 }

@@ -162,7 +162,7 @@ impl Model {
         let inner = match max_iterations {
             None => inner,
             Some(iterations) if iterations > 0 => {
-                inner.with_budget(Budget { iterations, ..Budget::default() })
+                inner.with_budget(Budget::of_iterations(iterations))
             }
             Some(_) => {
                 let message = "max_iterations must be greater than zero".to_owned();

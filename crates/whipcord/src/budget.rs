@@ -24,6 +24,21 @@ impl Budget {
     pub const UNLIMITED: Self = Self { iterations: usize::MAX, integration_steps: usize::MAX };
 }
 
+/// Integration steps of an iteration of a rod that is divided finely.
+const STEPS_OF_ITERATION: usize = 400;
+
+impl Budget {
+    /// So many iterations, and as many integration steps as they take, by default at least.
+    #[must_use]
+    pub fn of_iterations(iterations: usize) -> Self {
+        let integration_steps = iterations.saturating_mul(STEPS_OF_ITERATION);
+        Self {
+            iterations,
+            integration_steps: integration_steps.max(Self::default().integration_steps),
+        }
+    }
+}
+
 /// About two seconds on a common processor for the rods, less for models of sections.
 impl Default for Budget {
     fn default() -> Self {
@@ -40,6 +55,8 @@ pub(crate) struct Meter {
     integration_steps: Counter,
     /// Integration steps at which the attempt at hand ends; 0 where it has no end of its own.
     attempt: Counter,
+    /// How often the budget was granted beyond the first time.
+    granted: Counter,
 }
 
 /// An integration step takes about as long as the elimination of a dense matrix takes for so much of the cube of its rows.
@@ -81,6 +98,53 @@ impl Meter {
         self.iterations.set(0);
         self.integration_steps.set(0);
         self.attempt.set(0);
+        self.granted.set(0);
+    }
+
+    /// A solve of several steps of actuation has come to that of this number, from 0: each has the budget of one, however often the solve begins anew.
+    pub fn grant_step(&self, number: usize) {
+        self.granted.set(self.granted.get().max(number));
+    }
+
+    /// Holds half of what is left back, for what follows the search at hand; gives the budget to [`Self::allow`] again then.
+    pub fn hold_back_half(&mut self) -> Budget {
+        let (whole, left) = (self.budget, self.left());
+        self.budget = Budget {
+            iterations: whole.iterations.saturating_sub(left.iterations.div_ceil(2)),
+            integration_steps: whole
+                .integration_steps
+                .saturating_sub(left.integration_steps.div_ceil(2)),
+        };
+        whole
+    }
+
+    /// Lets the solve spend this much in all.
+    pub const fn allow(&mut self, budget: Budget) {
+        self.budget = budget;
+    }
+
+    /// What is left of the budget.
+    pub fn left(&self) -> Budget {
+        let Budget { iterations, integration_steps } = self.all();
+        Budget {
+            iterations: iterations.saturating_sub(self.iterations.get()),
+            integration_steps: integration_steps.saturating_sub(self.integration_steps.get()),
+        }
+    }
+
+    /// The budget as often as it was granted.
+    fn all(&self) -> Budget {
+        let times = self.granted.get().saturating_add(1);
+        Budget {
+            iterations: self.budget.iterations.saturating_mul(times),
+            integration_steps: self.budget.integration_steps.saturating_mul(times),
+        }
+    }
+
+    /// Counts what a solve within this one has spent.
+    pub fn charge(&self, within: &Self) {
+        self.iterations.add(within.iterations.get());
+        self.integration_steps.add(within.integration_steps.get());
     }
 
     /// Begins an attempt that ends after so many integration steps, after which the solve goes on otherwise.
@@ -132,8 +196,13 @@ impl Meter {
 
     /// Whether all of the budget is spent.
     pub fn is_spent(&self) -> bool {
-        self.iterations.get() >= self.budget.iterations
-            || self.integration_steps.get() >= self.budget.integration_steps
+        let Budget { iterations, integration_steps } = self.all();
+        self.iterations.get() >= iterations || self.integration_steps.get() >= integration_steps
+    }
+
+    /// Whether the solve is ended from outside.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.is_cancelled()
     }
 
     /// Whether the solve, or its attempt at hand, goes no further.
@@ -160,7 +229,8 @@ impl Meter {
         }
     }
 
-    fn spent(&self, last_load: Option<f64>) -> SolveError {
+    /// That the budget is spent, where an equilibrium was found up to a part of the load or of the way.
+    pub fn spent(&self, last_load: Option<f64>) -> SolveError {
         SolveError::BudgetSpent {
             iterations: self.iterations.get(),
             integration_steps: self.integration_steps.get(),
@@ -177,5 +247,62 @@ impl Meter {
             }
             outcome => outcome,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn meter(iterations: usize) -> Meter {
+        let mut meter = Meter::default();
+        meter.start(&Cancel::default(), Budget { iterations, ..Budget::UNLIMITED });
+        meter
+    }
+
+    fn iterate(meter: &Meter, times: usize) {
+        (0..times).for_each(|_| meter.iterate());
+    }
+
+    #[test]
+    fn each_step_of_actuation_adds_a_budget_once() {
+        let meter = meter(3);
+        iterate(&meter, 3);
+        assert!(meter.is_spent());
+        meter.grant_step(1);
+        assert_eq!(meter.left().iterations, 3);
+        // The way begins anew.
+        meter.grant_step(0);
+        iterate(&meter, 2);
+        meter.grant_step(1);
+        assert!(!meter.is_spent() && meter.left().iterations == 1);
+        iterate(&meter, 1);
+        assert!(meter.is_spent());
+        let SolveError::BudgetSpent { iterations, last_load, .. } = meter.spent(Some(0.5)) else {
+            unreachable!()
+        };
+        assert_eq!((iterations, last_load), (6, Some(0.5)));
+    }
+
+    #[test]
+    fn a_search_leaves_half_of_what_there_is() {
+        let mut meter = meter(11);
+        iterate(&meter, 2);
+        let whole = meter.hold_back_half();
+        assert_eq!(meter.left().iterations, 4);
+        let within = Meter::default();
+        iterate(&within, 4);
+        meter.charge(&within);
+        assert!(meter.is_spent());
+        meter.allow(whole);
+        assert_eq!(meter.left().iterations, 5);
+    }
+
+    #[test]
+    fn more_iterations_may_take_more_steps() {
+        let usual = Budget::default();
+        assert_eq!(Budget::of_iterations(5), Budget { iterations: 5, ..usual });
+        assert!(Budget::of_iterations(100_000).integration_steps > usual.integration_steps);
+        assert_eq!(Budget::of_iterations(usize::MAX), Budget::UNLIMITED);
     }
 }

@@ -54,8 +54,8 @@ pub enum SolveError {
         /// Tension of that cable in N.
         tension: f64,
         /// Fraction of what was given up to which equilibrium was found, from 0 to 1: of the
-        /// tensions when those alone fold the section, of the step of actuation with hole friction, else
-        /// of the loads.
+        /// tensions when those alone fold the section, of the step of actuation with hole friction, of the way among
+        /// obstacles, else of the loads.
         last_load: f64,
     },
 
@@ -155,7 +155,7 @@ pub enum SolveError {
         /// What is left of the equations, relative to their scale.
         residual: f64,
         /// Fraction of the given load up to which equilibrium was found, from 0 to 1; with hole friction,
-        /// of the step of actuation.
+        /// of the step of actuation, and among obstacles of the way.
         last_load: f64,
         /// What to do.
         advice: &'static str,
@@ -221,7 +221,7 @@ pub enum SolveError {
 
     /// The budget of the solve is spent ([`crate::Budget`]).
     #[error(
-        "the budget of the solve is spent after {iterations} iterations and {integration_steps} integration steps; {}; give it more, a coarser tolerance, or a start nearby",
+        "the budget of the solve is spent after {iterations} iterations and {integration_steps} integration steps; {}; allow it more iterations (`max_iterations`), a coarser tolerance, or a start nearby",
         how_far(*last_load)
     )]
     BudgetSpent {
@@ -325,7 +325,7 @@ pub enum Obstruction {
     },
     /// The iteration stopped before the conditions of contact were met.
     #[error(
-        "beyond this point no contact equilibrium without overlap was found (residual {}): pull the cables less, or use an obstacle with a smoother surface",
+        "beyond this point no contact equilibrium without overlap was found (residual {}): check the units of length and tension, pull the cables or load the robot less, or, where an obstacle has edges or is a mesh, give it a smoother surface",
         significant(*residual, 3, Round::Nearest)
     )]
     NotConverged {
@@ -337,9 +337,9 @@ pub enum Obstruction {
 fn how_far(last_load: Option<f64>) -> String {
     match last_load {
         Some(load) if load > 0.0 => {
-            format!("the last load that converged is {} of the given one", share(load))
+            format!("the last equilibrium is at {} of the load or step of actuation", share(load))
         }
-        _ => "no load had converged yet".to_owned(),
+        _ => "no part of the load or step of actuation had an equilibrium yet".to_owned(),
     }
 }
 
@@ -383,6 +383,20 @@ impl SolveError {
             }
             other => other,
         }
+    }
+
+    /// The error of a place of a way to the answer, where an equilibrium was found up to this part of the way.
+    pub(crate) fn on_way(mut self, reached: f64) -> Self {
+        match &mut self {
+            Self::NotConverged { last_load, .. }
+            | Self::SectionFolds { last_load, .. }
+            | Self::Buckled { load: last_load, .. } => *last_load = reached,
+            Self::Cancelled { last_load } | Self::BudgetSpent { last_load, .. } => {
+                *last_load = Some(reached);
+            }
+            _ => {}
+        }
+        self
     }
 
     /// Whether obstacles are what keeps the robot from the answer, and a solve of less than its budget ended there.

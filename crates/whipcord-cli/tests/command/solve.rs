@@ -397,6 +397,20 @@ fn no_answer_has_status_1_and_a_reason() {
     }
 }
 
+#[test]
+fn a_solve_ends_after_the_iterations_that_it_was_given() {
+    let scratch = Scratch::new();
+    let file =
+        scratch.write("bent.toml", &robot("tension = \"2 N\"\n[loads]\ntip_force = [0.1, 0, 0]"));
+    let message = fail(1, &["solve", &file, "--max-iterations", "2"]);
+    for words in ["is spent after 2 iterations", "allow it more iterations (`max_iterations`)"] {
+        assert!(message.contains(words), "{message}");
+    }
+    let more = ["solve", &file, "--csv", "--max-iterations", "1000000"];
+    assert_eq!(succeed(&more), succeed(&["solve", &file, "--csv"]));
+    assert!(fail(2, &["solve", &file, "--max-iterations", "0"]).contains("--max-iterations"));
+}
+
 /// A backbone that does not get shorter, and two cables opposite each other that both shall.
 #[test]
 fn lengths_that_contradict_one_another_are_told_with_what_they_miss() {

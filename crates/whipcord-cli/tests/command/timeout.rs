@@ -69,3 +69,21 @@ fn a_comparison_that_takes_longer_writes_nothing() {
     let told = fail(1, &[&suite[..], &[out.to_str().unwrap()]].concat());
     assert!(told.contains("not done after 300ms") && !out.exists(), "{told}");
 }
+
+/// Among obstacles a robot whose cables rub has all its steps followed before the first is told: the message names the one that was reached.
+#[test]
+fn a_solve_of_many_steps_says_how_far_it_came() {
+    const STEPS: usize = 4000;
+    let folder = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(root().join("examples/rubbing-finger.toml")).unwrap();
+    let robot = text.split("[[steps]]").next().unwrap();
+    let wall = "[[obstacles]]\nname = \"wall\"\nkind = \"half-space\"\nposition = [1, 0, 0]\nnormal = [-1, 0, 0]\n";
+    let step = |k: usize| format!("[[steps]]\ntension = [\"{} N\"]\n", k as f64 / 1e3);
+    let steps: String = (1..=STEPS).map(step).collect();
+    let path = folder.path().join("steps.toml");
+    fs::write(&path, [robot, wall, &steps].concat()).unwrap();
+    let file = path.to_str().unwrap();
+    let told = fail(1, &["solve", file, "--model", "cosserat-disks", "--timeout", "1 s"]);
+    assert!(told.contains(&format!(" of {STEPS}: the solve was cancelled; ")), "{told}");
+    assert!(!told.contains("step 1 of"), "{told}");
+}

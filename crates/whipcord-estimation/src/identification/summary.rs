@@ -13,6 +13,9 @@ use super::settings::Settings;
 use super::unresolved::Unresolved;
 use crate::uncertainty::Spread;
 
+/// What measurements tell of an unknown by itself with a deviation of more than so many times its size is rounding.
+const UNTOLD: f64 = 10.0;
+
 pub(super) fn tell(
     forward: &Forward<'_>,
     x: &[f64],
@@ -47,6 +50,10 @@ pub(super) fn tell(
             *entry /= logarithms.slope(j, x[j]);
         }
     }
+    let sizes: Vec<f64> = (0..n)
+        .map(|j| if unknowns[j].is_positive() && x[j] > 0.0 { x[j] } else { scales[j] })
+        .collect();
+    forget_unseen(&mut jacobian, &sizes, fitted.spread);
     let spread = Spread::of(&jacobian, &free, fitted.spread, any);
     let quantile = student_quantile(0.5 + 0.5 * settings.confidence, fitted.freedom);
     let estimates = (0..n)
@@ -59,9 +66,6 @@ pub(super) fn tell(
             is_at_bound: is_at_bound[j],
             by_differences: by_differences(j),
         })
-        .collect();
-    let sizes: Vec<f64> = (0..n)
-        .map(|j| if unknowns[j].is_positive() && x[j] > 0.0 { x[j] } else { scales[j] })
         .collect();
     let unresolved = |weak| Unresolved::of(weak, forward.experiments, unknowns, x, &sizes);
     let unresolved = spread.weak.iter().map(unresolved);
@@ -125,6 +129,19 @@ pub(super) fn tell(
         answers,
         unstable,
     })
+}
+
+/// Unknowns of which the measurements tell nothing have no column in the Jacobian, by rows, where the covariance of what it was weighed to is `spread` times the unit
+/// matrix.
+fn forget_unseen(jacobian: &mut [f64], sizes: &[f64], spread: f64) {
+    let n = sizes.len();
+    for (j, size) in sizes.iter().enumerate() {
+        let column = || jacobian.iter().skip(j).step_by(n);
+        let norm = column().map(|x| x * x).sum::<f64>().sqrt();
+        if spread.sqrt() > UNTOLD * size * norm {
+            jacobian.iter_mut().skip(j).step_by(n).for_each(|x| *x = 0.0);
+        }
+    }
 }
 
 fn residuals(forward: &Forward<'_>, fitted: &Fitted, workspace: &Workspace) -> Vec<Residual> {

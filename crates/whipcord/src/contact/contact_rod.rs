@@ -5,6 +5,7 @@ use whipcord_numerics::Pose;
 use super::dense_output::DenseOutput;
 use super::noted::NotedEnd;
 use super::refinement::Refinement;
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
@@ -134,12 +135,12 @@ pub(crate) trait ContactRod: Default {
     /// The answer where it stands.
     fn solution(&mut self, case: &Case) -> Result<Option<Solution>, SolveError>;
 
-    /// The answer to a case in which nothing touches, from a neighbouring one or from rest.
+    /// The answer to a case in which nothing touches, from a neighbouring one or from rest, by what is left of a budget.
     fn solve_free(
         &self,
         robot: &Robot,
         options: &Options,
-        case: &Case,
-        near: Option<&Solution>,
+        from: (&Case, Option<&Solution>),
+        meter: &Meter,
     ) -> Result<Solution, SolveError>;
 }

@@ -44,7 +44,6 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.dampers.pushes(&mut self.pushes);
             self.pushes.extend(self.nudge);
             self.model.consider(case, &self.pushes).map_err(Stop::Model)?;
-            self.iterations += 1;
             self.charge()?;
             let step = StepLength { scene: &self.scene, before, length: self.length };
             if let Some(part) = step.too_far(|k| self.model.centre(k)) {
@@ -135,7 +134,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// Counts an iteration with the contacts that there are, and ends the solve where it has spent its budget or its
     /// contacts are too many.
     fn charge(&mut self) -> Result<(), Stop> {
-        if self.model.cancel().is_cancelled() {
+        if self.model.meter().is_cancelled() {
             return Err(Stop::Cancelled);
         }
         let (contacts, most) = (self.pairs.near.len(), self.pairs.most());
@@ -145,11 +144,14 @@ impl<M: Compliant> PathTracker<'_, M> {
         // Dampers have columns as contacts have.
         let pushes = (contacts + self.dampers.all.len()) as f64;
         let columns = 1.0 + pushes / COSTLY;
-        self.spent += self.model.effort() * columns + (pushes / DENSE).powi(3);
-        if self.spent > self.budget || self.is_limit_passed() {
+        let effort = self.model.effort() * columns + (pushes / DENSE).powi(3);
+        if self.spent + effort > self.budget || self.model.meter().is_spent() {
             let Self { iterations, residual, .. } = *self;
             return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
         }
+        self.iterations += 1;
+        self.model.meter().iterate();
+        self.spend(effort);
         Ok(())
     }
 
@@ -164,7 +166,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         let is_held = self.is_touching() || !self.dampers.all.is_empty();
         if is_held {
             // It is linearised once more.
-            self.spent += self.model.effort();
+            self.spend(self.model.effort());
             self.unstable = self.unstable_directions();
             let slips = match self.unstable {
                 Some(count) => count > 0,
@@ -248,7 +250,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     pub(super) fn rest(&mut self, case: &Case) -> Result<(), SolveError> {
         for _ in 0..STEPS {
             self.model.consider(case, &[])?;
-            if self.model.residual() <= MET || self.model.cancel().is_cancelled() {
+            if self.model.residual() <= MET || self.model.meter().is_cancelled() {
                 break;
             }
             self.model.advance(&[], 1.0)?;

@@ -6,6 +6,7 @@ use super::homotopy::Homotopy;
 use super::model::is_near;
 use super::scene::{DistanceBound, Scene};
 use super::step_length::{SHORTENED, STRIDE, rounded};
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::Robot;
@@ -40,6 +41,9 @@ pub(crate) trait Unobstructed {
     /// Length of each cable before actuation in m.
     fn initial_lengths(&self) -> &[f64];
 
+    /// What the solve has spent.
+    fn meter(&mut self) -> &mut Meter;
+
     /// The answer to a case without obstacles, and the centres of the watched cross-sections in the frame of the base.
     fn solve(
         &mut self,
@@ -58,8 +62,20 @@ pub(crate) trait Unobstructed {
 }
 
 /// The answer to a case with obstacles, where balls around the cross-sections stay clear of them from rest, or from a
-/// known answer without contacts, to it.
+/// known answer without contacts, to it. Half of the budget is kept for contacts.
 pub(crate) fn solve_free(
+    model: &mut impl Unobstructed,
+    robot: &Robot,
+    case: &Case,
+    warm_start: Option<&Solution>,
+) -> Result<FreeWay, SolveError> {
+    let budget = model.meter().hold_back_half();
+    let way = look_for_free(model, robot, case, warm_start);
+    model.meter().allow(budget);
+    way
+}
+
+fn look_for_free(
     model: &mut impl Unobstructed,
     robot: &Robot,
     case: &Case,
@@ -159,23 +175,40 @@ pub(crate) fn or_none_alone<T>(
     Err(SolveError::Obstructed { reached, touching, why: Obstruction::NoneAlone { lost_at } })
 }
 
-/// The answers to the first steps of a case of a robot whose cables rub in their holes, from those among obstacles and whether anything had touched on the way to
-/// each: where nothing had, that without obstacles, whose substeps are as fine as they need be.
+/// What followed the steps of actuation of a robot whose cables rub in their holes among obstacles: the answers to the first of them, each with whether anything had
+/// touched on the way to it, and what became of the others.
+pub(crate) type Rubbed<T> = (Vec<(T, bool)>, Result<(), (usize, SolveError)>);
+
+/// Gives the answers of such steps. Where nothing had touched, that without obstacles counts, whose substeps are as fine as they need be; `solve_free` gives
+/// these answers to the steps of a case.
 pub(crate) fn rubbing_or_free<T>(
     case: &Case,
-    found: Vec<(T, bool)>,
+    (found, followed): Rubbed<T>,
     solution_of: impl Fn(&T) -> &Solution,
-    mut solve_free: impl FnMut(&Case) -> Result<T, SolveError>,
-) -> impl Iterator<Item = Result<T, (usize, SolveError)>> {
-    found.into_iter().enumerate().map(move |(n, (solution, has_touched))| {
-        let step = if case.independent { case.step(case.before.len()) } else { case.step(n) };
-        let Some(step) = step.filter(|_| !has_touched) else { return Ok(solution) };
-        match solve_free(&Case { obstacles: Vec::new(), ..step }) {
-            Ok(free) if is_near(solution_of(&free), solution_of(&solution)) => Ok(free),
-            Err(error @ SolveError::Cancelled { .. }) => Err((n, error)),
-            _ => Ok(solution),
-        }
-    })
+    mut each: impl FnMut(T),
+    solve_free: impl FnOnce(&Case, &mut dyn FnMut(T)) -> Result<(), (usize, SolveError)>,
+) -> Result<(), (usize, SolveError)> {
+    if let Err((_, SolveError::Cancelled { .. })) = followed {
+        // A solve without obstacles would end as soon, at a step that was passed before.
+        return followed;
+    }
+    let untouched = found.iter().take_while(|(_, has_touched)| !has_touched).count();
+    let last = untouched.checked_sub(1);
+    let steps = last.and_then(|last| match case.independent {
+        true => case.single_steps().last(),
+        false => case.step(last),
+    });
+    let mut free = Vec::with_capacity(untouched);
+    let alone = steps.map(|steps| Case { obstacles: Vec::new(), ..steps });
+    let solved = alone.map_or(Ok(()), |alone| solve_free(&alone, &mut |answer| free.push(answer)));
+    let is_cancelled = matches!(solved, Err((_, SolveError::Cancelled { .. })));
+    let known = if is_cancelled { free.len() } else { found.len() };
+    let mut free = free.into_iter();
+    for (solution, _) in found.into_iter().take(known) {
+        let is_same = |free: &T| is_near(solution_of(free), solution_of(&solution));
+        each(free.next().filter(is_same).unwrap_or(solution));
+    }
+    if is_cancelled { solved } else { followed }
 }
 
 /// The last answer of a solve of several steps.
@@ -313,6 +346,35 @@ mod tests {
         let start = [0.0, 0.5, 1.0].map(|z| Vec3::new(0.0, 0.0, z));
         let end = [start[0], start[1], start[2] + Vec3::new(way, 0.0, 0.0)];
         (clearance.first_step(&start, &end, part), clearance.reach[2])
+    }
+
+    /// What ends a solve ends those without obstacles too, and these are of steps that were passed before.
+    #[test]
+    fn a_solve_that_is_cancelled_names_the_step_that_it_had_reached() {
+        let step = |tension: f64| Case::with_tensions(&[tension]).commands;
+        let case = Case { before: vec![step(1.0), step(2.0)], ..Case::with_tensions(&[3.0]) };
+        let answer = || Solution::empty(crate::ModelKind::Cosserat);
+        let end = |error: SolveError| {
+            let found = vec![(answer(), false), (answer(), false)];
+            let (mut given, mut solved) = (0, Vec::new());
+            let told = rubbing_or_free(
+                &case,
+                (found, Err((2, error))),
+                |solution| solution,
+                |_| given += 1,
+                |alone, each| {
+                    solved.push(alone.before.len() + 1);
+                    each(answer());
+                    Err((1, SolveError::Cancelled { last_load: None }))
+                },
+            );
+            (told, given, solved)
+        };
+        let cancelled = SolveError::Cancelled { last_load: Some(0.25) };
+        assert_eq!(end(cancelled.clone()), (Err((2, cancelled)), 0, Vec::new()));
+        // Cancelled later: the steps without obstacles, solved once for all.
+        let cancelled = Err((1, SolveError::Cancelled { last_load: None }));
+        assert_eq!(end(SolveError::TensionsNotFound), (cancelled, 1, vec![2]));
     }
 
     #[test]

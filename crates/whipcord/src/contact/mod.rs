@@ -35,6 +35,7 @@ mod dampers;
 mod dense_output;
 mod differences;
 mod discovery;
+mod division;
 mod drawn_out;
 mod equilibrium;
 mod features;
@@ -80,7 +81,6 @@ pub(crate) use loaded_places::LoadedPlaces;
 pub(crate) use model::{is_same_shape, with_pushes};
 pub(crate) use noted::{
     Noted, NotedEnd, NotedWay, Noting, OnWay, last_with_derivatives, where_it_counts,
-    with_derivatives_or_free,
 };
 pub(crate) use refinement::{Refinement, centres};
 pub(crate) use rod::RodAdapter;

@@ -2,8 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use crate::budget::Budget;
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::case::{Case, PointLoad};
 use crate::error::SolveError;
 use crate::shape::Wrench;
@@ -36,11 +35,8 @@ pub(crate) trait Compliant {
     /// Whether its forces are in N: it knows the robot's stiffness.
     fn knows_forces(&self) -> bool;
 
-    /// What ends the solve from outside.
-    fn cancel(&self) -> &Cancel;
-
-    /// What a solve may spend as its user says.
-    fn limit(&self) -> Budget;
+    /// What the solve has spent of what its user lets it, and what ends it from outside.
+    fn meter(&self) -> &Meter;
 
     /// What an iteration without contacts costs, relative to one of a rod of 100 steps.
     fn effort(&self) -> f64;

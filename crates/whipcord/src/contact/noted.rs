@@ -3,7 +3,6 @@
 use whipcord_numerics::{Twist, Vec3};
 
 use super::dense_output::DenseOutput;
-use super::free_path::rubbing_or_free;
 use super::holding::Holding;
 use super::model::Compliant;
 use crate::case::{CableCommand, Case, Shortening};
@@ -73,19 +72,6 @@ pub(crate) fn where_it_counts<D>(
         Some(Err(_)) if !has_touched => Ok(None),
         derivatives => derivatives.transpose(),
     }
-}
-
-/// The answers among obstacles, or without them where nothing has touched ([`rubbing_or_free`]); `solve_free` solves these, and with
-/// parameters where they were asked for with derivatives.
-pub(crate) fn with_derivatives_or_free<D>(
-    (case, asks, parameters): (&Case, &dyn Fn(usize) -> bool, &[Parameter]),
-    found: Vec<Found<D>>,
-    mut each: impl FnMut((Solution, Option<D>)),
-    mut solve_free: impl FnMut(&Case, Option<&[Parameter]>) -> Result<(Solution, Option<D>), SolveError>,
-) -> Result<(), (usize, SolveError)> {
-    let solve = |alone: &Case| solve_free(alone, asks(alone.before.len()).then_some(parameters));
-    rubbing_or_free(case, found, |(solution, _)| solution, solve)
-        .try_for_each(|answer| answer.map(&mut each))
 }
 
 /// The last answer of a solve of several steps, with its derivatives.

@@ -3,6 +3,7 @@
 use whipcord_numerics::Vec3;
 
 use super::dampers::Dampers;
+use super::division::FROM_REST;
 use super::drawn_out::DrawnOut;
 use super::holding::Holding;
 use super::model::{Compliant, Push};
@@ -13,7 +14,6 @@ use super::scene::Scene;
 use super::step::Scratch;
 use super::step_length::rounded;
 
-use crate::budget::Budget;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
 use crate::robot::{Cable, Robot};
@@ -28,8 +28,6 @@ pub(super) const NUDGE: f64 = 2e-2;
 const COUNTED_STEP: f64 = 0.5;
 /// The same where eq. (6) misses two of them.
 const LONGEST_STEP: f64 = 0.2;
-/// That of a robot whose cables rub in their holes: what sticks at the end of a step has its length beyond the hole from where that began.
-const RUBBING_STEP: f64 = 1.0 / 32.0;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-3;
 /// How far ahead on the way a robot comes to rest that has lost its equilibrium.
@@ -40,6 +38,8 @@ const JUMPS_IN_VAIN: usize = 3;
 /// A cross-section that moves farther than this part of the length while it does so has jumped.
 const JUMP: f64 = 0.02;
 
+/// Integration steps of an iteration of a rod of 100 steps without contacts.
+const INTEGRATION_STEPS: f64 = 100.0;
 /// What it may spend at the end of the way, and on another one, as a part of what the way may.
 const RENEWED: f64 = 0.5;
 
@@ -116,6 +116,8 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) is_off_answer: bool,
     /// Whether its cables rub in their holes, which remember every place of the way.
     pub(super) rubs: bool,
+    /// The longest step of a way that they remember.
+    pub(super) longest_step: f64,
     /// Whether a place of the way is taken less nearly than they remember: cables that stick may hold the robot so that nothing tells the force of a
     /// contact.
     pub(super) is_lenient: bool,
@@ -181,7 +183,7 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
     ) -> Self {
         let pairs = Pairs::new(robot, model.watched());
         let (force_scale, length) = (model.force_scale(), robot.backbone().length);
-        let budget = model.budget();
+        let (budget, rubs) = (model.budget(), has_friction(robot));
         Self {
             model,
             scene: Scene::new(case),
@@ -205,7 +207,8 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
             lost_at: None,
             slipped_at: None,
             is_off_answer: false,
-            rubs: has_friction(robot),
+            rubs,
+            longest_step: if rubs { FROM_REST } else { 1.0 },
             is_lenient: false,
             on_way: OnWay { step, ..OnWay::default() },
         }
@@ -220,12 +223,7 @@ impl<M: Noting> PathTracker<'_, M> {
         at: impl Fn(f64) -> Case,
         acting: impl Fn(f64) -> Acting,
     ) -> Result<(), SolveError> {
-        self.go_in_steps(asked, at, acting, Steps::up_to(self.longest_step()))
-    }
-
-    /// The longest step of a way that the holes remember.
-    pub(super) const fn longest_step(&self) -> f64 {
-        if self.rubs { RUBBING_STEP } else { 1.0 }
+        self.go_in_steps(asked, at, acting, Steps::up_to(self.longest_step))
     }
 
     /// The same in such steps.
@@ -378,15 +376,10 @@ impl<M: Compliant> PathTracker<'_, M> {
         Kept { pairs: self.pairs.clone(), objects: self.objects.clone(), odd: self.odd }
     }
 
-    /// Integration steps that take as long as its iterations.
-    const fn integration_steps(&self) -> usize {
-        (100.0 * self.spent) as usize
-    }
-
-    /// Whether it has spent more than its user lets it.
-    pub(super) fn is_limit_passed(&self) -> bool {
-        let Budget { iterations, integration_steps } = self.model.limit();
-        self.iterations > iterations || self.integration_steps() > integration_steps
+    /// Counts what takes as long as so many iterations of a rod of 100 steps without contacts.
+    pub(super) fn spend(&mut self, effort: f64) {
+        self.spent += effort;
+        self.model.meter().integrate((INTEGRATION_STEPS * effort).ceil() as usize);
     }
 
     /// From here on it may spend a part of what the way may, whatever is spent.
@@ -413,19 +406,12 @@ impl<M: Compliant> PathTracker<'_, M> {
             touching.map(|pair| self.scene.get(pair.obstacle).name.clone()).collect();
         names.dedup();
         let why = match stop {
-            Some(Stop::Model(error)) if names.is_empty() => return error,
-            Some(Stop::Model(error)) => Obstruction::Model(Box::new(error)),
+            Some(Stop::Model(error)) if names.is_empty() => return error.on_way(way),
+            Some(Stop::Model(error)) => Obstruction::Model(Box::new(error.on_way(way))),
             Some(Stop::NotConverged(residual)) => Obstruction::NotConverged { residual },
             Some(Stop::Slips) => Obstruction::Slips,
-            Some(Stop::Spent(Obstruction::BudgetSpent { iterations, .. }))
-                if self.is_limit_passed() =>
-            {
-                let integration_steps = self.integration_steps();
-                return SolveError::BudgetSpent {
-                    iterations,
-                    integration_steps,
-                    last_load: Some(way),
-                };
+            Some(Stop::Spent(Obstruction::BudgetSpent { .. })) if self.model.meter().is_spent() => {
+                return self.model.meter().spent(Some(way));
             }
             Some(Stop::Spent(why) | Stop::Lost(why)) => why,
             Some(Stop::Cancelled) => return SolveError::Cancelled { last_load: Some(way) },

@@ -7,8 +7,7 @@ use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
 use super::noted::{Found, Noted, NotedEnd, NotedWay, Noting, OnWay, where_it_counts};
 use super::steps::{RubbedAnswer, solve_rubbing};
-use crate::budget::Budget;
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::derivatives::{Derivatives, gravity_change};
 use crate::error::{Obstruction, SolveError};
@@ -68,6 +67,7 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
     robot: &'a Robot,
     /// As the user wants the answer.
     options: &'a Options,
+    meter: &'a Meter,
     watched: &'a [f64],
     /// Where steps end.
     stations: Vec<f64>,
@@ -97,11 +97,11 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
 }
 
 impl<'a, R: ContactRod> RodAdapter<'a, R> {
-    /// A rod that is watched at these arc lengths in m, and whose cables have these lengths in m before actuation; `stiffness` is that of
+    /// A rod whose solve is counted by a meter, that is watched at these arc lengths in m, and whose cables have these lengths in m before actuation; `stiffness` is that of
     /// bending at the base, and it has at least so many steps where the accuracy that is asked for does not say how many.
     pub fn new(
         robot: &'a Robot,
-        options: &'a Options,
+        (options, meter): (&'a Options, &'a Meter),
         watched: &'a [f64],
         initial_lengths: Vec<f64>,
         stiffness: f64,
@@ -112,6 +112,7 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
         let mut adapter = Self {
             robot,
             options,
+            meter,
             watched,
             stations: robot.disks().arc_lengths.clone(),
             initial_lengths,
@@ -363,12 +364,8 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
         self.force_scale
     }
 
-    fn cancel(&self) -> &Cancel {
-        &self.options.cancel
-    }
-
-    fn limit(&self) -> Budget {
-        self.options.budget
+    fn meter(&self) -> &Meter {
+        self.meter
     }
 
     fn effort(&self) -> f64 {
@@ -488,7 +485,7 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
             // What the holes remember of the way would be lost.
             return Err(SolveError::NoDerivatives);
         }
-        self.found.solve_free(self.robot, self.options, case, None)
+        self.found.solve_free(self.robot, self.options, (case, None), self.meter)
     }
 
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {
@@ -496,7 +493,8 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
         let touching = pushes.iter().any(|push| push.wrench != Default::default());
         if !touching
             && !self.rubs
-            && let Ok(free) = self.found.solve_free(self.robot, self.options, case, Some(&solution))
+            && let Ok(free) =
+                self.found.solve_free(self.robot, self.options, (case, Some(&solution)), self.meter)
             && is_same_shape(&free, &solution)
         {
             return Ok(free);

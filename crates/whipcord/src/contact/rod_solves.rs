@@ -2,9 +2,10 @@
 
 use super::contact_rod::ContactRod;
 use super::free_path::{FreeWay, last_of, or_none_alone, rubbing_or_free};
-use super::noted::{last_with_derivatives, with_derivatives_or_free};
+use super::noted::last_with_derivatives;
 use super::rod::{RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
 use super::steps::{solve, solve_holding};
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::derivatives::Derivatives;
 use crate::error::SolveError;
@@ -30,8 +31,12 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
     /// How many steps the loads of a case need.
     fn needed_steps(&self, case: &Case, memory: &mut Self::Workspace) -> usize;
 
-    /// The rod with so many steps at least.
-    fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, Self::Rod>, SolveError>;
+    /// The rod with so many steps at least, whose solve a meter counts.
+    fn adapter<'a>(
+        &'a self,
+        steps: usize,
+        meter: &'a Meter,
+    ) -> Result<RodAdapter<'a, Self::Rod>, SolveError>;
 
     /// The shape of a robot that keeps clear of the obstacles of a checked case.
     fn find_clear(
@@ -41,22 +46,32 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         memory: &mut Self::Workspace,
     ) -> Result<FreeWay, SolveError>;
 
-    /// The answer to a case without obstacles.
+    /// The answer to a case without obstacles of a robot without history, by what is left of the budget.
     fn solve_alone(
         &self,
         case: &Case,
         memory: &mut Self::Workspace,
     ) -> Result<Solution, SolveError>;
 
+    /// The answers to all steps of actuation of a case without obstacles.
+    fn solve_steps_alone(
+        &self,
+        case: &Case,
+        memory: &mut Self::Workspace,
+        each: &mut dyn FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)>;
+
+    /// The same of a robot whose cables rub, those that are asked for by their number from 0 with their derivatives.
+    fn differentiate_steps_alone(
+        &self,
+        of: (&Case, &[Parameter]),
+        asks: &dyn Fn(usize) -> bool,
+        memory: &mut Self::Workspace,
+        each: &mut dyn FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)>;
+
     /// The plastic curvature that was set.
     fn plastic(&self) -> Option<&PlasticCurvature>;
-
-    /// The answer to a step of actuation without obstacles from that plastic curvature.
-    fn solve_step_alone(
-        &self,
-        step: &Case,
-        memory: &mut Self::Workspace,
-    ) -> Result<Solution, SolveError>;
 
     /// The answer to a case without obstacles with its derivatives, from a neighbouring answer when given.
     fn differentiate_alone(
@@ -83,8 +98,9 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(case, memory);
+        let meter = &*Self::meter(memory);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            solve(&mut self.adapter(steps)?, self.robot(), (case, first_step), warm_start)
+            solve(&mut self.adapter(steps, meter)?, self.robot(), (case, first_step), warm_start)
         });
         or_none_alone(found, case, |alone| self.solve_alone(alone, memory))
     }
@@ -94,18 +110,23 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         &self,
         case: &Case,
         memory: &mut Self::Workspace,
-        mut each: impl FnMut(Solution),
+        each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         self.check_among_obstacles(case).map_err(|error| (0, error))?;
         let mut found = Vec::new();
-        let followed = self.on_steps(case, memory, |steps| {
+        let followed = self.on_steps(case, memory, |steps, meter| {
             found.clear();
-            let mut adapter = self.adapter(steps).map_err(|error| (0, error))?;
+            let mut adapter = self.adapter(steps, meter).map_err(|error| (0, error))?;
             rub(&mut adapter, case, |of_step| found.push(of_step))
         });
-        rubbing_or_free(case, found, |of| of, |alone| self.solve_alone(alone, memory))
-            .try_for_each(|solution| solution.map(&mut each))?;
-        followed
+        let found = (found, followed);
+        rubbing_or_free(
+            case,
+            found,
+            |of| of,
+            each,
+            |alone, each| self.solve_steps_alone(alone, memory, each),
+        )
     }
 
     /// Whether the derivatives of an answer from rest are those of the way to it: where cables rub, or obstacles do, whose contacts slide on
@@ -142,21 +163,34 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             }
         }
         let mut found = Vec::new();
-        let followed = self.on_steps(case, memory, |steps| {
-            let adapter = self.adapter(steps).map_err(|error| (0, error))?;
+        let followed = self.on_steps(case, memory, |steps, meter| {
+            let adapter = self.adapter(steps, meter).map_err(|error| (0, error))?;
             let mut adapter = adapter.with_stations().taking_notes();
             let of = (case, first_step, parameters);
             differentiate_rubbing(&mut adapter, of, asks, &mut found)
         });
-        let asked = (case, asks, parameters);
-        with_derivatives_or_free(asked, found, each, |alone, parameters| match parameters {
-            Some(parameters) => {
-                let (solution, of) = self.differentiate_alone(alone, None, parameters, memory)?;
-                Ok((solution, Some(of)))
-            }
-            None => Ok((self.solve_alone(alone, memory)?, None)),
-        })?;
-        followed
+        rubbing_or_free(
+            case,
+            (found, followed),
+            |(of, _)| of,
+            each,
+            |alone, each| {
+                if self.rubs() {
+                    let of = (alone, parameters);
+                    return self.differentiate_steps_alone(of, asks, memory, each);
+                }
+                for (n, step) in alone.leading_steps().enumerate() {
+                    let found = match asks(n) {
+                        true => self
+                            .differentiate_alone(&step, None, parameters, memory)
+                            .map(|(solution, derivatives)| (solution, Some(derivatives))),
+                        false => self.solve_alone(&step, memory).map(|found| (found, None)),
+                    };
+                    each(found.map_err(|error| (n, error))?);
+                }
+                Ok(())
+            },
+        )
     }
 
     /// The answer to a case among obstacles, with its derivatives and the contacts that hold it.
@@ -182,8 +216,9 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(case, memory);
+        let meter = &*Self::meter(memory);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            let mut adapter = self.adapter(steps)?.with_stations();
+            let mut adapter = self.adapter(steps, meter)?.with_stations();
             let (solution, holding) =
                 solve_holding(&mut adapter, self.robot(), (case, first_step), warm_start)?;
             Ok((solution, adapter.differentiate(&holding, &[], parameters)?))
@@ -209,12 +244,16 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
+        let meter = &*Self::meter(memory);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            let mut adapter = self.adapter(steps)?.with_plastic(self.plastic());
+            let mut adapter = self.adapter(steps, meter)?.with_plastic(self.plastic());
             let solution = solve(&mut adapter, self.robot(), (step, first_step), from)?;
             Ok((solution, adapter.plastic_left()?))
         });
-        or_none_alone(found, step, |alone| self.solve_step_alone(alone, memory))
+        or_none_alone(found, step, |alone| {
+            let mut solution = Solution::empty(Self::KIND);
+            self.take_step(alone, None, memory, &mut solution).map(|_| solution)
+        })
     }
 
     /// The same with its derivatives, where the plastic curvature before changes with each parameter as `history` says, and how that which it
@@ -238,8 +277,10 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             FreeWay::Unclear { first_step } => first_step,
         };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
+        let meter = &*Self::meter(memory);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            let mut adapter = self.adapter(steps)?.with_plastic(self.plastic()).with_stations();
+            let mut adapter =
+                self.adapter(steps, meter)?.with_plastic(self.plastic()).with_stations();
             let (solution, holding) =
                 solve_holding(&mut adapter, self.robot(), (step, first_step), from)?;
             let derivatives = adapter.differentiate(&holding, history, parameters)?;
@@ -265,16 +306,17 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         &self,
         case: &Case,
         memory: &mut Self::Workspace,
-        mut follow: impl FnMut(usize) -> Result<(), (usize, SolveError)>,
+        mut follow: impl FnMut(usize, &Meter) -> Result<(), (usize, SolveError)>,
     ) -> Result<(), (usize, SolveError)> {
         let least = if self.robot().has_bending_friction() { BENDING_FRICTION_STEPS } else { 0 };
         let needed = self.needed_steps(case, memory).max(least);
+        let meter = &*Self::meter(memory);
         if let Some(least) = Self::RUBBING_STEPS.filter(|_| self.rubs()) {
-            return follow(needed.max(least));
+            return follow(needed.max(least), meter);
         }
         let mut number = 0;
         let followed = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            follow(steps).map_err(|(n, error)| {
+            follow(steps, meter).map_err(|(n, error)| {
                 number = n;
                 error
             })

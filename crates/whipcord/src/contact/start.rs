@@ -88,7 +88,7 @@ impl<M: Noting> PathTracker<'_, M> {
         self.refuse_overlap()?;
         let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
         let growth_after_short = GROWTH_INSIDE;
-        let steps = Steps { growth_after_short, ..Steps::up_to(self.longest_step()) };
+        let steps = Steps { growth_after_short, ..Steps::up_to(self.longest_step) };
         self.budget = self.spent + self.model.insertion_budget();
         self.go_in_steps(case, |_| case.clone(), back, steps)?;
         self.budget = self.spent + self.model.budget();
@@ -103,7 +103,7 @@ impl<M: Noting> PathTracker<'_, M> {
         at: &impl Fn(f64) -> Case,
         to_base: &Pose,
     ) -> Result<(), SolveError> {
-        match self.release_after_steps(case, at, to_base, self.longest_step()) {
+        match self.release_after_steps(case, at, to_base, self.longest_step) {
             // Short steps let the robot slide farther along an object that is held, until friction pushes that with all it can.
             Err(error) if self.rubs && error.is_obstruction() => {
                 self.release_after_steps(case, at, to_base, 1.0)

@@ -2,6 +2,7 @@
 
 use whipcord_numerics::Vec3;
 
+use super::division::Commanded;
 use super::holding::Holding;
 use super::homotopy::Homotopy;
 use super::noted::Noting;
@@ -77,14 +78,21 @@ fn follow_steps<M: Noting>(
     mut each: impl FnMut(&mut M, (Solution, Holding)) -> Result<(), SolveError>,
 ) -> Result<(), (usize, SolveError)> {
     let rubs = has_friction(robot);
-    let mut last: Option<(Solution, Vec<CableCommand>)> = None;
+    let mut last: Option<(Solution, Case)> = None;
+    let mut commanded = Commanded::default();
     for (n, step) in case.leading_steps().enumerate() {
+        model.meter().grant_step(n);
+        let longest_part = commanded.longest_part(&step.commands, model.initial_lengths());
         let from = match &last {
-            Some((solution, commands)) => (Some(solution), Some(&commands[..])),
+            Some((solution, before)) => {
+                // How much other loads ask of a step is not known.
+                let longest_part = (before.loads == step.loads).then_some(longest_part);
+                (Some(solution), Some(StepBefore { commands: &before.commands, longest_part }))
+            }
             None => (None, None),
         };
-        if let (Some(before), false) = (from.1, rubs)
-            && !are_driven_alike(before, &step.commands)
+        if let (Some(before), false) = (&from.1, rubs)
+            && !are_driven_alike(before.commands, &step.commands)
         {
             // The way begins at what the answer before has of what is commanded now.
             model.lose_notes();
@@ -92,7 +100,7 @@ fn follow_steps<M: Noting>(
         let (solution, holding) =
             solve_step(model, robot, (n, &step, first_step), from).map_err(|error| (n, error))?;
         first_step = 1.0;
-        last = Some((solution.clone(), step.commands));
+        last = Some((solution.clone(), step));
         each(model, (solution, holding)).map_err(|error| (n, error))?;
     }
     Ok(())
@@ -104,24 +112,34 @@ fn are_driven_alike(before: &[CableCommand], now: &[CableCommand]) -> bool {
     before.iter().map(by).eq(now.iter().map(by))
 }
 
-/// The answer to one step of actuation, from the robot at rest, or from an answer that was led to by commands where these are known.
+/// What is known of the step of actuation before another.
+struct StepBefore<'a> {
+    commands: &'a [CableCommand],
+    /// The longest part of the way from there; `None` where it is divided as one from rest.
+    longest_part: Option<f64>,
+}
+
+/// The answer to one step of actuation, from the robot at rest, or from an answer and the step that it is of where that is known.
 fn solve_step(
     model: &mut impl Noting,
     robot: &Robot,
     (step, case, first_step): (usize, &Case, f64),
-    (warm_start, commands): (Option<&Solution>, Option<&[CableCommand]>),
+    (warm_start, before): (Option<&Solution>, Option<StepBefore<'_>>),
 ) -> Result<(Solution, Holding), SolveError> {
     let rubs = has_friction(robot);
     let to_base = case.base.inverse();
     let warm_start = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
-    let homotopy = match (warm_start, commands) {
+    let homotopy = match (warm_start, &before) {
         // What the holes remember was led to by these.
-        (Some(_), Some(commands)) if rubs => Homotopy::from_commands(commands, case),
+        (Some(_), Some(before)) if rubs => Homotopy::from_commands(before.commands, case),
         (Some(answer), _) => Homotopy::from_answer(answer, case),
         (None, _) if rubs => Homotopy::from_rest_loaded_first(case),
         (None, _) => Homotopy::from_rest(case),
     };
     let mut tracker = PathTracker::new(model, robot, (step, case), warm_start);
+    if let Some(longest_part) = before.and_then(|before| before.longest_part).filter(|_| rubs) {
+        tracker.longest_step = longest_part;
+    }
     let initial: Vec<f64> = tracker.model.initial_lengths().to_vec();
     let at = |way: f64| homotopy.at(way, &initial);
     let of_case = |way: f64| [homotopy.command_factor(way), homotopy.load_factor(way)];
@@ -130,7 +148,7 @@ fn solve_step(
         Acting { loads, of_case: of_case(way), ..Acting::ALL }
     };
     tracker.start((&at(0.0), of_case(0.0)), warm_start, &to_base)?;
-    let longest = tracker.longest_step();
+    let longest = tracker.longest_step;
     let steps = Steps { first: first_step.min(longest), ..Steps::up_to(longest) };
     let mut gone = tracker.go_in_steps(case, at, grow, steps);
     if let Err(error) = &gone

@@ -4,6 +4,7 @@ use whipcord_numerics::Vec3;
 
 use super::contact_response::ContactResponse;
 use super::prepared::{Cosserat, Workspace};
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed, WatchedPlaces};
 use crate::derivatives::Derivatives;
@@ -13,6 +14,7 @@ use crate::parameter::Parameter;
 use crate::solution::Solution;
 use crate::statics::options::Accuracy;
 use crate::statics::plastic_curvature::PlasticCurvature;
+use crate::warm_start::WarmStart;
 
 impl RodSolves for Cosserat {
     type Rod = ContactResponse;
@@ -28,11 +30,15 @@ impl RodSolves for Cosserat {
         self.strength(case, workspace).steps()
     }
 
-    fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, ContactResponse>, SolveError> {
+    fn adapter<'a>(
+        &'a self,
+        steps: usize,
+        meter: &'a Meter,
+    ) -> Result<RodAdapter<'a, ContactResponse>, SolveError> {
         let at_base = self.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let (initial, stiffness) = (self.initial_lengths(), at_base.column(0).x);
         let watched = &self.watched_places().places;
-        Ok(RodAdapter::new(&self.robot, &self.options, watched, initial, stiffness, steps))
+        Ok(RodAdapter::new(&self.robot, (&self.options, meter), watched, initial, stiffness, steps))
     }
 
     fn find_clear(
@@ -48,19 +54,33 @@ impl RodSolves for Cosserat {
     }
 
     fn solve_alone(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
-        self.solve(case, None, workspace)
+        let mut solution = Solution::empty(ModelKind::Cosserat);
+        let from = WarmStart::None;
+        let solved = self.solve_keeping_grid(case, from, workspace, &mut solution);
+        workspace.meter.checked(solved).map(|_| solution)
+    }
+
+    fn solve_steps_alone(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        each: &mut dyn FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        self.solve_steps(case, workspace, each)
+    }
+
+    fn differentiate_steps_alone(
+        &self,
+        (case, parameters): (&Case, &[Parameter]),
+        asks: &dyn Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        each: &mut dyn FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        self.slide_with_derivatives(case, parameters, asks, workspace, each)
     }
 
     fn plastic(&self) -> Option<&PlasticCurvature> {
         self.plastic.as_ref()
-    }
-
-    fn solve_step_alone(
-        &self,
-        step: &Case,
-        workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
-        self.solve_step(step, None, workspace)
     }
 
     fn differentiate_alone(
@@ -104,6 +124,10 @@ impl Unobstructed for FreeRod<'_> {
 
     fn initial_lengths(&self) -> &[f64] {
         &self.initial_lengths
+    }
+
+    fn meter(&mut self) -> &mut Meter {
+        &mut self.workspace.meter
     }
 
     fn solve(

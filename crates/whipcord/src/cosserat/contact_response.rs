@@ -18,7 +18,7 @@ use super::stability::Equilibrium;
 use super::state::{Direction, State};
 use super::target::Target;
 use super::unloaded::SweepOptions;
-use crate::budget::Budget;
+use crate::budget::{Budget, Meter};
 use crate::case::Case;
 use crate::contact::{
     ContactRod, DenseOutput, Linearised, NotedEnd, Refinement, RodHoles, RodResponse,
@@ -336,14 +336,18 @@ impl ContactRod for ContactResponse {
         &self,
         robot: &Robot,
         options: &Options,
-        case: &Case,
-        near: Option<&Solution>,
+        (case, near): (&Case, Option<&Solution>),
+        meter: &Meter,
     ) -> Result<Solution, SolveError> {
-        let mut model = Cosserat::new(robot, &case.loads, options)?;
+        let options = Options { budget: meter.left(), ..options.clone() };
+        let mut model = Cosserat::new(robot, &case.loads, &options)?;
         if let Some(left) = &self.plastic {
             model.set_plastic(left.clone());
         }
-        model.solve_step(case, near, &mut Workspace::default())
+        let mut workspace = Workspace::default();
+        let solved = model.solve_step(case, near, &mut workspace);
+        meter.charge(&workspace.meter);
+        solved
     }
 
     fn steps(&self) -> usize {

@@ -5,6 +5,7 @@ use whipcord_numerics::Vec3;
 use super::contact_response::ContactResponse;
 use super::model::CosseratDisks;
 use super::workspace::Workspace;
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::contact::{self, FreeWay, RodAdapter, RodSolves, Unobstructed, WatchedPlaces};
 use crate::derivatives::Derivatives;
@@ -27,12 +28,23 @@ impl RodSolves for CosseratDisks {
         self.strength(case, workspace).steps()
     }
 
-    fn adapter(&self, steps: usize) -> Result<RodAdapter<'_, ContactResponse>, SolveError> {
+    fn adapter<'a>(
+        &'a self,
+        steps: usize,
+        meter: &'a Meter,
+    ) -> Result<RodAdapter<'a, ContactResponse>, SolveError> {
         let at_base = self.mesh(0)?.grid.shooting.at(0, 0, 0).0.section.bending_stiffness();
         let initial = self.frame().rest_lengths.clone();
         let stiffness = at_base.column(0).x;
         let watched = &self.watched_places().places;
-        Ok(RodAdapter::new(self.robot(), self.options(), watched, initial, stiffness, steps))
+        Ok(RodAdapter::new(
+            self.robot(),
+            (self.options(), meter),
+            watched,
+            initial,
+            stiffness,
+            steps,
+        ))
     }
 
     fn find_clear(
@@ -47,19 +59,30 @@ impl RodSolves for CosseratDisks {
     }
 
     fn solve_alone(&self, case: &Case, workspace: &mut Workspace) -> Result<Solution, SolveError> {
-        self.solve(case, None, workspace)
+        self.solve_keeping_level(case, None, workspace).map(|(solution, _)| solution)
+    }
+
+    fn solve_steps_alone(
+        &self,
+        case: &Case,
+        workspace: &mut Workspace,
+        each: &mut dyn FnMut(Solution),
+    ) -> Result<(), (usize, SolveError)> {
+        self.solve_steps(case, workspace, each)
+    }
+
+    fn differentiate_steps_alone(
+        &self,
+        (case, parameters): (&Case, &[Parameter]),
+        asks: &dyn Fn(usize) -> bool,
+        workspace: &mut Workspace,
+        each: &mut dyn FnMut((Solution, Option<Derivatives>)),
+    ) -> Result<(), (usize, SolveError)> {
+        self.solve_steps_with_derivatives(case, parameters, asks, workspace, each)
     }
 
     fn plastic(&self) -> Option<&PlasticCurvature> {
         self.plastic.as_ref()
-    }
-
-    fn solve_step_alone(
-        &self,
-        step: &Case,
-        workspace: &mut Workspace,
-    ) -> Result<Solution, SolveError> {
-        self.solve_step(step, None, workspace)
     }
 
     fn differentiate_alone(
@@ -93,6 +116,10 @@ impl Unobstructed for FreeRod<'_> {
 
     fn initial_lengths(&self) -> &[f64] {
         &self.model.frame().rest_lengths
+    }
+
+    fn meter(&mut self) -> &mut Meter {
+        &mut self.workspace.meter
     }
 
     fn solve(

@@ -15,7 +15,7 @@ use super::node::Node;
 use super::stability_check;
 use super::unloaded::From;
 use super::workspace::Workspace;
-use crate::budget::Budget;
+use crate::budget::{Budget, Meter};
 use crate::case::Case;
 use crate::contact::{ContactRod, DenseOutput, Linearised, NotedEnd, Refinement, RodHoles};
 use crate::derivatives::{Derivatives, Motion, NodeChange};
@@ -511,13 +511,17 @@ impl ContactRod for ContactResponse {
         &self,
         robot: &Robot,
         options: &Options,
-        case: &Case,
-        near: Option<&Solution>,
+        (case, near): (&Case, Option<&Solution>),
+        meter: &Meter,
     ) -> Result<Solution, SolveError> {
-        let mut model = CosseratDisks::new(robot, &case.loads, options)?;
+        let options = Options { budget: meter.left(), ..options.clone() };
+        let mut model = CosseratDisks::new(robot, &case.loads, &options)?;
         if let Some(left) = &self.plastic {
             model.set_plastic(left.clone());
         }
-        model.solve_step(case, near, &mut Workspace::default())
+        let mut workspace = Workspace::default();
+        let solved = model.solve_step(case, near, &mut workspace);
+        meter.charge(&workspace.meter);
+        solved
     }
 }

@@ -3,9 +3,9 @@
 use whipcord_numerics::{Pose, Vec3};
 
 use super::contact_adapter::{ContactAdapter, Watched};
-use super::friction::Rubbing;
 use super::plastic_derivatives::Asked;
 use super::{Linkage, Workspace};
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::contact::{self, FreeWay, NotedWay, RubbedAnswer, Unobstructed};
 use crate::derivatives::CoordinateDerivatives;
@@ -54,7 +54,7 @@ impl Linkage {
         &self,
         case: &Case,
         workspace: &mut Workspace,
-        mut each: impl FnMut(Solution),
+        each: impl FnMut(Solution),
     ) -> Result<(), (usize, SolveError)> {
         if !self.knows_forces {
             refusal::movable_objects(self.kind, case).map_err(|error| (0, error))?;
@@ -70,24 +70,16 @@ impl Linkage {
         let followed = contact::solve_rubbing(&mut adapter, &self.robot, (case, 1.0), each_found);
         contact::rubbing_or_free(
             case,
-            found,
+            (found, followed),
             |of| of,
-            |alone| {
-                workspace.forget();
-                if self.keeps_history() {
-                    return contact::last_of(|each| self.bend_in_steps(alone, workspace, each));
-                }
-                self.solve_alone(alone, None, workspace)
-            },
+            each,
+            |alone, each| self.solve_steps(alone, workspace, each),
         )
-        .try_for_each(|solution| solution.map(&mut each))?;
-        followed
     }
 
     /// With friction at the holes or of obstacles: the answer to the last step, with its derivatives.
     pub(super) fn rub_and_differentiate(
         &self,
-        rubbing: Option<&Rubbing>,
         (case, parameters): (&Case, &[Parameter]),
         workspace: &mut Workspace,
     ) -> Result<(Solution, CoordinateDerivatives), SolveError> {
@@ -95,14 +87,13 @@ impl Linkage {
         check_loads(&self.robot, &case.loads).map_err(|error| error.of(self.kind))?;
         contact::last_with_derivatives(case, |asks, each| {
             let of = (case, parameters);
-            self.rub_with_derivatives_among_obstacles(rubbing, of, asks, workspace, each)
+            self.rub_with_derivatives_among_obstacles(of, asks, workspace, each)
         })
     }
 
     /// The same, those that are asked for by their number from 0 with their derivatives.
     pub(super) fn rub_with_derivatives_among_obstacles(
         &self,
-        rubbing: Option<&Rubbing>,
         (case, parameters): (&Case, &[Parameter]),
         asks: &dyn Fn(usize) -> bool,
         workspace: &mut Workspace,
@@ -114,7 +105,7 @@ impl Linkage {
         let steps: Vec<Case> = case.leading_steps().collect();
         let watched = Watched::new(self);
         let mut first_step = 1.0;
-        if rubbing.is_none() && steps.len() == 1 {
+        if !self.has_friction() && steps.len() == 1 {
             let mut free = FreeChain { model: self, workspace, watched: &watched.places };
             let found = contact::solve_free(&mut free, &self.robot, case, None);
             match found.map_err(|error| (0, error))? {
@@ -157,7 +148,7 @@ impl Linkage {
                     let before = before.as_ref();
                     let found =
                         model.differentiate_noted(way, of_way, before, &mut carrying, workspace);
-                    if rubbing.is_some() {
+                    if self.has_friction() {
                         return found;
                     }
                     model.accept(pushed, workspace)?;
@@ -184,39 +175,15 @@ impl Linkage {
                 Ok(())
             },
         );
-        let asked = (case, asks, parameters);
-        contact::with_derivatives_or_free(
-            asked,
-            found,
+        contact::rubbing_or_free(
+            case,
+            (found, followed),
+            |(of, _)| of,
             each,
-            |alone, parameters| match parameters {
-                Some(parameters) if self.keeps_history() => {
-                    let of = (alone, parameters);
-                    let found = self.differentiate_last_step(of, &self.stations, workspace)?;
-                    Ok((found.0, Some(found.1)))
-                }
-                Some(parameters) => {
-                    let asked = Asked::new(parameters, &self.stations);
-                    let found = match rubbing {
-                        Some(rubbing) => {
-                            self.slide_with_derivatives(rubbing, (alone, asked), workspace)
-                        }
-                        None => self.differentiate_step(alone, None, asked, workspace),
-                    }?;
-                    Ok((found.0, Some(found.1)))
-                }
-                None => {
-                    workspace.forget();
-                    if self.keeps_history() {
-                        let bent =
-                            contact::last_of(|each| self.bend_in_steps(alone, workspace, each))?;
-                        return Ok((bent, None));
-                    }
-                    Ok((self.solve_alone(alone, None, workspace)?, None))
-                }
+            |alone, each| {
+                self.solve_steps_with_derivatives(alone, parameters, asks, workspace, each)
             },
-        )?;
-        followed
+        )
     }
 }
 
@@ -283,6 +250,10 @@ impl Unobstructed for FreeChain<'_> {
 
     fn initial_lengths(&self) -> &[f64] {
         &self.model.rest_lengths
+    }
+
+    fn meter(&mut self) -> &mut Meter {
+        &mut self.workspace.meter
     }
 
     fn solve(

@@ -10,8 +10,7 @@ use super::motion::Coordinates;
 use super::statics::{Effort, FEW_ITERATIONS};
 use super::task::{DeadMoments, Task};
 use super::{Linkage, Workspace};
-use crate::budget::Budget;
-use crate::cancel::Cancel;
+use crate::budget::Meter;
 use crate::case::Case;
 use crate::contact::model::{Compliant, Push};
 use crate::contact::{self, Holding, Noted, NotedWay, Noting, OnWay};
@@ -269,12 +268,8 @@ impl Compliant for ContactAdapter<'_> {
         self.model.knows_forces
     }
 
-    fn cancel(&self) -> &Cancel {
-        &self.model.options.cancel
-    }
-
-    fn limit(&self) -> Budget {
-        self.model.options.budget
+    fn meter(&self) -> &Meter {
+        &self.workspace.meter
     }
 
     fn effort(&self) -> f64 {

@@ -49,9 +49,8 @@ impl Linkage {
             return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
-        if self.friction.is_some() || (warm_start.is_none() && self.differentiates_way(case)) {
-            let of = (case, parameters);
-            let found = self.rub_and_differentiate(self.friction.as_ref(), of, workspace);
+        if self.has_friction() || (warm_start.is_none() && self.differentiates_way(case)) {
+            let found = self.rub_and_differentiate((case, parameters), workspace);
             return workspace.meter.checked(found);
         }
         let asked = Asked::new(parameters, &self.stations);

@@ -70,10 +70,22 @@ impl Linkage {
         if !case.obstacles.is_empty() {
             workspace.meter.start(&self.options.cancel, self.options.budget);
             check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
-            let (rubbing, of) = (self.friction.as_ref(), (case, parameters));
-            return self.rub_with_derivatives_among_obstacles(rubbing, of, &asks, workspace, each);
+            let of = (case, parameters);
+            return self.rub_with_derivatives_among_obstacles(of, &asks, workspace, each);
         }
-        let Some(rubbing) = &self.friction else { return Ok(()) };
+        let Some(rubbing) = &self.friction else {
+            for (n, step) in case.leading_steps().enumerate() {
+                let asked = Asked::new(parameters, &self.stations);
+                let found = match asks(n) {
+                    true => self
+                        .differentiate_step(&step, None, asked, workspace)
+                        .map(|(solution, derivatives)| (solution, Some(derivatives))),
+                    false => self.solve_alone(&step, None, workspace).map(|found| (found, None)),
+                };
+                each(found.map_err(|error| (n, error))?);
+            }
+            return Ok(());
+        };
         workspace.forget();
         workspace.friction.history = History::with_trail();
         let mut carrying = Carrying::default();

@@ -170,8 +170,8 @@ impl Linkage {
         workspace.meter.start(&self.options.cancel, self.options.budget);
         if self.has_friction() && !case.obstacles.is_empty() {
             check_loads(&self.robot, &case.loads).map_err(|error| (0, error.of(self.kind)))?;
-            let (rubbing, of) = (self.friction.as_ref(), (case, parameters));
-            return self.rub_with_derivatives_among_obstacles(rubbing, of, asks, workspace, each);
+            let of = (case, parameters);
+            return self.rub_with_derivatives_among_obstacles(of, asks, workspace, each);
         }
         let steps: Vec<Case> = case.leading_steps().collect();
         let mut chain = self.clone();

@@ -4,7 +4,7 @@ use crate::common::{helix, paper_robot};
 use crate::identification::synthetic::{
     Normal, cases, disturb, experiments, model, quantity, robot, settings, unknowns,
 };
-use whipcord::{Case, ModelKind, Parameter, Robot, Vec3};
+use whipcord::{Case, ModelKind, Parameter, Robot, Shortening, Vec3};
 use whipcord_estimation::Seen;
 use whipcord_estimation::identification::{
     Experiment, Prior, Robustness, Settings, Unknown, compare_models, cross_validate, identify,
@@ -70,6 +70,30 @@ fn what_is_not_seen_at_all() {
     let apart = unknowns(&["base.turn[1]", "backbone.rest_curvature[1]"]);
     let found = identify(&robot, &seen, &apart, &settings()).unwrap();
     assert!(found.unresolved.is_empty(), "{}", found.unresolved[0]);
+}
+
+/// Without loads the shape under prescribed lengths is the same whatever the stiffness: what is left of its derivative by it is rounding.
+#[test]
+fn lengths_do_not_tell_the_stiffness() {
+    let robot = robot();
+    // All three are taut, and the backbone is pressed.
+    let lengths = [[0.004, -0.0015, -0.0015], [0.008, -0.0035, -0.0035]]
+        .map(|of| Case::with_shortenings(&of.map(Shortening::Length)));
+    let settings = settings();
+    let mut seen = experiments(&settings.model, &robot, &lengths);
+    disturb(&mut seen, &mut Normal::new(5), [5e-4, 0.0]);
+    let two = unknowns(&["backbone.young_modulus", "base.position[0]"]);
+    let found = identify(&robot, &seen, &two, &settings).unwrap();
+    let [unresolved] = &found.unresolved[..] else { panic!("{:?}", found.estimates) };
+    let words = "nothing that was measured depends on backbone.young_modulus";
+    assert_eq!(unresolved.to_string(), words);
+    assert!(found.estimates[0].deviation.is_none() && found.estimates[0].interval.is_none());
+    assert!(found.estimates[1].deviation.is_some_and(|deviation| deviation < 1e-3));
+    // Tensions do.
+    let mut seen = experiments(&settings.model, &robot, &cases(&[1.0, 2.0]));
+    disturb(&mut seen, &mut Normal::new(5), [5e-4, 0.0]);
+    let found = identify(&robot, &seen, &two, &settings).unwrap();
+    assert!(found.unresolved.is_empty() && found.estimates[0].deviation.is_some());
 }
 
 /// What is known besides resolves what measurements do not: the modulus within 5 % leaves the diameter within

@@ -104,6 +104,31 @@ fn hysteresis_against_a_wall() {
     }
 }
 
+/// A step of actuation is divided by what it changes: many small steps lead where few great ones do, and take a few times as many iterations, not as many times as
+/// there are more of them.
+#[test]
+fn many_small_steps() {
+    const PARTS: usize = 64;
+    // One cable: two that stick on both sides hold every section, and nothing tells the force of a contact.
+    let robot = one_cable(0.3);
+    let case = steps(&[&[3.0], &[1.0], &[2.5]], vec![wall(0.05)]);
+    for kind in WITH_FORCES {
+        let model = model_with_forces(kind, Stations::Disks, Actuation::Tension);
+        let all =
+            |case: &Case| model.prepare(&robot, &case.loads).unwrap().solve_all(case).unwrap();
+        let (few, many) = (all(&case), all(&divided(&case, PARTS)));
+        for (step, answer) in few.iter().enumerate() {
+            let apart = apart(answer, &many[PARTS * (step + 1) - 1]);
+            assert!(apart < 1e-8, "{kind}, step {step}: {apart}");
+        }
+        let iterations = |answers: &[Solution]| -> usize {
+            answers.iter().map(|answer| answer.diagnostics.iterations).sum()
+        };
+        let [few, many] = [iterations(&few), iterations(&many)];
+        assert!(many < 4 * few, "{kind}: {few}, {many}");
+    }
+}
+
 /// An obstacle that nothing touches changes nothing.
 #[test]
 fn an_obstacle_out_of_reach() {
