@@ -504,24 +504,6 @@ mod tests {
         }
     }
 
-    /// What a robot that does not fit is told is about the pipe, and not about its cables.
-    #[test]
-    fn a_robot_that_cannot_be_inserted_is_told_how_far() {
-        let error = SolveError::NotInserted {
-            pipe: "vessel".to_owned(),
-            inserted: 0.03,
-            length: 0.15,
-            why: InsertionStop::NotConverged { residual: 0.5 },
-        };
-        let text = error.to_string();
-        assert!(
-            text.contains("into pipe `vessel` by only 30 mm of its 150 mm (0.2): farther in"),
-            "{text}"
-        );
-        assert!(text.contains("make the bore wider"), "{text}");
-        assert!(!text.contains("actuation") && !text.contains("pull"), "{text}");
-    }
-
     /// What a robot that slides off a wall is told makes sense for a wall.
     #[test]
     fn a_robot_that_nothing_holds_is_told_why() {

@@ -180,7 +180,7 @@ impl<M: Compliant> PathTracker<'_, M> {
     /// Whether the equilibrium is stable: by eq. (20) where that is defined, else by eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
         self.unstable = None;
-        if self.is_inserted && self.is_on_way {
+        if self.is_going_in && self.is_on_way {
             return Ok(None);
         }
         if self.rubs && self.objects.are_held_in_part() && self.do_all_stick() {

@@ -102,8 +102,8 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) nudge: Option<Push>,
     /// Whether the equilibrium that is looked for is none but a place on the way to the answer.
     pub(super) is_on_way: bool,
-    /// Whether it is on the way into pipes: none of these equilibria need be stable, the last one is judged.
-    pub(super) is_inserted: bool,
+    /// Whether it is on the way into pipes: of these equilibria only the last one is judged.
+    pub(super) is_going_in: bool,
     /// Whether the model searches from rest for an equilibrium without contacts that its steps do not lead to: until it has searched in vain.
     pub(super) searches: bool,
     /// How far on the way there is an equilibrium.
@@ -211,7 +211,7 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
             unstable: None,
             nudge: None,
             is_on_way: false,
-            is_inserted: false,
+            is_going_in: false,
             searches: true,
             reached: 0.0,
             lost_at: None,

@@ -112,7 +112,7 @@ impl<M: Noting> PathTracker<'_, M> {
         self.refuse_overlap()?;
         let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
         self.budget = self.spent + self.model.insertion_budget();
-        self.is_inserted = true;
+        self.is_going_in = true;
         let mut gone = Ok(());
         for (attempt, longest_touching) in LONGEST_INSIDE.into_iter().enumerate() {
             if attempt > 0 {
@@ -131,7 +131,7 @@ impl<M: Noting> PathTracker<'_, M> {
                 break;
             }
         }
-        self.is_inserted = false;
+        self.is_going_in = false;
         self.budget = self.spent + self.model.budget();
         gone.map_err(|error| self.not_inserted(error, start))
     }

@@ -209,11 +209,13 @@ fn a_robot_that_gets_stuck_is_told_where() {
         let SolveError::NotInserted { pipe, inserted, length, .. } = &error else {
             panic!("{kind}: {error}")
         };
-        assert_eq!((pipe.as_str(), *length), ("narrow", LENGTH));
+        // Whichever pushes it hardest where it has bent aside.
+        assert!(["sleeve", "narrow"].contains(&pipe.as_str()), "{kind}: {pipe}");
+        assert_eq!(*length, LENGTH);
         // As far as its tip may go, or farther where the rod bends aside before it enters the wide bore.
         assert!((mouth - 0.001..LENGTH).contains(inserted), "{kind}: {inserted}");
         let text = error.to_string();
-        assert!(text.contains("inserted into pipe `narrow` by only"), "{text}");
+        assert!(text.contains(&format!("inserted into pipe `{pipe}` by only")), "{text}");
         assert!(!text.contains("actuation") && !text.contains("pull"), "{text}");
     }
 }
