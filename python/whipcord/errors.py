@@ -44,6 +44,7 @@ __all__ = [
     "NoLeverError",
     "NoRowError",
     "NotConvergedError",
+    "NotInsertedError",
     "NothingFoundError",
     "ObjectOverlapsError",
     "ObstacleInTheWayError",
@@ -337,6 +338,17 @@ class ObjectOverlapsError(SolveError):
     """Name of the other."""
     depth: float
     """How far they overlap in m."""
+
+
+class NotInsertedError(SolveError):
+    """The robot cannot be inserted into a pipe as far as its base stands."""
+
+    pipe: str
+    """Name of the pipe."""
+    inserted: float
+    """How far it was inserted in m: its length less what its base is still away from its place."""
+    length: float
+    """Length of the robot in m."""
 
 
 class ObstructedError(SolveError):

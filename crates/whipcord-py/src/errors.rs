@@ -343,6 +343,10 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
             "ObjectOverlapsError",
             &[("object", Text(object)), ("obstacle", Text(obstacle)), ("depth", Number(*depth))],
         ),
+        SolveError::NotInserted { pipe, inserted, length, .. } => raise(
+            "NotInsertedError",
+            &[("pipe", Text(pipe)), ("inserted", Number(*inserted)), ("length", Number(*length))],
+        ),
         SolveError::Obstructed { reached, touching, .. } => {
             exception(py, "ObstructedError", message, |dict| {
                 dict.set_item("reached", reached)?;

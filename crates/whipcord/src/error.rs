@@ -5,6 +5,7 @@ use thiserror::Error;
 use whipcord_numerics::Vec3;
 
 use crate::format::{Round, millimetres, newtons, share, significant};
+use crate::insertion_stop::InsertionStop;
 use crate::kind::ModelKind;
 use crate::length_miss::LengthMiss;
 use crate::robot::{RobotError, in_words};
@@ -247,6 +248,22 @@ pub enum SolveError {
         depth: f64,
     },
 
+    /// A robot that cannot be inserted into a pipe as far as its base stands.
+    #[error(
+        "the robot was inserted into pipe `{pipe}` by only {} of its {} ({}): {why}; make the bore wider, its bends gentler, or the disks smaller, thinner or fewer",
+        millimetres(*inserted, Round::Nearest), millimetres(*length, Round::Nearest), share(*inserted / *length)
+    )]
+    NotInserted {
+        /// Name of the pipe.
+        pipe: String,
+        /// How far the robot was inserted, in m: its length less what its base is still away from its place.
+        inserted: f64,
+        /// Length of the robot in m.
+        length: f64,
+        /// Why it gets no farther.
+        why: InsertionStop,
+    },
+
     /// A robot that its obstacles let get only a part of the way.
     #[error(
         "{}an equilibrium was found only up to {} of the change of actuation and loads: {why}",
@@ -300,6 +317,21 @@ pub enum Obstruction {
         contacts: usize,
         /// The most of them for this robot.
         most: usize,
+    },
+    /// A disk without clearance in a pipe wedges.
+    #[error(
+        "disk {} fits pipe `{obstacle}` with a clearance of {} around it: where contact tilts a disk without clearance, it wedges, and its contact forces grow without bound; make the bore wider, or the disk smaller, by {}",
+        disk + 1, millimetres(*clearance, Round::Nearest), millimetres(*enough, Round::Up)
+    )]
+    NoClearance {
+        /// Name of the pipe.
+        obstacle: String,
+        /// Number of the disk, from 0.
+        disk: usize,
+        /// Radius of the bore less that of the disk, in m.
+        clearance: f64,
+        /// A clearance in m that is enough.
+        enough: f64,
     },
     /// Nothing balances what acts on a movable object.
     #[error(

@@ -25,6 +25,7 @@ pub mod error;
 pub mod format;
 pub mod four_bar;
 mod grasp;
+mod insertion_stop;
 pub mod jobs;
 pub mod kind;
 pub mod kinematics;
@@ -59,6 +60,7 @@ pub use case::{
 };
 pub use error::{Obstruction, SolveError};
 pub use grasp::Grasp;
+pub use insertion_stop::InsertionStop;
 pub use kind::{CommandDerivatives, ModelKind};
 pub use length_miss::LengthMiss;
 pub use linearization::Linearization;

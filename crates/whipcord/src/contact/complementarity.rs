@@ -83,7 +83,7 @@ const SHARING: f64 = 1e-11;
 /// The same between rigid bodies: forces of contacts that depend on one another are known to the quotient of rounding by this.
 const SHARING_OF_OBJECTS: f64 = 1e-8;
 /// Forces and gaps smaller than this beside the largest are rounding.
-const ROUNDING: f64 = 1e-9;
+pub(super) const ROUNDING: f64 = 1e-9;
 /// Steps of Newton's method with friction.
 const STEPS: usize = 60;
 /// Sweeps over all contacts where that fails.
@@ -161,20 +161,19 @@ impl Complementarity {
                 Err(None) => break,
             }
         }
+        let touched: Vec<bool> = self.contacts.iter().map(|contact| contact.touches).collect();
+        if let Some(held) = self.descend() {
+            return Ok(held);
+        }
+        self.contacts.iter_mut().zip(touched).for_each(|(contact, did)| contact.touches = did);
         self.choose_touching()?;
         self.with_touching().map_err(|_| Unsolved)
     }
 
-    fn sharing(&self) -> f64 {
-        if self.are_dependent { SHARING_OF_OBJECTS } else { SHARING }
-    }
-
-    /// Without friction, the forces that close the gaps of those that touch, if none pulls and nothing else
-    /// overlaps; else the one that does so most, where there are forces at all.
-    fn with_touching(&mut self) -> Result<Touching, Option<usize>> {
+    /// The forces that close the gaps of those that touch, and whether the determinant of their part of M is negative.
+    pub(super) fn forces_of_touching(&mut self) -> Option<(Vec<(usize, f64)>, bool)> {
         let count = self.gaps.len();
         let touching: Vec<usize> = (0..count).filter(|&i| self.contacts[i].touches).collect();
-        let m = touching.len();
         let sharing = self.sharing();
         let part: Vec<f64> = touching
             .iter()
@@ -189,14 +188,25 @@ impl Complementarity {
         let shared = |i: usize| sharing * self.matrix[i * count + i] * self.forces[i];
         let mut forces: Vec<f64> = touching.iter().map(|&i| shared(i) - self.gaps[i]).collect();
         let mut negative = false;
-        if m > 0 {
-            self.lu.factor(m, &part).map_err(|_| None)?;
+        if !touching.is_empty() {
+            self.lu.factor(touching.len(), &part).ok()?;
             self.lu.solve(&mut forces);
             negative = self.lu.is_determinant_negative();
         }
-        if forces.iter().any(|force| !force.is_finite()) {
-            return Err(None);
-        }
+        let is_finite = forces.iter().all(|force| force.is_finite());
+        is_finite.then(|| (touching.into_iter().zip(forces).collect(), negative))
+    }
+
+    fn sharing(&self) -> f64 {
+        if self.are_dependent { SHARING_OF_OBJECTS } else { SHARING }
+    }
+
+    /// Without friction, the forces that close the gaps of those that touch, if none pulls and nothing else
+    /// overlaps; else the one that does so most, where there are forces at all.
+    fn with_touching(&mut self) -> Result<Touching, Option<usize>> {
+        let count = self.gaps.len();
+        let (found, negative) = self.forces_of_touching().ok_or(None)?;
+        let (touching, forces): (Vec<usize>, Vec<f64>) = found.into_iter().unzip();
         let most = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
         let scale = self.gaps.iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
         let gap = |i: usize| -> f64 {

@@ -8,7 +8,7 @@ use super::object::Object;
 use super::object_pair::ObjectPair;
 use super::pair::{OVERLAP, Pair};
 use super::path::{MET, PathTracker, Stop};
-use super::step::{NoStep, Scratch, turned};
+use super::step::{NoStep, Reach, Stepped, turned};
 use super::step_length::{STRIDE, StepLength};
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
@@ -28,8 +28,10 @@ const PATIENCE: usize = 8;
 const STEPS: usize = 40;
 /// The columns of so many contacts double the cost of an iteration.
 const COSTLY: f64 = 10.0;
-/// The dense equations of so many contacts cost as much as an iteration without contacts.
+/// The dense equations of so many cross-sections cost as much as an iteration without contacts.
 const DENSE: f64 = 22.0;
+/// The same of so many contacts, of which each has one unknown.
+const DENSE_CONTACTS: f64 = 90.0;
 
 impl<M: Compliant> PathTracker<'_, M> {
     /// The equilibrium under a case with the obstacles. `Some(part)` where the robot would move too far at
@@ -106,17 +108,8 @@ impl<M: Compliant> PathTracker<'_, M> {
                 }
                 break;
             }
-            self.pairs.pushes(&mut self.pushes);
-            self.dampers.pushes(&mut self.pushes);
-            let Scratch { compliance, drift, .. } = &mut self.scratch;
-            self.model.compliance(&self.pushes, compliance, drift).map_err(Stop::Model)?;
-            let (length, cap) = (self.length, STRIDE * self.length);
-            let stepped = {
-                let Self { pairs, dampers, objects, model, scene, scratch, .. } = &mut *self;
-                scratch.step((pairs, dampers, objects), *model, scene, (length, cap))
-            };
             has_stepped = true;
-            match stepped {
+            match self.step(Vec3::ZERO) {
                 Ok(stepped) => {
                     self.odd = Some(stepped.odd);
                     // An object that is on its way has no progress to show.
@@ -131,6 +124,25 @@ impl<M: Compliant> PathTracker<'_, M> {
         Err(Stop::NotConverged(self.residual))
     }
 
+    /// One step of Newton's method on the conditions of contact, as they are where the robot is moved by so much.
+    fn step(&mut self, ahead: Vec3) -> Result<Stepped, NoStep> {
+        let Self { pairs, dampers, objects, model, scene, scratch, pushes, length, .. } = self;
+        pairs.pushes(pushes);
+        dampers.pushes(pushes);
+        scratch.ask(pushes, *model).map_err(NoStep::Model)?;
+        let reach = Reach { length: *length, cap: STRIDE * *length, ahead };
+        scratch.step((pairs, dampers, objects), *model, scene, reach)
+    }
+
+    /// Bends the robot, in equilibrium, so that its contacts without friction hold where its base is moved forward by so much: where it is moved as
+    /// it is, a bent robot overlaps a narrow pipe by more than its clearance, and its rims are nearest to another side.
+    pub(super) fn anticipate(&mut self, forward: f64) {
+        if self.is_touching() && self.is_without_friction() {
+            // Newton's method begins where it is if nothing comes of it.
+            let _ = self.step(Vec3::Z * forward);
+        }
+    }
+
     /// Counts an iteration with the contacts that there are, and ends the solve where it has spent its budget or its
     /// contacts are too many.
     fn charge(&mut self) -> Result<(), Stop> {
@@ -141,10 +153,12 @@ impl<M: Compliant> PathTracker<'_, M> {
         if contacts > most {
             return Err(Stop::Spent(Obstruction::TooManyContacts { contacts, most }));
         }
-        // Dampers have columns as contacts have.
+        // Dampers have columns as contacts have. What the model does depends on the cross-sections, however many contacts each has.
         let pushes = (contacts + self.dampers.all.len()) as f64;
-        let columns = 1.0 + pushes / COSTLY;
-        let effort = self.model.effort() * columns + (pushes / DENSE).powi(3);
+        let sections = self.sections() as f64;
+        let columns = 1.0 + sections / COSTLY;
+        let dense = (sections / DENSE).powi(3) + (pushes / DENSE_CONTACTS).powi(3);
+        let effort = self.model.effort() * columns + dense;
         if self.spent + effort > self.budget || self.model.meter().is_spent() {
             let Self { iterations, residual, .. } = *self;
             return Err(Stop::Spent(Obstruction::BudgetSpent { iterations, contacts, residual }));
@@ -155,9 +169,22 @@ impl<M: Compliant> PathTracker<'_, M> {
         Ok(())
     }
 
+    /// The cross-sections that have contacts or dampers.
+    fn sections(&self) -> usize {
+        let of_pairs = self.pairs.near.iter().map(|pair| pair.member.arc_length);
+        let mut places: Vec<f64> =
+            of_pairs.chain(self.dampers.all.iter().map(|damper| damper.arc_length)).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        places.len()
+    }
+
     /// Whether the equilibrium is stable: by eq. (20) where that is defined, else by eq. (6).
     fn arrived(&mut self) -> Result<Option<f64>, Stop> {
         self.unstable = None;
+        if self.is_going_in && self.is_on_way {
+            return Ok(None);
+        }
         if self.rubs && self.objects.are_held_in_part() && self.do_all_stick() {
             // Steps that their memory keeps short lead through poses in which a part of a force that is taken away holds an object: none
             // of these need be stable, the last one is judged.

@@ -32,6 +32,11 @@ impl<T: Copy + PartialOrd> LoadedPlaces<T> {
         &self.places
     }
 
+    /// The number in these of each push.
+    pub fn of_pushes(&self) -> &[usize] {
+        &self.of_push
+    }
+
     /// How the cross-sections of the pushes move with each component of each push, by rows, and how with the step that is
     /// left: from the motion of place i with the component c of a wrench on place j, `by_wrench(6 j + c, i)`, and with the
     /// step.

@@ -13,11 +13,12 @@
 //! | `sliding` | contacts that move along the backbone |
 //! | `friction` | stick and slip of a contact |
 //! | `stability` | the directions in which a robot leaves an equilibrium in contact |
-//! | `complementarity` | which contacts touch and which stick |
+//! | `complementarity`, `descent` | which contacts touch and which stick |
 //! | `step`, `two_bodies`, `differences` | Newton's method on the conditions of contact |
 //! | `object`, `object_pair`, `object_pairs`, `features` | movable objects, and what of them and of obstacles can touch |
 //! | `holding`, `held_contact`, `carried` | the contacts of an answer, linearised; the movable objects among them |
 //! | `free_path`, `watched_places` | robots that keep clear of all obstacles; where rods are watched |
+//! | `rim_places`, `clearance` | disks that fit a bore closely |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
 //! | `approach`, `drawn_out` | where it may come to if it finds no rest |
 //! | `noted` | the equilibria on the way, for derivatives |
@@ -29,10 +30,12 @@
 mod approach;
 pub mod body;
 mod carried;
+mod clearance;
 pub mod complementarity;
 mod contact_rod;
 mod dampers;
 mod dense_output;
+mod descent;
 mod differences;
 mod discovery;
 mod division;

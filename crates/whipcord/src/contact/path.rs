@@ -33,7 +33,7 @@ const LEAST_STEP: f64 = 1e-3;
 /// How far ahead on the way a robot comes to rest that has lost its equilibrium.
 const AHEAD: f64 = 2e-3;
 /// So often it may do so, and so often at a place where nothing comes of it.
-const JUMPS: usize = 20;
+pub(super) const JUMPS: usize = 20;
 const JUMPS_IN_VAIN: usize = 3;
 /// A cross-section that moves farther than this part of the length while it does so has jumped.
 const JUMP: f64 = 0.02;
@@ -103,6 +103,8 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) nudge: Option<Push>,
     /// Whether the equilibrium that is looked for is none but a place on the way to the answer.
     pub(super) is_on_way: bool,
+    /// Whether it is on the way into pipes: of these equilibria only the last one is judged.
+    pub(super) is_going_in: bool,
     /// Whether the model searches from rest for an equilibrium without contacts that its steps do not lead to: until it has searched in vain.
     pub(super) searches: bool,
     /// How far on the way there is an equilibrium.
@@ -133,9 +135,9 @@ pub(super) struct Kept {
 }
 
 /// Jumps on the way to another equilibrium.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Jumps {
-    count: usize,
+    left: usize,
     /// How far ahead on the way the last one was, and where it ended.
     ahead: f64,
     at: f64,
@@ -144,11 +146,11 @@ struct Jumps {
 impl Jumps {
     /// How far ahead on the way the robot is to come to rest that is lost here; `None` after too many.
     fn next(&mut self, way: f64) -> Option<f64> {
-        self.count += 1;
+        self.left = self.left.checked_sub(1)?;
         let again = self.ahead > 0.0 && way < self.at + 2.0 * self.ahead;
         self.ahead = if again { 3.0 * self.ahead } else { AHEAD };
         self.at = way + self.ahead;
-        (self.count <= JUMPS).then_some(self.ahead)
+        Some(self.ahead)
     }
 }
 
@@ -157,14 +159,24 @@ impl Jumps {
 pub(super) struct Steps {
     pub first: f64,
     pub longest: f64,
+    /// The same while the robot touches.
+    pub longest_touching: f64,
     /// What a step grows by after one that had to be shortened; after another it is doubled.
     pub growth_after_short: f64,
+    /// So often the robot may jump.
+    pub jumps: usize,
 }
 
 impl Steps {
     /// No longer than this.
     pub const fn up_to(longest: f64) -> Self {
-        Self { first: longest, longest, growth_after_short: 2.0 }
+        Self {
+            first: longest,
+            longest,
+            longest_touching: longest,
+            growth_after_short: 2.0,
+            jumps: JUMPS,
+        }
     }
 }
 
@@ -202,6 +214,7 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
             unstable: None,
             nudge: None,
             is_on_way: false,
+            is_going_in: false,
             searches: true,
             reached: 0.0,
             lost_at: None,
@@ -236,15 +249,21 @@ impl<M: Noting> PathTracker<'_, M> {
     ) -> Result<(), SolveError> {
         let (mut way, mut step, mut was_short) = (0.0, steps.first, false);
         self.reached = 0.0;
-        let mut jumps = Jumps::default();
+        let mut jumps = Jumps { left: steps.jumps, ahead: 0.0, at: 0.0 };
         let watched = self.model.watched().len();
         let mut before: Vec<Vec3> = Vec::new();
         loop {
             let kept = self.kept();
-            before.clear();
             let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
+            // Where they were, as the base sees it from where it will be.
+            before.clear();
+            before.extend((0..watched).map(|k| self.model.centre(k)));
             self.scene.begin_step();
             let acts = acting(next);
+            let forward = self.scene.drawn_back() - acts.drawn_back;
+            if forward != 0.0 {
+                self.anticipate(forward);
+            }
             self.arrange(acts);
             let case = at(next);
             self.objects.load(&case, asked, acts.loads, acts.held);
@@ -252,8 +271,7 @@ impl<M: Noting> PathTracker<'_, M> {
                 self.pairs.begin_step(self.model, &self.scene);
                 self.objects.begin_step(&self.scene);
             }
-            // Where they were, as the base sees it from where it will be.
-            before.extend((0..watched).map(|k| self.scene.carried_point(self.model.centre(k))));
+            before.iter_mut().for_each(|centre| *centre = self.scene.carried_point(*centre));
             self.is_on_way = next < 1.0;
             let touched = self.touch(&case, &before);
             self.is_on_way = false;
@@ -274,7 +292,8 @@ impl<M: Noting> PathTracker<'_, M> {
                     step = (growth * step).min(steps.longest);
                     if self.is_touching() {
                         let is_counted = self.unstable.is_some();
-                        step = step.min(if is_counted { COUNTED_STEP } else { LONGEST_STEP });
+                        let longest = if is_counted { COUNTED_STEP } else { LONGEST_STEP };
+                        step = step.min(longest).min(steps.longest_touching);
                     }
                     // What would be left for a short last step is taken along.
                     if way + 1.5 * step >= 1.0 {
@@ -417,6 +436,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             Some(Stop::Cancelled) => return SolveError::Cancelled { last_load: Some(way) },
             None => Obstruction::Leaps,
         };
+        let why = self.without_clearance().unwrap_or(why);
         SolveError::Obstructed { reached: way, touching: names, why }
     }
 }

@@ -83,8 +83,11 @@ impl RimPlaces<'_> {
             let is_free = |place: f64, least: f64| {
                 known.iter().all(|&(other, _)| apart(place, other) > least)
             };
+            let (obstacle, body) = (self.obstacle.1, &self.member.body);
+            let overlaps =
+                |angle: f64| body.at_place(obstacle, self.pose, body.on_rim(angle)).gap < -overlap;
             for place in [place, at] {
-                if is_free(place, APART_ON_RIM) {
+                if is_free(place, APART_ON_RIM) && (place == at || overlaps(place)) {
                     more.push(place);
                     known.push((place, 0.0));
                     break;

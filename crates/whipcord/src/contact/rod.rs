@@ -27,7 +27,7 @@ const CONTACT_STEPS: [usize; 2] = [10, 96];
 /// What a tension of a passage adds to the effort of an iteration, and the cube of their number.
 const RUBBING_EFFORT: [f64; 2] = [0.003, 3e-7];
 /// What the way into pipes may spend on few steps: it is long where they are narrow and bent.
-const INSERTION_BUDGET: f64 = 3500.0;
+const INSERTION_BUDGET: f64 = 1500.0;
 /// What a solve may spend where cables rub.
 const RUBBING_BUDGET: f64 = 2000.0;
 
@@ -48,6 +48,7 @@ pub(super) fn on_few_steps_or_more<T>(
         (
             Err(
                 SolveError::Obstructed { .. }
+                | SolveError::NotInserted { .. }
                 | SolveError::NotConverged { .. }
                 | SolveError::StepsTooCoarse { .. }
                 | SolveError::NoDerivatives

@@ -91,6 +91,11 @@ impl Scene {
         }
     }
 
+    /// By how many metres the base is drawn back.
+    pub fn drawn_back(&self) -> f64 {
+        self.drawn_back
+    }
+
     /// A step on the way begins.
     pub fn begin_step(&mut self) {
         self.began_at = self.drawn_back;

@@ -2,25 +2,49 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
-use super::noted::Noting;
+use super::noted::{Noting, OnWay};
 use super::object::Objects;
 use super::pair::OVERLAP;
-use super::path::{Acting, PathTracker, Steps};
+use super::path::{Acting, JUMPS, PathTracker, Steps};
 use super::scene::Present;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
+use crate::insertion_stop::InsertionStop;
 use crate::solution::{Part, Solution};
 
 /// A known answer is where the model stands if no disk is farther from it than this part of the length.
 const FOUND_AGAIN: f64 = 1e-9;
 /// How far the base is drawn back to insert the robot, as a part of its length.
 const INSERTED: f64 = 1.02;
+/// The longest steps of a robot that touches, tried in turn: those that are long come to other equilibria, of which some lead nowhere.
+const LONGEST_INSIDE: [f64; 3] = [1.0, 0.02, 0.005];
 /// In a narrow pipe all steps are short: after one that had to be shortened the next is little longer.
 const GROWTH_INSIDE: f64 = 1.2;
 
 /// Whether an obstruction may be that of an object, and not of the budget.
 const fn error_of_object(why: &Obstruction) -> bool {
     !matches!(why, Obstruction::BudgetSpent { .. } | Obstruction::TooManyContacts { .. })
+}
+
+/// The same on the way into pipes, on which the robot has no loads and objects are held.
+fn insertion_stop(why: Obstruction) -> InsertionStop {
+    match why {
+        Obstruction::Model(error) => InsertionStop::Model { reason: error.to_string() },
+        Obstruction::NotConverged { residual } => InsertionStop::NotConverged { residual },
+        Obstruction::BudgetSpent { iterations, residual, contacts } => {
+            InsertionStop::BudgetSpent { iterations, residual, contacts }
+        }
+        Obstruction::TooManyContacts { contacts, most } => {
+            InsertionStop::TooManyContacts { contacts, most }
+        }
+        Obstruction::NoClearance { disk, clearance, enough, .. } => {
+            InsertionStop::NoClearance { disk, clearance, enough }
+        }
+        Obstruction::Slips
+        | Obstruction::Leaps
+        | Obstruction::NotHeld { .. }
+        | Obstruction::NoneAlone { .. } => InsertionStop::Leaps,
+    }
 }
 
 impl<M: Noting> PathTracker<'_, M> {
@@ -87,12 +111,60 @@ impl<M: Noting> PathTracker<'_, M> {
         self.scene.draw_back(start);
         self.refuse_overlap()?;
         let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
-        let growth_after_short = GROWTH_INSIDE;
-        let steps = Steps { growth_after_short, ..Steps::up_to(self.longest_step) };
         self.budget = self.spent + self.model.insertion_budget();
-        self.go_in_steps(case, |_| case.clone(), back, steps)?;
+        self.is_going_in = true;
+        let mut gone = Ok(());
+        for (attempt, longest_touching) in LONGEST_INSIDE.into_iter().enumerate() {
+            if attempt > 0 {
+                self.draw_back_at_rest((case, of_case), start)?;
+            }
+            // It jumps where nothing else leads on.
+            let is_last = attempt + 1 == LONGEST_INSIDE.len();
+            let steps = Steps {
+                growth_after_short: GROWTH_INSIDE,
+                longest_touching,
+                jumps: if is_last { JUMPS } else { 0 },
+                ..Steps::up_to(self.longest_step)
+            };
+            gone = self.go_in_steps(case, |_| case.clone(), back, steps);
+            if !gone.as_ref().is_err_and(SolveError::is_obstruction) {
+                break;
+            }
+        }
+        self.is_going_in = false;
         self.budget = self.spent + self.model.budget();
+        gone.map_err(|error| self.not_inserted(error, start))
+    }
+
+    /// Goes back to where the way in begins.
+    fn draw_back_at_rest(
+        &mut self,
+        (case, [commands, loads]): (&Case, [f64; 2]),
+        start: f64,
+    ) -> Result<(), SolveError> {
+        (self.odd, self.lost_at, self.slipped_at) = (None, None, None);
+        self.pairs.near.clear();
+        self.model.reset();
+        self.model.forget_notes();
+        self.rest(case)?;
+        self.on_way = OnWay { step: self.on_way.step, commands, loads, ..OnWay::default() };
+        self.note();
+        self.scene.draw_back(start);
         Ok(())
+    }
+
+    /// What ended the way in from where the base was drawn back by so much.
+    fn not_inserted(&self, error: SolveError, start: f64) -> SolveError {
+        let SolveError::Obstructed { reached, touching, why } = error else { return error };
+        let pushing = self.pairs.near.iter().filter(|pair| pair.force > 0.0);
+        let hardest = pushing.max_by(|a, b| a.force.total_cmp(&b.force)).map(|pair| pair.obstacle);
+        let Some(number) = hardest.or_else(|| self.scene.iter().next().map(|(k, _)| k)) else {
+            return SolveError::Obstructed { reached, touching, why };
+        };
+        let pipe = self.scene.get(number).name.clone();
+        let length = self.length;
+        let inserted = (length - start * (1.0 - reached)).max(0.0);
+        SolveError::NotInserted { pipe, inserted, length, why: insertion_stop(why) }
     }
 
     /// Goes the way once more with all objects held where they are, then takes away what holds them: a grasp may be the first thing

@@ -1,12 +1,15 @@
 //! One step of Newton's method on the conditions of contact.
 
+use core::ops::Range;
+
 use whipcord_numerics::{DenseLu, Pose, Vec3, dot};
 
 use super::body::{Nearest, along, tangents};
 use super::complementarity::{Complementarity, Contact};
 use super::dampers::Dampers;
 use super::friction::Grip;
-use super::model::Compliant;
+use super::loaded_places::LoadedPlaces;
+use super::model::{Compliant, Push};
 use super::object::Objects;
 use super::object_pair::{NEAR, ObjectPair};
 use super::pair::Pair;
@@ -21,13 +24,19 @@ use crate::shape::Wrench;
 /// Scratch memory of the steps.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
-    pub compliance: Vec<f64>,
+    /// The cross-sections of pairs and dampers.
+    loaded: LoadedPlaces<f64>,
+    compliance: Vec<f64>,
     /// How the cross-sections move by themselves.
-    pub drift: Vec<f64>,
+    drift: Vec<f64>,
+    /// How many pairs the last step had, where it had nothing else.
+    of_pairs: Option<usize>,
     /// Compliance of the cross-sections and of the objects.
     all: Vec<f64>,
     /// `G = ∂W/∂X` of all pairs.
     geometric: Vec<Block>,
+    /// Where in these those of each pair of the robot are.
+    of_pair: Vec<Range<usize>>,
     lines: Vec<Line>,
     matrix: Vec<f64>,
     lu: DenseLu,
@@ -49,6 +58,17 @@ pub(super) struct Stepped {
     pub part: f64,
 }
 
+/// Where a step begins and how far it may lead.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// Of the scene, in m.
+    pub length: f64,
+    /// No cross-section or object is to move farther, in m.
+    pub cap: f64,
+    /// What the robot is about to be moved by as it is, in m: the step meets the conditions of contact there.
+    pub ahead: Vec3,
+}
+
 /// No step leads on.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum NoStep {
@@ -58,23 +78,36 @@ pub(super) enum NoStep {
 }
 
 impl Scratch {
-    /// Changes the forces of the pairs, what the model is to be given, the model, and the poses of the objects, eqs. (3) to (5); no
-    /// cross-section or object is to move farther than `cap`, in a scene of this length.
+    /// Asks the model how the cross-sections that are pushed move, each once however many contacts it has.
+    pub fn ask(&mut self, pushes: &[Push], model: &mut impl Compliant) -> Result<(), SolveError> {
+        let places: Vec<f64> = pushes.iter().map(|push| push.arc_length).collect();
+        self.loaded.set(&places);
+        let once = |&arc_length: &f64| Push { arc_length, wrench: Wrench::default() };
+        let once: Vec<Push> = self.loaded.places().iter().map(once).collect();
+        model.compliance(&once, &mut self.compliance, &mut self.drift)
+    }
+
+    /// Changes the forces of the pairs, what the model is to be given, the model, and the poses of the objects, eqs. (3) to (5), after the
+    /// model has been asked.
     pub fn step(
         &mut self,
         (pairs, dampers, objects): (&mut Pairs, &mut Dampers, &mut Objects),
         model: &mut impl Compliant,
         scene: &mut Scene,
-        (length, cap): (f64, f64),
+        Reach { length, cap, ahead }: Reach,
     ) -> Result<Stepped, NoStep> {
         let count = pairs.near.len();
+        self.of_pairs = (dampers.all.is_empty() && objects.count() == 0).then_some(count);
         // The cross-sections of pairs and dampers, then the objects.
-        let sections = count + dampers.all.len();
+        let sections = self.loaded.places().len();
+        let section: Vec<usize> = self.loaded.of_pushes().to_vec();
         let n = 6 * (sections + objects.count());
         let quick = Differences::OneSided;
         self.lines.clear();
         self.geometric.clear();
-        for (k, pair) in pairs.near.iter().enumerate() {
+        self.of_pair.clear();
+        for (pair, &k) in pairs.near.iter().zip(&section) {
+            let first = self.geometric.len();
             let contact = of_robot(k, pair, (&*model, &*scene, &*objects), sections);
             let carried = |grip: Grip| Grip { from: scene.carry(pair.obstacle, grip.from), ..grip };
             let normal_line = self.lines.len();
@@ -82,6 +115,7 @@ impl Scratch {
             let grip = grip.as_ref().map(|grip| (grip, tangents(pair.nearest.normal)));
             contact.lines(pair.force, grip, &mut self.lines);
             self.lines[normal_line].gap -= pair.slide.map_or(0.0, |slide| slide.depth());
+            self.lines[normal_line].gap += pair.nearest.normal.dot(ahead);
             let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
             // A ball looks the same from all sides.
             let motions = if pair.member.body.is_ball() { 3 } else { 6 };
@@ -100,8 +134,9 @@ impl Scratch {
                     self.geometric.push(Block { row: k, column: k, matrix });
                 }
             }
+            self.of_pair.push(first..self.geometric.len());
         }
-        for (k, damper) in (count..).zip(&dampers.all) {
+        for (&k, damper) in section[count..].iter().zip(&dampers.all) {
             let mut matrix = [[0.0; 6]; 6];
             for b in 0..6 {
                 matrix[b][b] = -damper.stiffness(b);
@@ -152,8 +187,8 @@ impl Scratch {
                 match self.lines.get(k) {
                     Some(line) => line.ends().map(by).sum(),
                     None => {
-                        let turned = turned.iter().enumerate();
-                        let by = turned.map(|(j, turned)| dot(&row[6 * j..6 * j + 6], turned));
+                        let turned = section.iter().zip(&turned);
+                        let by = turned.map(|(&j, turned)| dot(&row[6 * j..6 * j + 6], turned));
                         self.drift[i] + by.sum::<f64>()
                     }
                 }
@@ -201,9 +236,9 @@ impl Scratch {
         let next = |pair: &Pair, part: f64, contact: &Contact, forces: &[f64]| {
             pair.force + part * (forces[contact.first] - pair.force)
         };
-        let turned_by = |row: usize| {
-            let mut wrench = turned[row];
-            for Block { column, matrix, .. } in self.geometric.iter().filter(|b| b.row == row) {
+        let turned_by = |turned: [f64; 6], row: usize, blocks: &[Block]| {
+            let mut wrench = turned;
+            for Block { column, matrix, .. } in blocks.iter().filter(|b| b.row == row) {
                 let moved = &motion[6 * column..6 * column + 6];
                 wrench.iter_mut().zip(matrix).for_each(|(sum, row)| *sum += dot(row, moved));
             }
@@ -215,7 +250,8 @@ impl Scratch {
                 self.changes.push(pair.given.map(|component| -component));
                 continue;
             }
-            let mut wrench = turned_by(j);
+            let blocks = &self.geometric[self.of_pair[j].clone()];
+            let mut wrench = turned_by(turned[j], section[j], blocks);
             let range = contact.first..contact.first + contact.lines();
             for (line, &force) in self.lines[range.clone()].iter().zip(&problem.forces[range]) {
                 let Some(end) = line.ends[0] else { continue };
@@ -225,8 +261,16 @@ impl Scratch {
             }
             self.changes.push(wrench);
         }
-        self.changes.extend((count..sections).map(turned_by));
-        let part = model.advance(&self.changes, part).map_err(NoStep::Model)?;
+        for (k, damper) in dampers.all.iter().enumerate() {
+            let at = section[count + k];
+            let moved = &motion[6 * at..6 * at + 6];
+            let left = turned[count + k];
+            self.changes.push(core::array::from_fn(|b| left[b] - damper.stiffness(b) * moved[b]));
+        }
+        let totals = self.loaded.totals(&self.changes);
+        let totals: Vec<[f64; 6]> =
+            totals.chunks_exact(6).map(|of| core::array::from_fn(|a| of[a])).collect();
+        let part = model.advance(&totals, part).map_err(NoStep::Model)?;
         let mut slid = Vec::new();
         for (j, pair) in pairs.near.iter_mut().enumerate() {
             let contact = &problem.contacts[j];
@@ -237,7 +281,8 @@ impl Scratch {
             for (given, change) in pair.given.iter_mut().zip(self.changes[j]) {
                 *given += part * change;
             }
-            let way = pair.slide.map_or(0.0, |slide| part * slide.way(&motion[6 * j..6 * j + 6]));
+            let moved = &motion[6 * section[j]..6 * section[j] + 6];
+            let way = pair.slide.map_or(0.0, |slide| part * slide.way(moved));
             if pair.slide.is_some() {
                 pair.moved = way.abs();
             }
@@ -278,7 +323,7 @@ impl Scratch {
 
     /// Whether the last step was one of so many pairs, and of nothing else.
     pub fn is_of(&self, pairs: &Pairs) -> bool {
-        self.all.len() == 36 * pairs.near.len() * pairs.near.len()
+        self.of_pairs == Some(pairs.near.len())
     }
 
     /// The number of unstable directions that contacts without friction admit where the last step began, eq. (20), from that of the
@@ -289,15 +334,16 @@ impl Scratch {
         pairs: &Pairs,
         length: f64,
     ) -> Option<usize> {
-        let places = pairs.near.len();
         if !self.is_of(pairs) {
             return None;
         }
-        let pushing = pairs.near.iter().enumerate().filter(|(_, pair)| pair.force > 0.0);
-        let holding = pushing.map(|(place, pair)| {
+        let places = self.loaded.places().len();
+        let all = pairs.near.iter().zip(self.loaded.of_pushes()).zip(&self.of_pair);
+        let pushing = all.filter(|((pair, _), _)| pair.force > 0.0);
+        let holding = pushing.map(|((pair, &place), blocks)| {
             let [.., x, y, z] = pair.given;
             let mut geometric = [[0.0; 6]; 6];
-            for block in self.geometric.iter().filter(|block| block.row == place) {
+            for block in &self.geometric[blocks.clone()] {
                 for (sum, row) in geometric.iter_mut().zip(block.matrix) {
                     sum.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
                 }
@@ -341,7 +387,7 @@ impl Scratch {
 
 /// A pair of the robot with an obstacle, as the contact between two bodies that it is.
 fn of_robot<'a>(
-    number: usize,
+    section: usize,
     pair: &'a Pair,
     (model, scene, objects): (&impl Compliant, &'a Scene, &Objects),
     count: usize,
@@ -349,7 +395,7 @@ fn of_robot<'a>(
     let second = objects.of(pair.obstacle).map(|k| (count + k, objects.list[k].pose.position));
     let Pair { member, nearest, .. } = pair;
     TwoBodies {
-        bodies: Bodies { first: Some(number), second },
+        bodies: Bodies { first: Some(section), second },
         pose: model.pose(member.arc_length),
         reach: member.body.reach(),
         rounding: member.body.rounding,

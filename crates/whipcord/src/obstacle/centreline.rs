@@ -212,9 +212,14 @@ impl Centreline {
     fn nearest_smooth(&self, smooth: &[PiecewiseCubic; 3], point: Vec3) -> Foot {
         let nearest = self.nearest_sample(point);
         let last = self.samples.len() - 1;
+        // Beside a sample its own piece of the spline, or that before it.
+        let pieces = last / SAMPLES;
+        let at = |u: f64| {
+            let from = if u < self.at[nearest] { nearest.saturating_sub(1) } else { nearest };
+            evaluate_piece(smooth, (from / SAMPLES).min(pieces - 1), u)
+        };
         // How fast the squared distance grows, by half: its root is the nearest point.
-        let growth = |u: f64| {
-            let [c, dc, ddc] = evaluate(smooth, u);
+        let growth = |[c, dc, ddc]: [Vec3; 3]| {
             let away = c - point;
             (away.dot(dc), dc.norm_squared() + away.dot(ddc))
         };
@@ -225,17 +230,18 @@ impl Centreline {
         };
         let (mut low, mut high) =
             (self.at[nearest.saturating_sub(1)], self.at[(nearest + 1).min(last)]);
-        if nearest == 0 && growth(low).0 >= 0.0 {
+        if nearest == 0 && growth(at(low)).0 >= 0.0 {
             return end(0, -self.tangents[0]);
         }
-        if nearest == last && growth(high).0 <= 0.0 {
+        if nearest == last && growth(at(high)).0 <= 0.0 {
             return end(last, self.tangents[last]);
         }
         // The parameter is a length, nearly: what the point is ahead of the sample along the tangent is a start.
         let ahead = (point - self.samples[nearest]).dot(self.tangents[nearest]);
         let mut u = (self.at[nearest] + ahead).clamp(low, high);
+        let mut here = at(u);
         for _ in 0..STEPS {
-            let (g, dg) = growth(u);
+            let (g, dg) = growth(here);
             if g == 0.0 {
                 break;
             }
@@ -248,13 +254,16 @@ impl Centreline {
             let next =
                 if dg > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
             // Quadratic: what is left after a step this short is below rounding.
-            let done = (next - u).abs() <= 1e-9 * (self.at[1] - self.at[0]);
-            u = next;
-            if done {
+            let step = next - u;
+            if step.abs() <= 1e-9 * (self.at[1] - self.at[0]) {
+                let [c, dc, ddc] = here;
+                here = [c + step * dc, dc + step * ddc, ddc];
                 break;
             }
+            u = next;
+            here = at(u);
         }
-        let [foot, dc, _] = evaluate(smooth, u);
+        let [foot, dc, _] = here;
         Foot { foot, tangent: dc / dc.norm(), place: Where::Along }
     }
 }
@@ -278,9 +287,13 @@ fn coordinates(at: &[f64], points: &[Vec3]) -> Option<[PiecewiseCubic; 3]> {
 }
 
 /// A point of a smooth line and its first two derivatives.
-#[inline]
 fn evaluate(smooth: &[PiecewiseCubic; 3], u: f64) -> [Vec3; 3] {
-    let piece = smooth[0].piece(u);
+    evaluate_piece(smooth, smooth[0].piece(u), u)
+}
+
+/// The same on a piece that is known.
+#[inline]
+fn evaluate_piece(smooth: &[PiecewiseCubic; 3], piece: usize, u: f64) -> [Vec3; 3] {
     let [x, y, z] = smooth;
     let x = x.evaluate_piece(piece, u);
     let y = y.evaluate_piece(piece, u);

@@ -3,8 +3,8 @@
 use super::among;
 use whipcord::obstacle::{Bends, Pipe};
 use whipcord::{
-    Actuation, Backbone, Cable, Case, Disks, Form, Material, Model, ModelKind, Obstacle, Pose,
-    Robot, Routing, Section, Solution, SolveError, Stations, Vec3,
+    Actuation, Backbone, Cable, Case, Disks, Form, Material, Model, ModelKind, Obstacle,
+    Obstruction, Pose, Robot, Routing, Section, Solution, SolveError, Stations, Vec3,
 };
 
 const LENGTH: f64 = 0.18;
@@ -60,8 +60,13 @@ fn influence(s: f64, at: f64) -> f64 {
 /// The forces of supports with this clearance on a clamped beam under a force at a place, at supports at these places: each
 /// pushes back where the beam has used up the clearance. By trying supports in turn until all conditions hold.
 fn beam(places: &[f64], clearance: f64, (force, at): (f64, f64)) -> Vec<f64> {
-    let n = places.len();
     let free: Vec<f64> = places.iter().map(|&s| force * influence(s, at)).collect();
+    supports(places, clearance, &free)
+}
+
+/// The same of a beam that has these deflections at the supports without them.
+fn supports(places: &[f64], clearance: f64, free: &[f64]) -> Vec<f64> {
+    let n = places.len();
     let mut forces = vec![0.0; n];
     // Projected Gauss-Seidel.
     for _ in 0..200_000 {
@@ -133,5 +138,79 @@ fn a_rod_in_a_bore_is_a_beam_on_supports_with_clearance() {
                 }
             }
         }
+    }
+}
+
+/// A robot of ten disks that fits its bore within this, pulled by one cable.
+fn pulled(kind: ModelKind, clearance: f64) -> Result<(Robot, Obstacle, Solution), SolveError> {
+    let (robot, bore) = (robot(9), bore(clearance, 0.25));
+    let case = among(Case::with_tensions(&[PULL]), vec![bore.clone()]);
+    let solution = solve(kind, &robot, &case, None)?;
+    Ok((robot, bore, solution))
+}
+
+const PULL: f64 = 4.0;
+
+/// The cable is a moment on the tip of a clamped beam, which the bore keeps straight but for its clearance.
+#[test]
+fn a_robot_that_fits_its_bore_closely_is_kept_straight() {
+    let places: Vec<f64> = (1..=9).map(|k| LENGTH * f64::from(k) / 9.0).collect();
+    let moment = 0.008 * PULL;
+    let free: Vec<f64> = places.iter().map(|s| moment * s * s / (2.0 * STIFFNESS)).collect();
+    for clearance in [1e-7, 1e-6, 5e-6, 1e-5] {
+        let expected = supports(&places, clearance, &free);
+        let largest = expected.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+        for kind in RODS {
+            let (_, bore, solution) = pulled(kind, clearance)
+                .unwrap_or_else(|error| panic!("{kind} {clearance}: {error}"));
+            assert_in_bore(&solution, &bore);
+            let found = on_disks(&solution);
+            for (k, &expected) in expected.iter().enumerate() {
+                let apart = (found[k + 1] - Vec3::X * expected).norm();
+                assert!(
+                    apart < 0.03 * largest,
+                    "{kind} {clearance}: disk {}: {:?}, {expected} of {largest}",
+                    k + 1,
+                    found[k + 1]
+                );
+            }
+        }
+        for kind in [ModelKind::PiecewiseConstantCurvature, ModelKind::PseudoRigidBody] {
+            let (_, bore, solution) = pulled(kind, clearance)
+                .unwrap_or_else(|error| panic!("{kind} {clearance}: {error}"));
+            assert_in_bore(&solution, &bore);
+            // What tilts a disk lets it move by as much more as its rim gets shorter across the bore.
+            for pose in &solution.disks.poses {
+                let aside = pose.position.x.hypot(pose.position.y);
+                assert!(aside < clearance + 2e-5, "{kind} {clearance}: {aside}");
+            }
+        }
+    }
+}
+
+/// Arcs whose ends stay on a line are straight: the mean of the moments of cable and disks over each of them vanishes.
+#[test]
+fn arcs_without_clearance_are_straight() {
+    let (_, _, solution) = pulled(ModelKind::PiecewiseConstantCurvature, 0.0).unwrap();
+    let unit = 2.0 * 0.008 * PULL / (LENGTH / 9.0);
+    for (k, force) in on_disks(&solution).iter().enumerate().skip(1) {
+        let sign = if k % 2 == 1 { -1.0 } else { 1.0 };
+        let expected = sign * unit * if k == 9 { 1.0 } else { 2.0 };
+        assert!((*force - Vec3::X * expected).norm() < 1e-4 * unit, "{k}: {force:?} {expected}");
+    }
+}
+
+/// Disks that tilt wedge in a bore that they fill: the error says so, and how much clearance is enough.
+#[test]
+fn disks_that_wedge_are_told_how_much_clearance_they_need() {
+    for kind in [RODS[0], RODS[1], ModelKind::PseudoRigidBody] {
+        let Err(error) = pulled(kind, 0.0) else { panic!("{kind} has an answer") };
+        let SolveError::Obstructed { why, .. } = &error else { panic!("{kind}: {error}") };
+        let Obstruction::NoClearance { obstacle, clearance, enough, .. } = why else {
+            panic!("{kind}: {error}")
+        };
+        assert_eq!((obstacle.as_str(), *clearance), ("bore", 0.0));
+        assert!(error.to_string().contains("wedges"), "{error}");
+        pulled(kind, *enough).unwrap_or_else(|error| panic!("{kind} {enough}: {error}"));
     }
 }

@@ -170,7 +170,7 @@ fn sections_lie_where_the_rod_does() {
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
 fn a_catheter_finds_its_way_into_a_narrow_vessel() {
     let robot = catheter(20);
-    for radius in [0.0022, 0.002] {
+    for radius in [0.0022, 0.002, 0.0019, 0.0018, 0.0017] {
         let mut vessel = pipe(9);
         let Form::Pipe(bore) = &vessel.form else { unreachable!() };
         vessel.form = Form::Pipe(Pipe::new(radius, bore.points(), Bends::Smooth).unwrap());
@@ -187,6 +187,36 @@ fn a_catheter_finds_its_way_into_a_narrow_vessel() {
             assert!(rod.contacts.len() >= 3, "{kind}: {:?}", rod.contacts);
             assert_clear(&robot, &rod, &vessel);
         }
+    }
+}
+
+/// A bore that the disks fit goes over into one that they do not.
+#[test]
+fn a_robot_that_gets_stuck_is_told_where() {
+    let bore = |name: &str, radius: f64, ends: [f64; 2]| {
+        let points = ends.map(|z| Vec3::new(0.0, 0.0, z));
+        let form = Form::Pipe(Pipe::new(radius, &points, Bends::Corners).unwrap());
+        let (name, pose) = (name.to_owned(), Pose::IDENTITY);
+        Obstacle { name, form, pose, friction: 0.0, movable: None }
+    };
+    let mouth = 0.06;
+    let bores = vec![bore("sleeve", 0.002, [-0.02, mouth]), bore("narrow", 0.001, [mouth, 0.2])];
+    let case = among(Case::with_tensions(&[0.0]), bores);
+    for kind in [ModelKind::Cosserat, ModelKind::PiecewiseConstantCurvature] {
+        let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+        let error =
+            model.prepare(&catheter(20), &case.loads).unwrap().solve(&case, None).unwrap_err();
+        let SolveError::NotInserted { pipe, inserted, length, .. } = &error else {
+            panic!("{kind}: {error}")
+        };
+        // Whichever pushes it hardest where it has bent aside.
+        assert!(["sleeve", "narrow"].contains(&pipe.as_str()), "{kind}: {pipe}");
+        assert_eq!(*length, LENGTH);
+        // As far as its tip may go, or farther where the rod bends aside before it enters the wide bore.
+        assert!((mouth - 0.001..LENGTH).contains(inserted), "{kind}: {inserted}");
+        let text = error.to_string();
+        assert!(text.contains(&format!("inserted into pipe `{pipe}` by only")), "{text}");
+        assert!(!text.contains("actuation") && !text.contains("pull"), "{text}");
     }
 }
 

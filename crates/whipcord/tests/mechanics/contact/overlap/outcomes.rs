@@ -168,6 +168,7 @@ impl Outcomes {
                     Obstruction::BudgetSpent { .. } => "given up",
                     Obstruction::TooManyContacts { .. } => "too many contacts",
                     Obstruction::Model(_) => "no shape under the contacts",
+                    Obstruction::NoClearance { .. } => "a disk wedges",
                     Obstruction::NotHeld { .. } => "an object is not held",
                 },
                 Err(_) => "no shape",
