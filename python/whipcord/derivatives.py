@@ -44,6 +44,10 @@ class Derivatives:
     ``"strain-energy"`` and the length rule ``"free"``. With other options the four-bar model knows those by its commands, the
     shortenings: :attr:`twist_by_command` and :attr:`length_by_command`; all else raises :class:`whipcord.errors.InputError`.
 
+    Where obstacles or cables rub, the answer remembers the way to it: from rest, derivatives by commands and parameters are those of the
+    whole way. With ``start=`` among obstacles that rub, and with cables that do not, they are those of the motion that goes on from that
+    answer. Compliance, stiffness and derivatives by loads at a place add these to the robot as it stands.
+
     What says how stations move is along the axes of the world, as positions are. Rotations are turns
     ``dR = φ̂ R``. Compliance and stiffness are along the axes of the base, as the command
     ``whipcord stiffness`` has them.

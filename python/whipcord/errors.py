@@ -340,7 +340,16 @@ class ObjectOverlapsError(SolveError):
     """How far they overlap in m."""
 
 
-class NotInsertedError(SolveError):
+class ObstructedError(SolveError):
+    """The obstacles let the robot get only a part of the way."""
+
+    reached: float
+    """The part of the way, from 0 to 1."""
+    touching: Sequence[str]
+    """Names of the obstacles that it touches there."""
+
+
+class NotInsertedError(ObstructedError):
     """The robot cannot be inserted into a pipe as far as its base stands."""
 
     pipe: str
@@ -349,15 +358,8 @@ class NotInsertedError(SolveError):
     """How far it was inserted in m: its length less what its base is still away from its place."""
     length: float
     """Length of the robot in m."""
-
-
-class ObstructedError(SolveError):
-    """The obstacles let the robot get only a part of the way."""
-
-    reached: float
-    """The part of the way, from 0 to 1."""
-    touching: Sequence[str]
-    """Names of the obstacles that it touches there."""
+    why: str
+    """Why it gets no farther."""
 
 
 class TensionsNotFoundError(SolveError):

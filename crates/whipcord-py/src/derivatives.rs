@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use whipcord::derivatives::{Change, Cotangent, Hold, Place};
-use whipcord::{Case, Linearization, ModelKind, Prepared, Twist, UnitQuaternion, Vec3, four_bar};
+use whipcord::{Linearization, ModelKind, Prepared, Twist, UnitQuaternion, Vec3, four_bar};
 
 use crate::convert::{array, matrix6, square, twist};
 use crate::errors;

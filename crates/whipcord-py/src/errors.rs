@@ -343,10 +343,16 @@ pub fn solve(py: Python<'_>, error: &SolveError) -> PyErr {
             "ObjectOverlapsError",
             &[("object", Text(object)), ("obstacle", Text(obstacle)), ("depth", Number(*depth))],
         ),
-        SolveError::NotInserted { pipe, inserted, length, .. } => raise(
-            "NotInsertedError",
-            &[("pipe", Text(pipe)), ("inserted", Number(*inserted)), ("length", Number(*length))],
-        ),
+        SolveError::NotInserted { pipe, inserted, length, why } => {
+            exception(py, "NotInsertedError", message, |dict| {
+                dict.set_item("reached", inserted / length)?;
+                dict.set_item("touching", [pipe])?;
+                dict.set_item("pipe", pipe)?;
+                dict.set_item("inserted", inserted)?;
+                dict.set_item("length", length)?;
+                dict.set_item("why", why.to_string())
+            })
+        }
         SolveError::Obstructed { reached, touching, .. } => {
             exception(py, "ObstructedError", message, |dict| {
                 dict.set_item("reached", reached)?;

@@ -222,7 +222,7 @@ pub enum SolveError {
 
     /// The budget of the solve is spent ([`crate::Budget`]).
     #[error(
-        "the budget of the solve is spent after {iterations} iterations and {integration_steps} integration steps; {}; allow it more iterations (`max_iterations`), a coarser tolerance, or a start nearby",
+        "the budget of the solve is spent after {iterations} iterations and {integration_steps} integration steps; {}; allow it more iterations (`max_iterations` in Python, `--max-iterations` of the commands that have it), a coarser tolerance, or a start nearby",
         how_far(*last_load)
     )]
     BudgetSpent {
@@ -440,6 +440,7 @@ impl SolveError {
                 | Self::ObjectOverlaps { .. }
                 | Self::ObstacleInTheWay { .. }
                 | Self::Obstructed { why: Obstruction::BudgetSpent { .. }, .. }
+                | Self::NotInserted { why: InsertionStop::BudgetSpent { .. }, .. }
         )
     }
 
@@ -452,6 +453,7 @@ impl SolveError {
             }
             Self::Buckled { load, .. } => Some(load),
             Self::Obstructed { reached, .. } => Some(reached),
+            Self::NotInserted { .. } => Some(0.0),
             _ => None,
         }
     }

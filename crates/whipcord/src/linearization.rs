@@ -82,7 +82,7 @@ impl Linearization {
     }
 
     /// How the answer changes where the command of a cable is changed by as much in all steps of the case ([`Self::command`] changes it
-    /// in the last). They differ where cables rub in their holes, which remember the steps before. What friction against bending keeps of these
+    /// in the last). They differ where cables or obstacles rub, which remember the steps before. What friction against bending keeps of these
     /// is taken as it is.
     ///
     /// # Panics
@@ -275,7 +275,8 @@ impl Model {
 
 impl Prepared {
     /// The answer to the last step of a case, with its derivatives by tensions or lengths, by loads at any place, and by these
-    /// parameters; from a neighbouring solution when given.
+    /// parameters; from a neighbouring solution when given. Among obstacles that rub, derivatives from rest by commands and parameters are
+    /// those of the way to the answer; from a neighbouring solution, and by loads at a place, those of the motion that goes on from there.
     ///
     /// # Errors
     /// As [`Self::solve`]; [`SolveError::Unsupported`] where the model has no exact derivatives

@@ -55,7 +55,7 @@ pub struct SolveArgs {
     #[arg(long, value_name = "OUT", value_parser = path_ending_in(&["svg", "png"]))]
     plot: Option<PathBuf>,
     /// List all equilibria connected to the unloaded shape, stable and unstable
-    #[arg(long, conflicts_with = "csv")]
+    #[arg(long, conflicts_with_all = ["csv", "max_iterations"])]
     branches: bool,
     /// Where prescribed cable lengths contradict each other, give the stable shape that misses them least (least squares), with what each cable
     /// misses; by default that is an error

@@ -403,7 +403,7 @@ fn a_solve_ends_after_the_iterations_that_it_was_given() {
     let file =
         scratch.write("bent.toml", &robot("tension = \"2 N\"\n[loads]\ntip_force = [0.1, 0, 0]"));
     let message = fail(1, &["solve", &file, "--max-iterations", "2"]);
-    for words in ["is spent after 2 iterations", "allow it more iterations (`max_iterations`)"] {
+    for words in ["is spent after 2 iterations", "`--max-iterations`"] {
         assert!(message.contains(words), "{message}");
     }
     let more = ["solve", &file, "--csv", "--max-iterations", "1000000"];

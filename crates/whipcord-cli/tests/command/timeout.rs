@@ -73,7 +73,7 @@ fn a_comparison_that_takes_longer_writes_nothing() {
 /// Among obstacles a robot whose cables rub has all its steps followed before the first is told: the message names the one that was reached.
 #[test]
 fn a_solve_of_many_steps_says_how_far_it_came() {
-    const STEPS: usize = 4000;
+    const STEPS: usize = 20_000;
     let folder = tempfile::tempdir().unwrap();
     let text = fs::read_to_string(root().join("examples/rubbing-finger.toml")).unwrap();
     let robot = text.split("[[steps]]").next().unwrap();
@@ -83,7 +83,7 @@ fn a_solve_of_many_steps_says_how_far_it_came() {
     let path = folder.path().join("steps.toml");
     fs::write(&path, [robot, wall, &steps].concat()).unwrap();
     let file = path.to_str().unwrap();
-    let told = fail(1, &["solve", file, "--model", "cosserat-disks", "--timeout", "1 s"]);
+    let told = fail(1, &["solve", file, "--model", "cosserat-disks", "--timeout", "3 s"]);
     assert!(told.contains(&format!(" of {STEPS}: the solve was cancelled; ")), "{told}");
     assert!(!told.contains("step 1 of"), "{told}");
 }

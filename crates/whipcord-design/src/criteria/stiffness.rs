@@ -5,7 +5,7 @@
 
 use whipcord::derivatives::{Hold, Place};
 use whipcord::kinematics::principal_axes;
-use whipcord::{Case, LoadFrame, PointLoad, Robot, SolveError, Vec3};
+use whipcord::{Case, LoadFrame, PointLoad, Robot, Solution, SolveError, Vec3};
 use whipcord_numerics::Mat3;
 use whipcord_numerics::derivative;
 
@@ -26,17 +26,17 @@ impl Criteria {
         disk: usize,
         direction: Option<Vec3>,
     ) -> Result<f64, DesignError> {
-        self.stiffness_along(robot, case, disk, direction).map(|(stiffness, _)| stiffness)
+        self.stiffness_along(robot, case, disk, direction).map(|(stiffness, ..)| stiffness)
     }
 
-    /// A stiffness and its direction in the world.
+    /// A stiffness and its direction in the world, and the answer that has it.
     fn stiffness_along(
         &self,
         robot: &Robot,
         case: &Case,
         disk: usize,
         direction: Option<Vec3>,
-    ) -> Result<(f64, Vec3), DesignError> {
+    ) -> Result<(f64, Vec3, Solution), DesignError> {
         if !self.model.has_derivatives(robot) {
             let what = format!(
                 "the model {} has no compliance for this robot, so that no stiffness can be a criterion: choose cosserat or cosserat-disks",
@@ -45,7 +45,7 @@ impl Criteria {
             return Err(DesignError::Criterion { what });
         }
         let mut prepared = self.model.prepare(robot, &case.loads)?;
-        let (_, derivatives) = prepared.solve_with_derivatives(case, None, &[])?;
+        let (solution, derivatives) = prepared.solve_with_derivatives(case, None, &[])?;
         let matrix = derivatives.compliance(Place::Disk(disk), Hold::Commands)?;
         let row = |i: usize| Vec3::from([0, 1, 2].map(|j| matrix.at(i, j)));
         let matrix = Mat3::from_rows(row(0), row(1), row(2));
@@ -60,7 +60,8 @@ impl Criteria {
                 (principal.values[2], case.base.rotation.rotate(principal.directions[2]))
             }
         };
-        Ok((if compliance > 0.0 { 1.0 / compliance } else { 0.0 }, direction))
+        let stiffness = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
+        Ok((stiffness, direction, solution))
     }
 
     /// A stiffness and its rates by the unknowns.
@@ -72,7 +73,7 @@ impl Criteria {
         of: Varied<'_>,
     ) -> Result<(f64, Vec<f64>), DesignError> {
         let case = &of.cases[number];
-        let (stiffness, n) = self.stiffness_along(of.robot, case, disk, direction)?;
+        let (stiffness, n, solution) = self.stiffness_along(of.robot, case, disk, direction)?;
         let length = of.robot.backbone().length;
         let force = MOVED * length * stiffness;
         let base = case.base.rotation;
@@ -85,7 +86,9 @@ impl Criteria {
             let at = of.robot.disks().arc_lengths[disk];
             pushed.loads.points.push(PointLoad { at, force, ..PointLoad::default() });
             let mut prepared = self.model.prepare(of.robot, &pushed.loads)?;
-            let (_, derivatives) = prepared.solve_with_derivatives(&pushed, None, of.parameters)?;
+            // The force is added to the robot as it stands.
+            let (_, derivatives) =
+                prepared.solve_last_with_derivatives(&pushed, Some(&solution), of.parameters)?;
             let derivatives = (&derivatives, of.parameters);
             let speed = |unknown: &Unknown| {
                 let at = [Place::Disk(disk)];

@@ -53,7 +53,10 @@ pub(super) fn tell(
     let sizes: Vec<f64> = (0..n)
         .map(|j| if unknowns[j].is_positive() && x[j] > 0.0 { x[j] } else { scales[j] })
         .collect();
-    forget_unseen(&mut jacobian, &sizes, fitted.spread);
+    // Of what may be zero the value itself says no size.
+    let seen = (0..n)
+        .map(|j| if unknowns[j].is_above_zero() { sizes[j] } else { sizes[j].max(scales[j]) });
+    forget_unseen(&mut jacobian, &seen.collect::<Vec<f64>>(), fitted.spread);
     let spread = Spread::of(&jacobian, &free, fitted.spread, any);
     let quantile = student_quantile(0.5 + 0.5 * settings.confidence, fitted.freedom);
     let estimates = (0..n)

@@ -4,6 +4,8 @@ use super::complementarity::{Complementarity, ROUNDING, Touching};
 
 /// So often contacts are taken in or let go on the way down, by their number.
 const DESCENTS: usize = 10;
+/// The most that their equations take on it, by those of all of them once.
+const MOST_EFFORT: f64 = 20.0;
 
 impl Complementarity {
     /// Which touch, without friction, where many contacts depend on one another, as around a rim in a bore without clearance: from no forces on, contacts
@@ -17,7 +19,13 @@ impl Complementarity {
         let scale = self.gaps.iter().fold(0.0_f64, |most, gap| most.max(gap.abs()));
         self.contacts.iter_mut().for_each(|contact| contact.touches = false);
         let mut held = None;
+        let mut effort = 0.0;
         for _ in 0..DESCENTS * count {
+            let touching = self.contacts.iter().filter(|contact| contact.touches).count();
+            effort += (touching as f64 / count as f64).powi(3);
+            if effort > MOST_EFFORT {
+                break;
+            }
             self.forces.clone_from(&before);
             let Some((next, negative)) = self.forces_of_touching() else { break };
             // The part of the way to these forces on which none pulls.

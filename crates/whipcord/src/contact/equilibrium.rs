@@ -136,11 +136,13 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     /// Bends the robot, in equilibrium, so that its contacts without friction hold where its base is moved forward by so much: where it is moved as
     /// it is, a bent robot overlaps a narrow pipe by more than its clearance, and its rims are nearest to another side.
-    pub(super) fn anticipate(&mut self, forward: f64) {
+    pub(super) fn anticipate(&mut self, forward: f64) -> Result<(), Stop> {
         if self.is_touching() && self.is_without_friction() {
+            self.charge()?;
             // Newton's method begins where it is if nothing comes of it.
             let _ = self.step(Vec3::Z * forward);
         }
+        Ok(())
     }
 
     /// Counts an iteration with the contacts that there are, and ends the solve where it has spent its budget or its

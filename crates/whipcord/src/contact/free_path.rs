@@ -211,6 +211,21 @@ pub(crate) fn rubbing_or_free<T>(
     if is_cancelled { solved } else { followed }
 }
 
+/// The answers to all steps of a case without obstacles of a robot that remembers none of them, those that are asked for by their number from 0
+/// with their derivatives, as `solve` finds them.
+pub(crate) fn steps_alone<D>(
+    case: &Case,
+    asks: &dyn Fn(usize) -> bool,
+    mut each: impl FnMut((Solution, Option<D>)),
+    mut solve: impl FnMut(&Case, bool) -> Result<(Solution, Option<D>), SolveError>,
+) -> Result<(), (usize, SolveError)> {
+    let alone = Case { obstacles: Vec::new(), ..case.clone() };
+    for (n, step) in alone.leading_steps().enumerate() {
+        each(solve(&step, asks(n)).map_err(|error| (n, error))?);
+    }
+    Ok(())
+}
+
 /// The last answer of a solve of several steps.
 pub(crate) fn last_of(
     solve: impl FnOnce(&mut dyn FnMut(Solution)) -> Result<(), (usize, SolveError)>,

@@ -25,7 +25,7 @@
 //! | `step_length` | how far the robot may move in one step on the way |
 //! | `equilibrium` | the equilibrium at one place of the way, in which contacts come and go |
 //! | `homotopy`, `start`, `path` | the way from a shape without contact, or from a known answer, to the case |
-//! | `steps` | the steps of actuation of a case, each with its way |
+//! | `steps`, `division` | the steps of actuation of a case, each with its way; how finely this is divided |
 
 mod approach;
 pub mod body;
@@ -77,7 +77,7 @@ mod watched_places;
 pub(crate) use contact_rod::ContactRod;
 pub(crate) use dense_output::DenseOutput;
 pub(crate) use free_path::{
-    FreeWay, Unobstructed, last_of, or_none_alone, rubbing_or_free, solve_free,
+    FreeWay, Unobstructed, last_of, or_none_alone, rubbing_or_free, solve_free, steps_alone,
 };
 pub(crate) use holding::Holding;
 pub(crate) use loaded_places::LoadedPlaces;

@@ -1,4 +1,4 @@
-//! The equilibria on the way to an answer among obstacles whose cables rub: what derivatives take of them.
+//! The equilibria on the way to an answer among obstacles, where these or the cables rub: what derivatives take of them.
 
 use whipcord_numerics::{Twist, Vec3};
 

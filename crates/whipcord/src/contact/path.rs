@@ -261,8 +261,10 @@ impl<M: Noting> PathTracker<'_, M> {
             self.scene.begin_step();
             let acts = acting(next);
             let forward = self.scene.drawn_back() - acts.drawn_back;
-            if forward != 0.0 {
-                self.anticipate(forward);
+            if forward != 0.0
+                && let Err(stop) = self.anticipate(forward)
+            {
+                return Err(self.obstructed(way, Some(stop)));
             }
             self.arrange(acts);
             let case = at(next);
@@ -304,7 +306,8 @@ impl<M: Noting> PathTracker<'_, M> {
                 Ok(Some(part)) => {
                     step = (next - way) * part;
                     if asked.has_rubbing_obstacles() && !self.rubs {
-                        step = rounded(way, step);
+                        let rounded = rounded(way, step);
+                        step = if rounded >= LEAST_STEP { rounded } else { step };
                     }
                     None
                 }
@@ -436,7 +439,11 @@ impl<M: Compliant> PathTracker<'_, M> {
             Some(Stop::Cancelled) => return SolveError::Cancelled { last_load: Some(way) },
             None => Obstruction::Leaps,
         };
-        let why = self.without_clearance().unwrap_or(why);
+        let is_lost = matches!(
+            why,
+            Obstruction::NotConverged { .. } | Obstruction::Slips | Obstruction::Leaps
+        );
+        let why = if is_lost { self.without_clearance().unwrap_or(why) } else { why };
         SolveError::Obstructed { reached: way, touching: names, why }
     }
 }

@@ -1,7 +1,7 @@
 //! The solves of both Cosserat rods among obstacles.
 
 use super::contact_rod::ContactRod;
-use super::free_path::{FreeWay, last_of, or_none_alone, rubbing_or_free};
+use super::free_path::{FreeWay, last_of, or_none_alone, rubbing_or_free, steps_alone};
 use super::noted::last_with_derivatives;
 use super::rod::{RodAdapter, differentiate_rubbing, on_few_steps_or_more, rub};
 use super::steps::{solve, solve_holding};
@@ -136,28 +136,34 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         self.rubs() || (case.has_rubbing_obstacles() && !bends)
     }
 
+    /// The answer to a case without obstacles of a robot whose cables do not rub, with its derivatives by these parameters where they are asked for.
+    fn alone(
+        &self,
+        (case, near): (&Case, Option<&Solution>),
+        asked: Option<&[Parameter]>,
+        memory: &mut Self::Workspace,
+    ) -> Result<(Solution, Option<Derivatives>), SolveError> {
+        let Some(parameters) = asked else { return Ok((self.solve_alone(case, memory)?, None)) };
+        let (solution, of) = self.differentiate_alone(case, near, parameters, memory)?;
+        Ok((solution, Some(of)))
+    }
+
     /// The same where cables or obstacles rub, those that are asked for by their number from 0 with their derivatives.
     fn rub_with_derivatives(
         &self,
         (case, parameters): (&Case, &[Parameter]),
         asks: &dyn Fn(usize) -> bool,
         memory: &mut Self::Workspace,
-        mut each: impl FnMut((Solution, Option<Derivatives>)),
+        each: impl FnMut((Solution, Option<Derivatives>)),
     ) -> Result<(), (usize, SolveError)> {
         self.check_among_obstacles(case).map_err(|error| (0, error))?;
         let mut first_step = 1.0;
         if !self.rubs() && case.leading_steps().nth(1).is_none() {
             match self.find_clear(case, None, memory).map_err(|error| (0, error))? {
                 FreeWay::Clear(solution) => {
-                    let alone = Case { obstacles: Vec::new(), ..case.clone() };
-                    let asked = asks(0).then(|| {
-                        self.differentiate_alone(&alone, Some(&solution), parameters, memory)
+                    return steps_alone(case, asks, each, |step, asked| {
+                        self.alone((step, Some(&solution)), asked.then_some(parameters), memory)
                     });
-                    each(match asked.transpose().map_err(|error| (0, error))? {
-                        Some((solution, derivatives)) => (solution, Some(derivatives)),
-                        None => (solution, None),
-                    });
-                    return Ok(());
                 }
                 FreeWay::Unclear { first_step: first } => first_step = first,
             }
@@ -179,16 +185,9 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
                     let of = (alone, parameters);
                     return self.differentiate_steps_alone(of, asks, memory, each);
                 }
-                for (n, step) in alone.leading_steps().enumerate() {
-                    let found = match asks(n) {
-                        true => self
-                            .differentiate_alone(&step, None, parameters, memory)
-                            .map(|(solution, derivatives)| (solution, Some(derivatives))),
-                        false => self.solve_alone(&step, memory).map(|found| (found, None)),
-                    };
-                    each(found.map_err(|error| (n, error))?);
-                }
-                Ok(())
+                steps_alone(alone, asks, each, |step, asked| {
+                    self.alone((step, None), asked.then_some(parameters), memory)
+                })
             },
         )
     }

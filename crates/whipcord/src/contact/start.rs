@@ -29,7 +29,7 @@ const fn error_of_object(why: &Obstruction) -> bool {
 /// The same on the way into pipes, on which the robot has no loads and objects are held.
 fn insertion_stop(why: Obstruction) -> InsertionStop {
     match why {
-        Obstruction::Model(error) => InsertionStop::Model { reason: error.to_string() },
+        Obstruction::Model(error) => InsertionStop::Model { reason: error.on_way(0.0).to_string() },
         Obstruction::NotConverged { residual } => InsertionStop::NotConverged { residual },
         Obstruction::BudgetSpent { iterations, residual, contacts } => {
             InsertionStop::BudgetSpent { iterations, residual, contacts }
@@ -64,8 +64,9 @@ impl<M: Noting> PathTracker<'_, M> {
             self.scene.keep(Present::Pipes);
             if self.pairs.deepest(self.model, &self.scene).is_some() {
                 let are_held = core::mem::replace(&mut self.objects.are_held, true);
-                self.insert((case, of_case))?;
+                let inserted = self.insert((case, of_case));
                 self.objects.are_held = are_held;
+                inserted?;
             }
             self.scene.keep(Present::All);
             if let Some((owner, other, depth)) = self.objects.deepest(&self.scene, self.length) {
@@ -113,7 +114,20 @@ impl<M: Noting> PathTracker<'_, M> {
         let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
         self.budget = self.spent + self.model.insertion_budget();
         self.is_going_in = true;
-        let mut gone = Ok(());
+        let gone = self.go_in((case, of_case), back, start);
+        self.is_going_in = false;
+        self.budget = self.spent + self.model.budget();
+        gone
+    }
+
+    /// Goes in from where the base is drawn back by so much, in ever shorter steps; the error of the attempt that came farthest.
+    fn go_in(
+        &mut self,
+        (case, of_case): (&Case, [f64; 2]),
+        back: impl Fn(f64) -> Acting,
+        start: f64,
+    ) -> Result<(), SolveError> {
+        let mut farthest: Option<(f64, SolveError)> = None;
         for (attempt, longest_touching) in LONGEST_INSIDE.into_iter().enumerate() {
             if attempt > 0 {
                 self.draw_back_at_rest((case, of_case), start)?;
@@ -126,14 +140,23 @@ impl<M: Noting> PathTracker<'_, M> {
                 jumps: if is_last { JUMPS } else { 0 },
                 ..Steps::up_to(self.longest_step)
             };
-            gone = self.go_in_steps(case, |_| case.clone(), back, steps);
-            if !gone.as_ref().is_err_and(SolveError::is_obstruction) {
+            let Err(error) = self.go_in_steps(case, |_| case.clone(), &back, steps) else {
+                return Ok(());
+            };
+            let is_ended = !error.is_obstruction();
+            let error = self.not_inserted(error, start);
+            if matches!(error, SolveError::Cancelled { .. } | SolveError::BudgetSpent { .. }) {
+                return Err(error);
+            }
+            let reached = self.reached;
+            if farthest.as_ref().is_none_or(|(before, _)| reached > *before) {
+                farthest = Some((reached, error));
+            }
+            if is_ended {
                 break;
             }
         }
-        self.is_going_in = false;
-        self.budget = self.spent + self.model.budget();
-        gone.map_err(|error| self.not_inserted(error, start))
+        farthest.map_or(Ok(()), |(_, error)| Err(error))
     }
 
     /// Goes back to where the way in begins.
@@ -155,7 +178,10 @@ impl<M: Noting> PathTracker<'_, M> {
 
     /// What ended the way in from where the base was drawn back by so much.
     fn not_inserted(&self, error: SolveError, start: f64) -> SolveError {
-        let SolveError::Obstructed { reached, touching, why } = error else { return error };
+        let SolveError::Obstructed { reached, touching, why } = error else {
+            // Nothing of the case acts yet.
+            return error.on_way(0.0);
+        };
         let pushing = self.pairs.near.iter().filter(|pair| pair.force > 0.0);
         let hardest = pushing.max_by(|a, b| a.force.total_cmp(&b.force)).map(|pair| pair.obstacle);
         let Some(number) = hardest.or_else(|| self.scene.iter().next().map(|(k, _)| k)) else {

@@ -176,8 +176,9 @@ impl Derivatives {
                 within + acting + longer + asked + added + at_base + before
             })
             .collect();
-        let moving_on = self.moving_on.as_ref().map(|on| on.pull_back(cotangent, hold).wrenches);
-        let wrenches = moving_on.unwrap_or(wrenches);
+        if let Some(on) = &self.moving_on {
+            return Gradient { commands, parameters, ..on.pull_back(cotangent, hold) };
+        }
         Gradient { commands, parameters, wrenches, places: self.places.clone() }
     }
 }

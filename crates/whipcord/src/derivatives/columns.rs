@@ -288,7 +288,7 @@ impl Derivatives {
     }
 
     /// How the answer changes where the command of a cable is changed by as much in all steps of the case ([`Self::command`] changes it
-    /// in the last). They differ where cables rub in their holes, which remember the steps before. What friction against bending keeps of these
+    /// in the last). They differ where cables or obstacles rub, which remember the steps before. What friction against bending keeps of these
     /// is taken as it is.
     ///
     /// # Panics

@@ -97,7 +97,7 @@ impl Linkage {
         (case, parameters): (&Case, &[Parameter]),
         asks: &dyn Fn(usize) -> bool,
         workspace: &mut Workspace,
-        mut each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
+        each: impl FnMut((Solution, Option<CoordinateDerivatives>)),
     ) -> Result<(), (usize, SolveError)> {
         if !self.knows_forces {
             refusal::movable_objects(self.kind, case).map_err(|error| (0, error))?;
@@ -109,17 +109,11 @@ impl Linkage {
             let mut free = FreeChain { model: self, workspace, watched: &watched.places };
             let found = contact::solve_free(&mut free, &self.robot, case, None);
             match found.map_err(|error| (0, error))? {
-                FreeWay::Clear(solution) if asks(0) => {
-                    let alone = Case { obstacles: Vec::new(), ..case.clone() };
-                    let asked = Asked::new(parameters, &self.stations);
-                    let found = self.differentiate_step(&alone, Some(&solution), asked, workspace);
-                    let (solution, derivatives) = found.map_err(|error| (0, error))?;
-                    each((solution, Some(derivatives)));
-                    return Ok(());
-                }
                 FreeWay::Clear(solution) => {
-                    each((solution, None));
-                    return Ok(());
+                    return contact::steps_alone(case, asks, each, |step, asked| {
+                        let of = (step, Some(&solution));
+                        self.alone(of, asked.then_some(parameters), workspace)
+                    });
                 }
                 FreeWay::Unclear { first_step: first } => first_step = first,
             }
@@ -188,6 +182,21 @@ impl Linkage {
 }
 
 impl Linkage {
+    /// The answer to a case without obstacles of cables that do not rub, with its derivatives by these parameters where they are asked for.
+    pub(super) fn alone(
+        &self,
+        (case, near): (&Case, Option<&Solution>),
+        asked: Option<&[Parameter]>,
+        workspace: &mut Workspace,
+    ) -> Result<(Solution, Option<CoordinateDerivatives>), SolveError> {
+        let Some(parameters) = asked else {
+            return Ok((self.solve_alone(case, near, workspace)?, None));
+        };
+        let asked = Asked::new(parameters, &self.stations);
+        let (solution, of) = self.differentiate_step(case, near, asked, workspace)?;
+        Ok((solution, Some(of)))
+    }
+
     /// Whether the derivatives of an answer from rest are those of the way to it, as [`contact::RodSolves`] has it.
     pub(super) fn differentiates_way(&self, case: &Case) -> bool {
         self.has_friction() || (case.has_rubbing_obstacles() && !self.keeps_history())

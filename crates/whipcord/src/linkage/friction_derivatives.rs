@@ -8,7 +8,7 @@ use super::plastic_derivatives::Asked;
 use super::task::Task;
 use super::{Linkage, Workspace};
 use crate::case::Case;
-use crate::contact::{Holding, Noted, NotedWay};
+use crate::contact::{self, Holding, Noted, NotedWay};
 use crate::derivatives::{
     AnswerHoles, CoordinateCable, CoordinateDerivatives, Equations, KnownPlaces, ParameterChange,
     SolvedCoordinates, hole_source,
@@ -74,17 +74,9 @@ impl Linkage {
             return self.rub_with_derivatives_among_obstacles(of, &asks, workspace, each);
         }
         let Some(rubbing) = &self.friction else {
-            for (n, step) in case.leading_steps().enumerate() {
-                let asked = Asked::new(parameters, &self.stations);
-                let found = match asks(n) {
-                    true => self
-                        .differentiate_step(&step, None, asked, workspace)
-                        .map(|(solution, derivatives)| (solution, Some(derivatives))),
-                    false => self.solve_alone(&step, None, workspace).map(|found| (found, None)),
-                };
-                each(found.map_err(|error| (n, error))?);
-            }
-            return Ok(());
+            return contact::steps_alone(case, &asks, each, |step, asked| {
+                self.alone((step, None), asked.then_some(parameters), workspace)
+            });
         };
         workspace.forget();
         workspace.friction.history = History::with_trail();

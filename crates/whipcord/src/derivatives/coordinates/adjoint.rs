@@ -122,12 +122,14 @@ impl CoordinateDerivatives {
                 _ => commands = self.pull_back(cotangent, Hold::Commands).commands,
             }
         }
-        let moving_on = self.moving_on.as_ref().map(|on| on.pull_back(cotangent, hold).wrenches);
-        let here = || (0..system.positions.len()).map(wrench).collect();
+        let parameters = self.parameters.iter().enumerate().map(of_parameter).collect();
+        if let Some(on) = &self.moving_on {
+            return Gradient { commands, parameters, ..on.pull_back(cotangent, hold) };
+        }
         Gradient {
             commands,
-            parameters: self.parameters.iter().enumerate().map(of_parameter).collect(),
-            wrenches: moving_on.unwrap_or_else(here),
+            parameters,
+            wrenches: (0..system.positions.len()).map(wrench).collect(),
             places: self.places.clone(),
         }
     }

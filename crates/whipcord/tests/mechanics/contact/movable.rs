@@ -558,9 +558,8 @@ fn an_object_moves_along_with_the_robot() {
         {
             let model = model(kind).with_tolerance(1e-8);
             let mut prepared = model.prepare(&robot, &case.loads).unwrap();
-            let (solution, derivatives) =
-                prepared.solve_with_derivatives(&case, None, &[]).unwrap();
-            assert!(!derivatives.is_contact_about_to_change(), "{kind} {name}");
+            let solution = prepared.solve(&case, None).unwrap();
+            let derivatives = prepared.linearize(&case, &solution, &[]).unwrap();
             let mut compare = |found: Twist, make: &dyn Fn(f64) -> Case, h: f64| {
                 let mut at = |x: f64| {
                     let answer = prepared.solve(&make(x), Some(&solution)).unwrap();
