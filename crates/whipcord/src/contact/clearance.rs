@@ -29,6 +29,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         }
         let (disk, obstacle, clearance) = tight?;
         let enough = CLEARANCE * self.length;
-        Some(Obstruction::NoClearance { obstacle: obstacle.to_owned(), disk, clearance, enough })
+        let (obstacle, clearance) = (obstacle.to_owned(), clearance.max(0.0));
+        Some(Obstruction::NoClearance { obstacle, disk, clearance, enough })
     }
 }

@@ -202,7 +202,7 @@ fn arcs_without_clearance_are_straight() {
 
 /// Disks that tilt wedge in a bore that they fill: the error says so, and how much clearance is enough.
 #[test]
-fn disks_that_wedge_are_told_how_much_clearance_they_need() {
+fn an_error_says_how_much_clearance_disks_that_wedge_need() {
     for kind in [RODS[0], RODS[1], ModelKind::PseudoRigidBody] {
         let Err(error) = pulled(kind, 0.0) else { panic!("{kind} has an answer") };
         let SolveError::Obstructed { why, .. } = &error else { panic!("{kind}: {error}") };
