@@ -34,6 +34,9 @@ const LEAST_COSINE: f64 = 0.9;
 const STRAIGHT: f64 = 0.98;
 /// A step this short may cross a corner of the path, where a cable goes slack or taut.
 const CORNER_STEP: f64 = 1e-3;
+/// A step that is longer and behind which stability has changed, though the load goes on alike, may have left the path beside an imperfect
+/// bifurcation, where it turns away within less than the step.
+const STABILITY_STEP: f64 = 4e-3;
 /// Points of the path are known this well; answers are closed to what is asked for.
 const RESIDUAL: f64 = 1e-9;
 /// Halvings that locate a limit point or a bifurcation.
@@ -68,8 +71,11 @@ impl<N: Part> PathTracker<N> {
                 self.iterations += iterations;
                 corner::face_on(path, &self.here, &mut next);
                 let cosine = path.dot(&next.tangent, &self.here.tangent);
-                let active_set_change = taken <= CORNER_STEP && next.changes_cables(&self.here);
-                if cosine > LEAST_COSINE || active_set_change {
+                let changes_cables = next.changes_cables(&self.here);
+                let active_set_change = taken <= CORNER_STEP && changes_cables;
+                let is_beside =
+                    taken > STABILITY_STEP && !changes_cables && next.changes_stability(&self.here);
+                if (cosine > LEAST_COSINE && !is_beside) || active_set_change {
                     if cosine > STRAIGHT {
                         self.step = (1.5 * taken).min(LONGEST_STEP);
                     }

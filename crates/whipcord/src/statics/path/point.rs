@@ -21,6 +21,11 @@ impl<N: Part> PathPoint<N> {
         tensions.into_iter().any(|(&a, &b)| (a > 0.0) != (b > 0.0))
     }
 
+    /// Whether stability is not the same there, though the load goes on alike.
+    pub fn changes_stability(&self, other: &Self) -> bool {
+        self.unstable != other.unstable && self.tangent.load * other.tangent.load > 0.0
+    }
+
     /// Whether the point is a corner where a cable goes slack, and its tangent still that of the taut cable.
     pub fn is_before_corner(&self) -> bool {
         let tensions = self.state.tensions.iter().zip(&self.tangent.tensions);

@@ -335,6 +335,24 @@ fn equilibria_on_branches_are_those_of_solves() {
 }
 
 /// The same path under a load that is half as much again has the same critical points, and the equilibria of the load before it.
+/// A column that a small force across bends leans with it however far it is loaded: the path turns away from the straight shape beside the buckling
+/// load, and does not go on to the other side of it.
+#[test]
+fn the_path_of_an_imperfect_column_turns_with_its_imperfection() {
+    let buckling = PI * PI / 4.0;
+    for kind in ALL {
+        for (across, load) in [(3e-3, 2.4), (1e-3, 2.4), (1e-3, 1.3), (3e-4, 3.0)] {
+            let case = pushed(across * buckling, -load * buckling);
+            let found = branches(kind, &blade(9, 0.0, Vec::new()), &case);
+            let on_path: Vec<_> =
+                found.equilibria.iter().filter(|of| of.branch == Some(0)).collect();
+            let [only] = &on_path[..] else { panic!("{kind} {across} {load}: {found:?}") };
+            assert_eq!(only.stable, Some(true), "{kind} {across} {load}");
+            assert!(tip(&only.solution)[0] > 0.1, "{kind} {across} {load}");
+        }
+    }
+}
+
 #[test]
 fn critical_loads_do_not_depend_on_the_load_that_is_asked_for() {
     for kind in ALL {
