@@ -130,8 +130,10 @@ fn solve_step(
     let to_base = case.base.inverse();
     let warm_start = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
     let homotopy = match (warm_start, &before) {
-        // What the holes remember was led to by these.
-        (Some(_), Some(before)) if rubs => Homotopy::from_commands(before.commands, case),
+        // What friction remembers was led to by these.
+        (Some(_), Some(before)) if rubs || are_driven_alike(before.commands, &case.commands) => {
+            Homotopy::from_commands(before.commands, case)
+        }
         (Some(answer), _) => Homotopy::from_answer(answer, case),
         (None, _) if rubs => Homotopy::from_rest_loaded_first(case),
         (None, _) => Homotopy::from_rest(case),

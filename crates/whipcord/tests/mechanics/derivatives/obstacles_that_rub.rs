@@ -119,6 +119,9 @@ fn cables_of_given_lengths(tested: Tested) {
     check(tested, &out_of_plane(cables(), &[&[-6.0, 0.3]], rough(0.2, wall(0.05)), "shortened"));
     let steps = [&[-7.0, 0.3][..], &[-6.5, 0.4]];
     check(tested, &out_of_plane(cables(), &steps, rough(0.2, wall(0.05)), "paid out"));
+    // The second step is long, and comes to touch within it.
+    let steps = [&[-2.0, 0.3][..], &[-7.5, 0.4]];
+    check(tested, &out_of_plane(cables(), &steps, rough(0.2, wall(0.05)), "wound up"));
 }
 
 /// From an answer the contacts move on; from rest the whole way to it differs.
