@@ -222,7 +222,8 @@ fn stability_stands_beside_the_status() {
     assert_eq!(json["steps"].as_array().unwrap().len(), 2);
     for step in json["steps"].as_array().unwrap() {
         let least = step["diagnostics"]["stability"].as_f64().unwrap();
-        assert_eq!(step["stable"], least >= 0.0, "{least}");
+        // A round rod that has buckled is neutral about its axis.
+        assert_eq!(step["stable"], least >= -1e-6, "{least}");
     }
     assert_eq!(
         stepped.stderr.contains("the equilibrium is unstable"),

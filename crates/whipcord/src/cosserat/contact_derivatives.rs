@@ -158,7 +158,9 @@ impl ContactResponse {
         if contact_grid.friction.is_some() {
             self.holes.put(end.standing);
         }
-        let ContactGrid { model, grid, stations, pushes, .. } = &*contact_grid;
+        let ContactGrid { model, grid, stations, pushes, halvings, .. } = &*contact_grid;
+        // On the grid that it was noted on, which those after it may be finer than.
+        self.refinement.halvings = *halvings;
         self.look(robot, &model.options, end.case, (stations, pushes), None)?;
         let regridded = end.before.and_then(|before| {
             let before = before.contact_grid.as_ref()?;

@@ -1,7 +1,7 @@
 //! Answers from rest among obstacles with friction of robots whose cables do not rub: their derivatives against differences of the whole way.
 
 use super::friction_in_contact::{of, off_differences};
-use super::hole_friction::{Sliding, both_ways, offsets};
+use super::hole_friction::{Sliding, both_ways, moved, offsets};
 use super::*;
 use crate::common::{helix, straight};
 use crate::contact::{sphere, wall};
@@ -13,6 +13,7 @@ for_every_model!(
     steps_there_and_back,
     steps_one_by_one,
     cables_of_given_lengths,
+    a_way_that_ends_on_finer_steps,
     a_way_from_an_answer_is_that_of_the_answer,
     backward_is_forward_transposed
 );
@@ -122,6 +123,33 @@ fn cables_of_given_lengths(tested: Tested) {
     // The second step is long, and comes to touch within it.
     let steps = [&[-2.0, 0.3][..], &[-7.5, 0.4]];
     check(tested, &out_of_plane(cables(), &steps, rough(0.2, wall(0.05)), "wound up"));
+}
+
+/// To a tolerance, for which the answer is found again on finer steps than the way to it: against differences of answers to that tolerance.
+fn a_way_that_ends_on_finer_steps(tested: Tested) {
+    let Sliding { robot, case, .. } =
+        out_of_plane(pair(), &[&[3.0, 0.4]], rough(0.2, wall(0.05)), "finer");
+    for tolerance in [1e-6, 1e-9] {
+        let accuracy = Accuracy::Tolerance(tolerance);
+        let options = Options { accuracy, ..options(tested, &case) };
+        let found = tested.solve_with_derivatives(&robot, &case, &options, &[]);
+        let (_, derivatives) = found.unwrap();
+        for cable in 0..2 {
+            let found = derivatives.command(cable).twist(Place::Tip).linear;
+            let at = |by: f64| {
+                let mut case = case.clone();
+                case.commands[cable] = moved(case.commands[cable], by);
+                let answer = tested.solve(&robot, &case, &options, None).unwrap();
+                answer.disks.tip().position
+            };
+            // Longer ones may meet another division of the way.
+            let off = off_with_all([2e-3, 5e-4, 1e-4], 1e-3, |h| {
+                let expected = (at(h) - at(-h)) / (2.0 * h);
+                (found - expected).norm() / expected.norm()
+            });
+            assert!(off.is_ok(), "{tolerance} {cable}: {off:?}");
+        }
+    }
 }
 
 /// From an answer the contacts move on; from rest the whole way to it differs.
