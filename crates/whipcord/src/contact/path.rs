@@ -262,7 +262,7 @@ impl<M: Noting> PathTracker<'_, M> {
             let acts = acting(next);
             let forward = self.scene.drawn_back() - acts.drawn_back;
             if forward != 0.0
-                && let Err(stop) = self.anticipate(&at(way), forward)
+                && let Err(stop) = self.anticipate(forward)
             {
                 return Err(self.obstructed(way, Some(stop)));
             }
