@@ -362,7 +362,7 @@ impl Prepared {
         }
         let of_rod = |of: Option<_>| of.map(|of| Linearization::Rod(Box::new(of)));
         // Of answers among obstacles that rub the way to them is differentiated.
-        let follows_way = case.has_rubbing_obstacles() && !self.robot().has_bending_friction();
+        let follows_way = case.differentiates_way(self.robot());
         match self {
             Self::Cosserat(model, workspace) if model.bends_in_steps() => {
                 let mut step = 0;

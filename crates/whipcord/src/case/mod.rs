@@ -202,6 +202,12 @@ impl Case {
         self.obstacles.iter().any(Obstacle::has_friction)
     }
 
+    /// Whether the derivatives of an answer from rest are those of the way to it though no cable rubs: obstacles do, and contacts slide on another way
+    /// with another command. A backbone with friction against bending among obstacles follows the answer before alone.
+    pub(crate) fn differentiates_way(&self, robot: &Robot) -> bool {
+        self.has_rubbing_obstacles() && !robot.has_bending_friction()
+    }
+
     /// The steps that lead to the answer to this case, of [`Self::single_steps`]: all of them, or the last alone where they are
     /// independent.
     pub fn leading_steps(&self) -> impl Iterator<Item = Self> + '_ {

@@ -129,13 +129,6 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         )
     }
 
-    /// Whether the derivatives of an answer from rest are those of the way to it: where cables rub, or obstacles do, whose contacts slide on
-    /// another way with another command. A backbone with friction against bending among obstacles follows the answer before alone.
-    fn differentiates_way(&self, case: &Case) -> bool {
-        let bends = self.robot().has_bending_friction();
-        self.rubs() || (case.has_rubbing_obstacles() && !bends)
-    }
-
     /// The answer to a case without obstacles of a robot whose cables do not rub, with its derivatives by these parameters where they are asked for.
     fn alone(
         &self,
@@ -200,7 +193,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
         parameters: &[Parameter],
         memory: &mut Self::Workspace,
     ) -> Result<(Solution, Derivatives), SolveError> {
-        if self.rubs() || (warm_start.is_none() && self.differentiates_way(case)) {
+        if self.rubs() || (warm_start.is_none() && case.differentiates_way(self.robot())) {
             let of = (case, parameters);
             return last_with_derivatives(case, |asks, each| {
                 self.rub_with_derivatives(of, asks, memory, each)

@@ -94,34 +94,24 @@ impl ContactResponse {
             let holes = Holes::of_whole_cables(robot, cables, compliance(robot, grid));
             (holes, Strands::of_cables(order.len()))
         });
-        let (mut sliding, mut open) = (None, None);
-        if let (Some((holes, strands)), Some((end, carried))) = (&whole, end) {
-            sliding = Some(SlidingAnswer {
-                holes,
-                standing: end.standing,
-                carried,
-                strands,
-                varying: None,
-                on_way: Some(end.on_way(|s| contact_grid.node(s), &gain)),
-            });
-        }
-        if let (Some((strands, slopes)), Some(friction)) = (&strands, &contact_grid.friction) {
-            let varying = Varying { tensions: &self.chain.varying, strands, slopes };
-            let varying = Some(varying);
-            match end {
-                None => open = Some(OpenStrands { strands, varying }),
-                Some((end, carried)) => {
-                    sliding = Some(SlidingAnswer {
-                        holes: &friction.holes,
-                        standing: end.standing,
-                        carried,
-                        strands,
-                        varying,
-                        on_way: Some(end.on_way(|s| contact_grid.node(s), &gain)),
-                    });
-                }
+        let holes = match (&strands, &contact_grid.friction, &whole) {
+            (Some((strands, slopes)), Some(friction), _) => {
+                let varying = Varying { tensions: &self.chain.varying, strands, slopes };
+                Some((&friction.holes, strands, Some(varying)))
             }
-        }
+            (.., Some((holes, strands))) => Some((holes, strands, None)),
+            _ => None,
+        };
+        let (sliding, open) = match (holes, end) {
+            (Some((holes, strands, varying)), Some((end, carried))) => {
+                let on_way = Some(end.on_way(|s| contact_grid.node(s), &gain));
+                let standing = end.standing;
+                let of = SlidingAnswer { holes, standing, carried, strands, varying, on_way };
+                (Some(of), None)
+            }
+            (Some((_, strands, varying)), None) => (None, Some(OpenStrands { strands, varying })),
+            (None, _) => (None, None),
+        };
         let known: Vec<Option<Wrench>> = starts.iter().copied().map(Some).collect();
         let base_force = scratch.applied.base_force() + starts[0].force;
         let solved = Solved {

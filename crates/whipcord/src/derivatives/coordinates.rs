@@ -201,14 +201,12 @@ impl CoordinateDerivatives {
         let count = derivatives.cables.len();
         let pulls = holes.map_or(count, |answer| answer.holes.count());
         derivatives.by_tension = (0..pulls).map(|i| derivatives.by_tension(i)).collect();
-        // Of cables that rub nowhere there are no angles.
-        let lengths =
-            |i: usize, j: usize| derivatives.by_tension[j].lengths.get(i).copied().unwrap_or(0.0);
+        let outputs = |j: usize| &derivatives.by_tension[j].lengths[..];
         let cables = &derivatives.cables;
         if holes.is_none_or(|answer| !answer.holes.rub()) {
             derivatives.held = HeldCables::new(
                 count,
-                lengths,
+                |i, j| outputs(j)[i],
                 |i| cables[i].compliance,
                 |i| cables[i].is_taut,
                 |i| cables[i].command.is_length(),
@@ -216,7 +214,7 @@ impl CoordinateDerivatives {
             derivatives.held.settle(alone);
         }
         if let Some(answer) = holes {
-            derivatives.sliding = Some(Box::new(SlidingHoles::new(answer, lengths)?));
+            derivatives.sliding = Some(Box::new(SlidingHoles::new(answer, outputs)?));
         }
         let finite = derivatives.by_tension.iter().all(Response::is_finite);
         if finite { Ok(derivatives) } else { Err(Critical) }

@@ -258,10 +258,7 @@ impl Derivatives {
                 let gravity: Vec<Vec3> = parameters.iter().map(gravity).collect();
                 derivatives.touching.remembered =
                     Remembered::new(&contact_gain, Some(&answer)).weighing(&contact_gain, &gravity);
-                // Of cables that rub nowhere there are no angles.
-                let by_tension = |i: usize, j: usize| {
-                    derivatives.by_tension[j].lengths.get(i).copied().unwrap_or(0.0)
-                };
+                let by_tension = |strand: usize| &derivatives.by_tension[strand].lengths[..];
                 derivatives.sliding = Some(Box::new(SlidingHoles::new(&answer, by_tension)?));
                 if !strands.rub() {
                     derivatives.hold()?;

@@ -50,10 +50,10 @@ pub(super) struct SlidingHoles {
 }
 
 impl SlidingHoles {
-    /// Of an answer whose lengths and angles of the passages change with the tension of each as `by_tension` says.
-    pub fn new(
+    /// Of an answer whose lengths and angles of the passages change with the tension of each as `by_tension` says, as [`HeldHoles::new`] has it.
+    pub fn new<'b>(
         answer: &AnswerHoles<'_>,
-        by_tension: impl Fn(usize, usize) -> f64,
+        by_tension: impl Fn(usize) -> &'b [f64],
     ) -> Result<Self, Critical> {
         let AnswerHoles { holes, standing, parameters, carried, .. } = answer;
         let holds = match answer.is_last {

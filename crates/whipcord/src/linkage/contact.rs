@@ -197,11 +197,6 @@ impl Linkage {
         Ok((solution, Some(of)))
     }
 
-    /// Whether the derivatives of an answer from rest are those of the way to it, as [`contact::RodSolves`] has it.
-    pub(super) fn differentiates_way(&self, case: &Case) -> bool {
-        self.has_friction() || (case.has_rubbing_obstacles() && !self.keeps_history())
-    }
-
     /// The same, with the derivatives of the answer and the contacts that hold it.
     pub(super) fn differentiate_among_obstacles(
         &self,

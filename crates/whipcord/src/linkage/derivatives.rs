@@ -49,7 +49,7 @@ impl Linkage {
             return self.solve_sliding_with_derivatives(rubbing, case, parameters, workspace);
         }
         workspace.meter.start(&self.options.cancel, self.options.budget);
-        if self.has_friction() || (warm_start.is_none() && self.differentiates_way(case)) {
+        if self.has_friction() || (warm_start.is_none() && case.differentiates_way(&self.robot)) {
             let found = self.rub_and_differentiate((case, parameters), workspace);
             return workspace.meter.checked(found);
         }

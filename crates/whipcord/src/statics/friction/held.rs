@@ -99,19 +99,19 @@ impl HoleSource {
 }
 
 impl HeldHoles {
-    /// For what is held in these ways. `by_tension` has the change of an output with the tension of a passage: the outputs are the lengths of
-    /// all passages, then their angles.
-    pub fn new(
+    /// For what is held in these ways. `by_tension` has the changes of the outputs with the tension of a passage: the lengths of all passages, then
+    /// their angles, which are none of cables that rub nowhere.
+    pub fn new<'a>(
         holes: &Holes,
         standing: &Standing,
         holds: &[Hold],
-        by_tension: impl Fn(usize, usize) -> f64,
+        by_tension: impl Fn(usize) -> &'a [f64],
     ) -> Result<Self, Critical> {
         let n = holes.count();
         let mut held = Self {
             holes: holes.clone(),
             standing: standing.clone(),
-            by_tension: (0..2 * n * n).map(|k| by_tension(k / n, k % n)).collect(),
+            by_tension: (0..2 * n * n).map(|k| entry(by_tension(k % n), k / n)).collect(),
             systems: Vec::new(),
             of_hold: [0; 3],
         };

@@ -151,6 +151,20 @@ fn contacts_that_rub(tested: Tested) {
     assert!(solution.contacts.iter().all(|touch| touch.sticks));
 }
 
+/// The answers to all steps of a case, in one solve with the derivatives of every one.
+pub(super) fn steps_with_derivatives(
+    tested: Tested,
+    robot: &Robot,
+    case: &Case,
+    parameters: &[Parameter],
+) -> Vec<(Solution, Linearization)> {
+    let mut found = Vec::new();
+    let mut prepared = tested.prepare(robot, case, &options(tested, case)).unwrap();
+    let each = |solution, of: Option<Linearization>| found.push((solution, of.unwrap()));
+    prepared.solve_steps_with_derivatives(case, parameters, |_| true, each).unwrap();
+    found
+}
+
 /// In one solve with the derivatives of every step, what sticks remembers where it was at the end of the step before.
 fn steps_that_rub_one_by_one(tested: Tested) {
     let cables = || antagonists([0.02, 0.02], Some(300.0));
@@ -160,10 +174,7 @@ fn steps_that_rub_one_by_one(tested: Tested) {
     sliding.case.loads.tip_force.y = 0.05;
     let Sliding { name, robot, case } = &sliding;
     let list = PARAMETERS.map(|(parameter, _)| parameter);
-    let mut found = Vec::new();
-    let mut prepared = tested.prepare(robot, case, &options(tested, case)).unwrap();
-    let each = |solution, of: Option<Linearization>| found.push((solution, of.unwrap()));
-    prepared.solve_steps_with_derivatives(case, &list, |_| true, each).unwrap();
+    let found = steps_with_derivatives(tested, robot, case, &list);
     let mut failures = String::new();
     for (step, (solution, derivatives)) in found.iter().enumerate() {
         let case = case.step(step).unwrap();

@@ -1,6 +1,6 @@
 //! Answers from rest among obstacles with friction of robots whose cables do not rub: their derivatives against differences of the whole way.
 
-use super::friction_in_contact::{of, off_differences};
+use super::friction_in_contact::{of, off_differences, steps_with_derivatives};
 use super::hole_friction::{Sliding, both_ways, moved, offsets};
 use super::*;
 use crate::common::{helix, straight};
@@ -89,10 +89,7 @@ fn steps_one_by_one(tested: Tested) {
     let sliding = out_of_plane(pair(), &steps, rough(0.3, wall(0.05)), "one by one");
     let Sliding { name, robot, case } = &sliding;
     let list = PARAMETERS.map(|(parameter, _)| parameter);
-    let mut found = Vec::new();
-    let mut prepared = tested.prepare(robot, case, &options(tested, case)).unwrap();
-    let each = |solution, of: Option<Linearization>| found.push((solution, of.unwrap()));
-    prepared.solve_steps_with_derivatives(case, &list, |_| true, each).unwrap();
+    let found = steps_with_derivatives(tested, robot, case, &list);
     let mut failures = String::new();
     for (step, (solution, derivatives)) in found.iter().enumerate() {
         assert!(!solution.contacts.is_empty());
