@@ -6,7 +6,7 @@ use super::body::{Body, Nearest};
 use super::member::Member;
 use super::model::Compliant;
 use super::pair::{OVERLAP, Pair, grip};
-use super::pairs::{BETWEEN, NEAR, Pairs};
+use super::pairs::{Along, BETWEEN, NEAR, Pairs};
 use super::rim_places::{RimPlaces, is_all_around};
 use super::scene::{DistanceBound, Scene};
 use crate::obstacle::Obstacle;
@@ -23,10 +23,18 @@ const ALIKE: f64 = 0.98;
 /// Of the search for the least gap between two watched places: its interval becomes 1e-5 of their distance.
 const SECTIONS: usize = 24;
 
+/// Contacts of the backbone are looked at from this part of [`NEAR`] on where it goes into a pipe, of which it may be near to both sides.
+const NEAR_IN_PIPE: f64 = 0.2;
+
 impl Pairs {
     /// Adds the pairs that have come near; whether some of them are where the model has not been
     /// looked at yet. Beside a contact of the backbone there is another only where it is to be looked for `closely`.
-    pub fn discover(&mut self, model: &impl Compliant, scene: &Scene, closely: bool) -> bool {
+    pub fn discover(
+        &mut self,
+        model: &impl Compliant,
+        scene: &Scene,
+        (along, closely): (Along, bool),
+    ) -> bool {
         let within = NEAR * self.length;
         let mut found = Vec::new();
         for member in &self.disks {
@@ -62,8 +70,9 @@ impl Pairs {
             }
         }
         let mut elsewhere = false;
+        let within = if along == Along::Watched { NEAR_IN_PIPE * within } else { within };
         for (k, obstacle) in scene.iter() {
-            elsewhere |= self.discover_along(model, scene, (k, obstacle), (within, closely));
+            elsewhere |= self.discover_along(model, scene, (k, obstacle), (within, along, closely));
         }
         elsewhere
     }
@@ -74,7 +83,7 @@ impl Pairs {
         model: &impl Compliant,
         scene: &Scene,
         (number, obstacle): (usize, &Obstacle),
-        (within, closely): (f64, bool),
+        (within, along, closely): (f64, Along, bool),
     ) -> bool {
         let watched = model.watched();
         let mut added = Vec::new();
@@ -105,7 +114,10 @@ impl Pairs {
             }
             let gaps = [before, here, after];
             // At a corner the gap may be least without being flat there.
-            let is_smooth = i < last && before.is_finite() && model.corner(i).is_none();
+            let is_smooth = along == Along::Everywhere
+                && i < last
+                && before.is_finite()
+                && model.corner(i).is_none();
             let (mut arc_length, mut least) = (watched[i], here);
             if is_smooth {
                 (arc_length, least) = vertex([watched[i - 1], watched[i], watched[i + 1]], gaps);

@@ -7,6 +7,7 @@ use super::model::Compliant;
 use super::object::Object;
 use super::object_pair::ObjectPair;
 use super::pair::{OVERLAP, Pair};
+use super::pairs::Along;
 use super::path::{MET, PathTracker, Stop};
 use super::step::{NoStep, Reach, Stepped, turned};
 use super::step_length::{STRIDE, StepLength};
@@ -41,6 +42,7 @@ impl<M: Compliant> PathTracker<'_, M> {
         let mut looked = false;
         let mut has_stepped = false;
         self.pairs.begin_search();
+        let along = self.along();
         for _ in 0..STEPS {
             self.pairs.pushes(&mut self.pushes);
             self.dampers.pushes(&mut self.pushes);
@@ -51,7 +53,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             if let Some(part) = step.too_far(|k| self.model.centre(k)) {
                 return Ok(Some(part));
             }
-            self.pairs.refresh(self.model, &self.scene);
+            self.pairs.refresh(self.model, &self.scene, along);
             if self.objects.count() > 0 {
                 self.objects.refresh(&self.scene, self.length);
                 self.objects.discover(&self.scene, self.length);
@@ -59,7 +61,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                     return Err(Stop::Lost(self.not_held(object)));
                 }
             }
-            if self.pairs.discover(self.model, &self.scene, false) && !looked {
+            if self.pairs.discover(self.model, &self.scene, (along, false)) && !looked {
                 // The model has not been asked there yet.
                 looked = true;
                 (least, since) = (f64::INFINITY, 0);
@@ -67,7 +69,10 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             self.objects.balance(&self.pairs, self.model);
             self.residual = self.error();
-            if self.residual <= MET && self.pairs.discover(self.model, &self.scene, true) && !looked
+            if self.residual <= MET
+                && along == Along::Everywhere
+                && self.pairs.discover(self.model, &self.scene, (along, true))
+                && !looked
             {
                 looked = true;
                 (least, since) = (f64::INFINITY, 0);
@@ -75,7 +80,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             looked = false;
             // A known answer that is met at once still has to be judged.
-            let met = if self.is_on_way && (!self.rubs || self.is_lenient) && self.are_only_disks()
+            let met = if self.is_on_way
+                && (self.is_going_in || (!self.rubs || self.is_lenient) && self.are_only_disks())
             {
                 MET_ON_WAY
             } else {
@@ -136,9 +142,16 @@ impl<M: Compliant> PathTracker<'_, M> {
 
     /// Bends the robot, in equilibrium, so that its contacts without friction hold where its base is moved forward by so much: where it is moved as
     /// it is, a bent robot overlaps a narrow pipe by more than its clearance, and its rims are nearest to another side.
-    pub(super) fn anticipate(&mut self, forward: f64) -> Result<(), Stop> {
+    /// With `here` a robot that went back looks again where it stands, under the case there.
+    pub(super) fn anticipate(&mut self, forward: f64, here: Option<&Case>) -> Result<(), Stop> {
         if self.is_touching() && self.is_without_friction() {
             self.charge()?;
+            if let Some(here) = here {
+                self.pairs.pushes(&mut self.pushes);
+                if self.model.consider(here, &self.pushes).is_err() {
+                    return Ok(());
+                }
+            }
             // Newton's method begins where it is if nothing comes of it.
             let _ = self.step(Vec3::Z * forward);
         }
@@ -226,6 +239,11 @@ impl<M: Compliant> PathTracker<'_, M> {
             && self.dampers.all.is_empty()
             && self.nudge.is_none()
             && self.pairs.near.iter().all(|pair| pair.grip.is_none())
+    }
+
+    /// Where the backbone may have contacts.
+    pub(super) fn along(&self) -> Along {
+        if self.is_going_in && self.is_on_way { Along::Watched } else { Along::Everywhere }
     }
 
     /// Whether no known contact is open or overlaps by more than is claimed of an answer.

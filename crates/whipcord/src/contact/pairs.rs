@@ -14,6 +14,15 @@ use crate::robot::Robot;
 use crate::shape::Wrench;
 use crate::solution::{Contact, Part, Solution};
 
+/// Where the backbone may have contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Along {
+    /// At watched places only, where they stay: on the way into pipes. A backbone that lies along a bore is as near to it everywhere, so that
+    /// contacts that follow the least gap move to and fro.
+    Watched,
+    Everywhere,
+}
+
 /// All pairs that are near, and where to look for more.
 #[derive(Clone, Debug)]
 pub(super) struct Pairs {
@@ -78,7 +87,7 @@ impl Pairs {
     }
 
     /// Looks at all pairs again where the robot is now.
-    pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene) {
+    pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene, along: Along) {
         for k in 0..self.near.len() {
             let is_alone = self.is_alone(k);
             let pair = &mut self.near[k];
@@ -93,6 +102,7 @@ impl Pairs {
             let slides = is_alone
                 && !pair.is_placed
                 && pair.member.part == Part::Backbone
+                && along == Along::Everywhere
                 && obstacle.movable.is_none();
             let place = (pair.member.arc_length, rounding, pair.moved);
             pair.slide = if slides { Slide::of(model, obstacle, place, self.length) } else { None };
@@ -219,8 +229,11 @@ impl Pairs {
     }
 
     /// A step on the way begins where the robot is: what touches has not slid yet.
-    pub fn begin_step(&mut self, model: &impl Compliant, scene: &Scene) {
-        self.near.retain(|pair| pair.force > 0.0 || !pair.keeps_place);
+    pub fn begin_step(&mut self, model: &impl Compliant, scene: &Scene, along: Along) {
+        let keeps_place = |pair: &Pair| {
+            pair.keeps_place || along == Along::Watched && pair.member.part == Part::Backbone
+        };
+        self.near.retain(|pair| pair.force > 0.0 || !keeps_place(pair));
         for pair in &mut self.near {
             if let Some(grip) = &mut pair.grip {
                 grip.from = scene.carried(model.pose_before(pair.member.arc_length));

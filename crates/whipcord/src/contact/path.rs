@@ -30,8 +30,8 @@ const COUNTED_STEP: f64 = 0.5;
 const LONGEST_STEP: f64 = 0.2;
 /// The least step on the way.
 const LEAST_STEP: f64 = 1e-3;
-/// How far ahead on the way a robot comes to rest that has lost its equilibrium.
-const AHEAD: f64 = 2e-3;
+/// How far ahead on the way a robot comes to rest that has lost its equilibrium, in least steps.
+const AHEAD: f64 = 2.0;
 /// So often it may do so, and so often at a place where nothing comes of it.
 pub(super) const JUMPS: usize = 20;
 const JUMPS_IN_VAIN: usize = 3;
@@ -138,6 +138,8 @@ pub(super) struct Kept {
 #[derive(Clone, Copy, Debug)]
 struct Jumps {
     left: usize,
+    /// How far ahead on the way the first one is.
+    first: f64,
     /// How far ahead on the way the last one was, and where it ended.
     ahead: f64,
     at: f64,
@@ -148,7 +150,7 @@ impl Jumps {
     fn next(&mut self, way: f64) -> Option<f64> {
         self.left = self.left.checked_sub(1)?;
         let again = self.ahead > 0.0 && way < self.at + 2.0 * self.ahead;
-        self.ahead = if again { 3.0 * self.ahead } else { AHEAD };
+        self.ahead = if again { 3.0 * self.ahead } else { self.first };
         self.at = way + self.ahead;
         Some(self.ahead)
     }
@@ -163,6 +165,8 @@ pub(super) struct Steps {
     pub longest_touching: f64,
     /// What a step grows by after one that had to be shortened; after another it is doubled.
     pub growth_after_short: f64,
+    /// One that would have to be shorter leads nowhere.
+    pub least: f64,
     /// So often the robot may jump.
     pub jumps: usize,
 }
@@ -175,6 +179,7 @@ impl Steps {
             longest,
             longest_touching: longest,
             growth_after_short: 2.0,
+            least: LEAST_STEP,
             jumps: JUMPS,
         }
     }
@@ -249,12 +254,13 @@ impl<M: Noting> PathTracker<'_, M> {
     ) -> Result<(), SolveError> {
         let (mut way, mut step, mut was_short) = (0.0, steps.first, false);
         self.reached = 0.0;
-        let mut jumps = Jumps { left: steps.jumps, ahead: 0.0, at: 0.0 };
+        let first = AHEAD * steps.least;
+        let mut jumps = Jumps { left: steps.jumps, first, ahead: 0.0, at: 0.0 };
         let watched = self.model.watched().len();
         let mut before: Vec<Vec3> = Vec::new();
         loop {
             let kept = self.kept();
-            let next = if way + step > 1.0 - 0.5 * LEAST_STEP { 1.0 } else { way + step };
+            let next = if way + step > 1.0 - 0.5 * steps.least { 1.0 } else { way + step };
             // Where they were, as the base sees it from where it will be.
             before.clear();
             before.extend((0..watched).map(|k| self.model.centre(k)));
@@ -262,19 +268,20 @@ impl<M: Noting> PathTracker<'_, M> {
             let acts = acting(next);
             let forward = self.scene.drawn_back() - acts.drawn_back;
             if forward != 0.0
-                && let Err(stop) = self.anticipate(forward)
+                && let Err(stop) = self.anticipate(forward, was_short.then(|| at(way)).as_ref())
             {
                 return Err(self.obstructed(way, Some(stop)));
             }
             self.arrange(acts);
             let case = at(next);
             self.objects.load(&case, asked, acts.loads, acts.held);
+            self.is_on_way = next < 1.0;
             if way > 0.0 || !self.is_off_answer {
-                self.pairs.begin_step(self.model, &self.scene);
+                let along = self.along();
+                self.pairs.begin_step(self.model, &self.scene, along);
                 self.objects.begin_step(&self.scene);
             }
             before.iter_mut().for_each(|centre| *centre = self.scene.carried_point(*centre));
-            self.is_on_way = next < 1.0;
             let touched = self.touch(&case, &before);
             self.is_on_way = false;
             let stop = match touched {
@@ -324,7 +331,7 @@ impl<M: Noting> PathTracker<'_, M> {
             was_short = true;
             self.restore(kept);
             self.arrange(acting(way));
-            if step >= LEAST_STEP {
+            if step >= steps.least {
                 continue;
             }
             if self.objects.count() > 0 {
@@ -358,7 +365,7 @@ impl<M: Noting> PathTracker<'_, M> {
             if way == 1.0 {
                 return Ok(());
             }
-            step = 10.0 * LEAST_STEP;
+            step = 10.0 * steps.least;
         }
     }
 

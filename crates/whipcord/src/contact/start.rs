@@ -5,7 +5,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::noted::{Noting, OnWay};
 use super::object::Objects;
 use super::pair::OVERLAP;
-use super::path::{Acting, JUMPS, PathTracker, Steps};
+use super::path::{Acting, PathTracker, Steps};
 use super::scene::Present;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
@@ -20,6 +20,8 @@ const INSERTED: f64 = 1.02;
 const LONGEST_INSIDE: [f64; 3] = [1.0, 0.02, 0.005];
 /// In a narrow pipe all steps are short: after one that had to be shortened the next is little longer.
 const GROWTH_INSIDE: f64 = 1.2;
+/// The least step, in a narrow pipe a part of its clearance.
+const LEAST_INSIDE: f64 = 1e-4;
 
 /// Whether an obstruction may be that of an object, and not of the budget.
 const fn error_of_object(why: &Obstruction) -> bool {
@@ -132,12 +134,10 @@ impl<M: Noting> PathTracker<'_, M> {
             if attempt > 0 {
                 self.draw_back_at_rest((case, of_case), start)?;
             }
-            // It jumps where nothing else leads on.
-            let is_last = attempt + 1 == LONGEST_INSIDE.len();
             let steps = Steps {
                 growth_after_short: GROWTH_INSIDE,
                 longest_touching,
-                jumps: if is_last { JUMPS } else { 0 },
+                least: LEAST_INSIDE,
                 ..Steps::up_to(self.longest_step)
             };
             let Err(error) = self.go_in_steps(case, |_| case.clone(), &back, steps) else {

@@ -365,10 +365,6 @@ impl ContactRod for ContactResponse {
         }
         let Some(contact_grid) = self.contact_grid.clone() else { return Ok(()) };
         let contact_grid = &*contact_grid;
-        if !self.workspace.scratch.applied.are_of(&contact_grid.grid) {
-            // It went back to another grid and has not looked since.
-            return Err(SolveError::NoDerivatives);
-        }
         let taut = self.taut(contact_grid);
         let mut linear = core::mem::take(&mut self.linear);
         let reused = linear.take_reusable(&taut, |of| self.closing(of, &taut));

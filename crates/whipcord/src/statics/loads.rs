@@ -223,11 +223,6 @@ impl AppliedLoads {
         self.any_follower
     }
 
-    /// Whether they were gathered for a grid of as many steps.
-    pub fn are_of(&self, grid: &Grid) -> bool {
-        self.moments.len() == grid.len() + 1
-    }
-
     /// `F` of the dead loads at the base, without what is applied to the base itself.
     pub fn base_force(&self) -> Vec3 {
         self.force(0, 0)

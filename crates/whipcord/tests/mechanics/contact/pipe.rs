@@ -165,27 +165,96 @@ fn sections_lie_where_the_rod_does() {
     }
 }
 
+/// A vessel with a bore of such a radius that goes straight on for 30 mm, bends on a radius of 80 mm by so many steps of 10° in the plane
+/// of each direction, an angle about z from x, and goes straight on.
+fn vessel(radius: f64, bends: &[(u8, f64)]) -> Obstacle {
+    let turn = 0.08;
+    let mut points = vec![Vec3::new(0.0, 0.0, -0.02), Vec3::ZERO, Vec3::new(0.0, 0.0, 0.02)];
+    let (mut end, mut tangent) = (Vec3::new(0.0, 0.0, 0.03), Vec3::Z);
+    points.push(end);
+    for &(steps, direction) in bends {
+        let (sin, cos) = direction.to_radians().sin_cos();
+        let aside = Vec3::new(cos, sin, 0.0);
+        let aside = aside - tangent * aside.dot(tangent);
+        let aside = aside / aside.norm();
+        let (from, along) = (end, tangent);
+        for k in 1..=steps {
+            let (sin, cos) = (f64::from(k) * core::f64::consts::PI / 18.0).sin_cos();
+            end = from + along * (turn * sin) + aside * (turn * (1.0 - cos));
+            points.push(end);
+            tangent = along * cos + aside * sin;
+        }
+    }
+    points.extend([0.02, 0.08, 0.14].map(|on| end + tangent * on));
+    let form = Form::Pipe(Pipe::new(radius, &points, Bends::Smooth).unwrap());
+    Obstacle { name: "vessel".to_owned(), form, pose: Pose::IDENTITY, friction: 0.0, movable: None }
+}
+
+/// The models agree where a robot lies in a vessel.
+fn assert_models_agree(robot: &Robot, vessel: &Obstacle) {
+    let case = among(Case::with_tensions(&[20.0]), vec![vessel.clone()]);
+    let solve = |kind: ModelKind| {
+        let model = Model::new(kind, Stations::Disks, Actuation::Natural);
+        let solved = model.prepare(robot, &case.loads).unwrap().solve(&case, None);
+        solved.unwrap_or_else(|error| panic!("{kind} in {:?}: {error}", vessel.form))
+    };
+    let sections = solve(ModelKind::PiecewiseConstantCurvature);
+    for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks, ModelKind::PseudoRigidBody] {
+        let rod = solve(kind);
+        let apart = rod.disks.distances(&sections.disks).fold(0.0, f64::max);
+        assert!(apart < 0.01 * LENGTH, "{kind}: {apart}");
+        assert!(rod.contacts.len() >= 3, "{kind}: {:?}", rod.contacts);
+        match robot.disks().outer_radius {
+            Some(_) => assert_clear(robot, &rod, vessel),
+            None => assert_tube_is_clear(robot, &rod, vessel),
+        }
+    }
+}
+
+fn assert_tube_is_clear(tube: &Robot, solution: &Solution, vessel: &Obstacle) {
+    for (&s, pose) in solution.disks.arc_length.iter().zip(&solution.disks.poses).skip(1) {
+        let radius = tube.backbone().outer_radius_at(tube.disks(), s);
+        let gap = vessel.surface(pose.position).distance - radius;
+        assert!(gap > -1e-7 * LENGTH, "{gap} at {s}");
+    }
+}
+
 /// With half a millimetre and less around the disks all steps of the way in are short.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
 fn a_catheter_finds_its_way_into_a_narrow_vessel() {
-    let robot = catheter(20);
-    for radius in [0.0022, 0.002, 0.0019, 0.0018, 0.0017] {
-        let mut vessel = pipe(9);
-        let Form::Pipe(bore) = &vessel.form else { unreachable!() };
-        vessel.form = Form::Pipe(Pipe::new(radius, bore.points(), Bends::Smooth).unwrap());
-        let case = among(Case::with_tensions(&[20.0]), vec![vessel.clone()]);
-        let solve = |kind: ModelKind| {
-            let model = Model::new(kind, Stations::Disks, Actuation::Natural);
-            model.prepare(&robot, &case.loads).unwrap().solve(&case, None).unwrap()
+    for radius in [0.0022, 0.002, 0.0019, 0.0018, 0.0017, 0.0016] {
+        assert_models_agree(&catheter(20), &vessel(radius, &[(9, 0.0)]));
+    }
+}
+
+/// Its rims wander round the bore, and its tip jumps from side to side.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
+fn a_catheter_follows_a_vessel_that_bends_to_and_fro_and_in_space() {
+    for (radius, bends) in [(0.003, [(5, 0.0), (5, 180.0)]), (0.003, [(4, 0.0), (4, 90.0)])] {
+        assert_models_agree(&catheter(20), &vessel(radius, &bends));
+    }
+}
+
+/// A tube without plates, or with plates that it is as thick as, is as near to the bore everywhere where it lies along it.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
+fn a_tube_lies_along_a_vessel() {
+    for plates in [None, Some(0.0015)] {
+        let material =
+            Material { young_modulus: Some(6e10), poisson_ratio: Some(0.3), ..Material::default() };
+        let section = Some(Section::circle(0.003));
+        let backbone = Backbone { material, section, ..Backbone::new(LENGTH) };
+        let disks = Disks {
+            outer_radius: plates,
+            thickness: plates.map(|_| 0.001),
+            ..Disks::equally_spaced(LENGTH, 21, 0.001)
         };
-        let sections = solve(ModelKind::PiecewiseConstantCurvature);
-        for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks] {
-            let rod = solve(kind);
-            let apart = rod.disks.distances(&sections.disks).fold(0.0, f64::max);
-            assert!(apart < 0.01 * LENGTH, "{kind}: {apart}");
-            assert!(rod.contacts.len() >= 3, "{kind}: {:?}", rod.contacts);
-            assert_clear(&robot, &rod, &vessel);
+        let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.001 });
+        let tube = Robot::new(backbone, disks, vec![cable]).unwrap();
+        for radius in [0.003, 0.0022, 0.0018] {
+            assert_models_agree(&tube, &vessel(radius, &[(9, 0.0)]));
         }
     }
 }
