@@ -25,11 +25,15 @@ pub(crate) enum FreeWay {
     /// Balls around its cross-sections stay clear of all obstacles on the way to this answer.
     Clear(Solution),
     /// They might not. Among obstacles this part of the way is the first step.
-    Unclear { first_step: f64 },
+    Unclear {
+        first_step: f64,
+        /// What came of the case without obstacles, where it was solved.
+        alone: Option<Result<Solution, SolveError>>,
+    },
 }
 
-/// The first step of a way of which nothing is known.
-const WHOLE: FreeWay = FreeWay::Unclear { first_step: 1.0 };
+/// Nothing is known of the way.
+const UNKNOWN: FreeWay = FreeWay::Unclear { first_step: 1.0, alone: None };
 /// The least first step.
 const LEAST_FIRST_STEP: f64 = 0.05;
 
@@ -84,7 +88,7 @@ fn look_for_free(
     let can_move = case.obstacles.iter().any(|obstacle| obstacle.movable.is_some());
     let has_history = !case.before.is_empty() && case.has_rubbing_obstacles();
     if can_move || has_history || warm_start.is_some_and(|answer| !answer.contacts.is_empty()) {
-        return Ok(WHOLE);
+        return Ok(UNKNOWN);
     }
     let from = warm_start.filter(|answer| answer.cables.len() == case.commands.len());
     let homotopy = match from {
@@ -100,27 +104,27 @@ fn look_for_free(
         None => model.look_at_rest(&here, &mut start),
     };
     if !known(looked)? || !clearance.is_clear(&start) {
-        return Ok(WHOLE);
+        return Ok(UNKNOWN);
     }
     let mut end = Vec::new();
     let answer = match model.solve(&homotopy.at(1.0, &initial), warm_start, &mut end) {
         Ok(answer) => answer,
         Err(error @ SolveError::Cancelled { .. }) => return Err(error),
-        Err(_) => return Ok(WHOLE),
+        Err(error) => return Ok(FreeWay::Unclear { first_step: 1.0, alone: Some(Err(error)) }),
     };
     let diagnostics = &answer.diagnostics;
     if diagnostics.is_unstable() || diagnostics.stability_lost_at.is_some() {
-        return Ok(WHOLE);
+        return Ok(FreeWay::Unclear { first_step: 1.0, alone: Some(Ok(answer)) });
     }
-    let unclear = |shape: &[Vec3], part: f64| {
+    let unclear = |answer: Solution, shape: &[Vec3], part: f64| {
         let mut first_step = clearance.first_step(&start, shape, part);
         if case.has_rubbing_obstacles() {
             first_step = rounded(0.0, first_step);
         }
-        Ok(FreeWay::Unclear { first_step })
+        Ok(FreeWay::Unclear { first_step, alone: Some(Ok(answer)) })
     };
     if !clearance.is_clear(&end) {
-        return unclear(&end, 1.0);
+        return unclear(answer, &end, 1.0);
     }
     // Shapes farther on the way, the next one last.
     let (mut here, mut ahead, mut shapes) = ((0.0, start.clone()), vec![(1.0, end)], 0);
@@ -133,14 +137,14 @@ fn look_for_free(
         let middle = 0.5 * (here.0 + way);
         shapes += 1;
         if way - here.0 < LEAST_STEP || shapes > MOST_SHAPES {
-            return unclear(&ahead[0].1, 1.0);
+            return unclear(answer, &ahead[0].1, 1.0);
         }
         let mut between = Vec::new();
         if !known(model.look(&homotopy.at(middle, &initial), &mut between))? {
-            return unclear(&ahead[0].1, 1.0);
+            return unclear(answer, &ahead[0].1, 1.0);
         }
         if !clearance.is_clear(&between) {
-            return unclear(&between, middle);
+            return unclear(answer, &between, middle);
         }
         ahead.push((middle, between));
     }

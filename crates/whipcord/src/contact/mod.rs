@@ -27,6 +27,7 @@
 //! | `homotopy`, `start`, `path` | the way from a shape without contact, or from a known answer, to the case |
 //! | `steps`, `division` | the steps of actuation of a case, each with its way; how finely this is divided |
 
+mod alone;
 mod approach;
 pub mod body;
 mod carried;

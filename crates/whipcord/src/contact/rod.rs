@@ -2,6 +2,7 @@
 
 use whipcord_numerics::{Pose, Vec3};
 
+use super::alone::AloneAnswers;
 use super::contact_rod::ContactRod;
 use super::holding::Holding;
 use super::model::{Compliant, Push, is_same_shape, with_pushes};
@@ -89,6 +90,8 @@ pub(crate) struct RodAdapter<'a, R: ContactRod> {
     is_touched: bool,
     /// Whether dead moments are among the loads of the case that it last looked at.
     has_moments: bool,
+    /// Answers without obstacles that another attempt has found.
+    alone: Option<&'a AloneAnswers>,
     /// The equilibria on the way, where their derivatives are asked for.
     notes: Option<NotedWay<R::Kept>>,
     /// What friction against bending holds from the steps of actuation before.
@@ -128,6 +131,7 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
             has_touched: false,
             is_touched: false,
             has_moments: false,
+            alone: None,
             notes: None,
             plastic: None,
             plastic_before: None,
@@ -141,7 +145,13 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
     }
 }
 
-impl<R: ContactRod> RodAdapter<'_, R> {
+impl<'a, R: ContactRod> RodAdapter<'a, R> {
+    /// The same that shares answers without obstacles with other attempts.
+    pub const fn sharing(mut self, alone: &'a AloneAnswers) -> Self {
+        self.alone = Some(alone);
+        self
+    }
+
     /// The same with steps that end at the stations too, so that these can be differentiated.
     pub fn with_stations(mut self) -> Self {
         self.stations.extend(self.options.stations.arc_lengths(self.robot));
@@ -486,7 +496,11 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
             // What the holes remember of the way would be lost.
             return Err(SolveError::NoDerivatives);
         }
-        self.found.solve_free(self.robot, self.options, (case, None), self.meter)
+        let solve = || self.found.solve_free(self.robot, self.options, (case, None), self.meter);
+        match self.alone {
+            Some(alone) => alone.answer(case, solve),
+            None => solve(),
+        }
     }
 
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError> {

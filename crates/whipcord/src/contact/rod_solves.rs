@@ -1,5 +1,6 @@
 //! The solves of both Cosserat rods among obstacles.
 
+use super::alone::AloneAnswers;
 use super::contact_rod::ContactRod;
 use super::free_path::{FreeWay, last_of, or_none_alone, rubbing_or_free, steps_alone};
 use super::noted::last_with_derivatives;
@@ -93,16 +94,18 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             return last_of(|each| self.rub_among_obstacles(case, memory, each));
         }
         self.check_among_obstacles(case)?;
-        let first_step = match self.find_clear(case, warm_start, memory)? {
+        let (first_step, alone) = match self.find_clear(case, warm_start, memory)? {
             FreeWay::Clear(solution) => return Ok(solution),
-            FreeWay::Unclear { first_step } => first_step,
+            FreeWay::Unclear { first_step, alone } => (first_step, alone),
         };
+        let alone = AloneAnswers::knowing(case, alone.filter(|_| warm_start.is_none()));
         let needed = self.needed_steps(case, memory);
         let meter = &*Self::meter(memory);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            solve(&mut self.adapter(steps, meter)?, self.robot(), (case, first_step), warm_start)
+            let mut adapter = self.adapter(steps, meter)?.sharing(&alone);
+            solve(&mut adapter, self.robot(), (case, first_step), warm_start)
         });
-        or_none_alone(found, case, |alone| self.solve_alone(alone, memory))
+        or_none_alone(found, case, |case| alone.answer(case, || self.solve_alone(case, memory)))
     }
 
     /// With friction of the cables: the answers to all steps of actuation, from rest on.
@@ -158,7 +161,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
                         self.alone((step, Some(&solution)), asked.then_some(parameters), memory)
                     });
                 }
-                FreeWay::Unclear { first_step: first } => first_step = first,
+                FreeWay::Unclear { first_step: first, .. } => first_step = first,
             }
         }
         let mut found = Vec::new();
@@ -205,12 +208,13 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
                 let alone = Case { obstacles: Vec::new(), ..case.clone() };
                 return self.differentiate_alone(&alone, Some(&solution), parameters, memory);
             }
-            FreeWay::Unclear { first_step } => first_step,
+            FreeWay::Unclear { first_step, .. } => first_step,
         };
+        let alone = AloneAnswers::default();
         let needed = self.needed_steps(case, memory);
         let meter = &*Self::meter(memory);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {
-            let mut adapter = self.adapter(steps, meter)?.with_stations();
+            let mut adapter = self.adapter(steps, meter)?.with_stations().sharing(&alone);
             let (solution, holding) =
                 solve_holding(&mut adapter, self.robot(), (case, first_step), warm_start)?;
             Ok((solution, adapter.differentiate(&holding, &[], parameters)?))
@@ -233,7 +237,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
                 let left = self.take_step(&alone, from, memory, &mut solution)?;
                 return Ok((solution, left));
             }
-            FreeWay::Unclear { first_step } => first_step,
+            FreeWay::Unclear { first_step, .. } => first_step,
         };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
         let meter = &*Self::meter(memory);
@@ -266,7 +270,7 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
                     self.differentiate_step(&alone, from, parameters, memory, &mut solution)?;
                 return Ok((solution, found));
             }
-            FreeWay::Unclear { first_step } => first_step,
+            FreeWay::Unclear { first_step, .. } => first_step,
         };
         let needed = self.needed_steps(step, memory).max(BENDING_FRICTION_STEPS);
         let meter = &*Self::meter(memory);

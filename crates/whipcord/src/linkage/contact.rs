@@ -39,7 +39,7 @@ impl Linkage {
                 return self.solve_alone(&alone, warm_start, workspace);
             }
             FreeWay::Clear(solution) => return Ok(solution),
-            FreeWay::Unclear { first_step } => first_step,
+            FreeWay::Unclear { first_step, .. } => first_step,
         };
         let mut adapter = ContactAdapter::new(self, watched, workspace);
         let found = contact::solve(&mut adapter, &self.robot, (case, first_step), warm_start);
@@ -115,7 +115,7 @@ impl Linkage {
                         self.alone(of, asked.then_some(parameters), workspace)
                     });
                 }
-                FreeWay::Unclear { first_step: first } => first_step = first,
+                FreeWay::Unclear { first_step: first, .. } => first_step = first,
             }
         }
         let mut adapter = ContactAdapter::new(self, watched, workspace);
@@ -219,7 +219,7 @@ impl Linkage {
                 let near = if self.keeps_history() { warm_start } else { Some(&solution) };
                 return self.differentiate_step(&alone, near, asked, workspace);
             }
-            FreeWay::Unclear { first_step } => first_step,
+            FreeWay::Unclear { first_step, .. } => first_step,
         };
         let mut adapter = ContactAdapter::new(self, watched, workspace);
         let of = (case, first_step);
