@@ -47,6 +47,11 @@ pub(crate) trait Compliant {
         3500.0
     }
 
+    /// What it may spend once the way has led to the answer, and on another way from the other side.
+    fn renewed_budget(&self) -> f64 {
+        0.5 * self.budget()
+    }
+
     /// What it may spend on the way into pipes, before the way to the answer.
     fn insertion_budget(&self) -> f64 {
         self.budget()

@@ -40,9 +40,6 @@ const JUMP: f64 = 0.02;
 
 /// Integration steps of an iteration of a rod of 100 steps without contacts.
 const INTEGRATION_STEPS: f64 = 100.0;
-/// What it may spend at the end of the way, and on another one, as a part of what the way may.
-const RENEWED: f64 = 0.5;
-
 /// Why the robot does not get on.
 pub(super) enum Stop {
     /// A step that was too long.
@@ -411,9 +408,9 @@ impl<M: Compliant> PathTracker<'_, M> {
         self.model.meter().integrate((INTEGRATION_STEPS * effort).ceil() as usize);
     }
 
-    /// From here on it may spend a part of what the way may, whatever is spent.
+    /// From here on it may spend what it may at the end of the way, and on another one, whatever is spent.
     pub(super) fn renew_budget(&mut self) {
-        self.budget = self.spent + RENEWED * self.model.budget();
+        self.budget = self.spent + self.model.renewed_budget();
     }
 
     pub(super) fn restore(&mut self, kept: Kept) {

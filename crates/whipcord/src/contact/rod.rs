@@ -27,7 +27,11 @@ const CONTACT_STEPS: [usize; 2] = [10, 96];
 
 /// What a tension of a passage adds to the effort of an iteration, and the cube of their number.
 const RUBBING_EFFORT: [f64; 2] = [0.003, 3e-7];
-/// What the way into pipes may spend on few steps: it is long where they are narrow and bent.
+/// What the way may spend on few steps, and on more.
+const WAY_BUDGET: [f64; 2] = [700.0, 3500.0];
+/// What may be spent at its end, and on another one: with the way on few steps and on more less than two seconds in all.
+const RENEWED_BUDGET: [f64; 2] = [350.0, 750.0];
+/// What the way into pipes may spend: it is long where they are narrow and bent.
 const INSERTION_BUDGET: f64 = 1500.0;
 /// What a solve may spend where cables rub.
 const RUBBING_BUDGET: f64 = 2000.0;
@@ -177,6 +181,11 @@ impl<'a, R: ContactRod> RodAdapter<'a, R> {
     fn set_plastic(&mut self, left: PlasticCurvature) {
         self.found.set_plastic(&left);
         self.plastic_before = self.plastic.replace(left);
+    }
+
+    /// What it may spend of this on few steps, or on more.
+    const fn on_steps(&self, [few, more]: [f64; 2]) -> f64 {
+        if self.steps < CONTACT_STEPS[1] { few } else { more }
     }
 
     /// The plastic curvature that the answer at which it stands leaves.
@@ -390,12 +399,15 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
         if self.rubs {
             return RUBBING_BUDGET;
         }
-        if self.steps < CONTACT_STEPS[1] { 700.0 } else { 1500.0 }
+        self.on_steps(WAY_BUDGET)
+    }
+
+    fn renewed_budget(&self) -> f64 {
+        if self.rubs { 0.5 * RUBBING_BUDGET } else { self.on_steps(RENEWED_BUDGET) }
     }
 
     fn insertion_budget(&self) -> f64 {
-        let are_few = self.steps < CONTACT_STEPS[1];
-        if are_few && !self.rubs { INSERTION_BUDGET } else { self.budget() }
+        if self.rubs { RUBBING_BUDGET } else { INSERTION_BUDGET }
     }
 
     fn refine(&mut self) -> Result<bool, SolveError> {
