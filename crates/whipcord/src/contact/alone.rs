@@ -22,8 +22,8 @@ impl Asked {
     }
 }
 
-/// What came of cases without obstacles of a robot without history, each solved once from rest: on few steps and on more, from the other side, and to
-/// tell why there is no answer.
+/// What came of cases without obstacles of a robot without history. Each is solved from rest, once, though the ways on few steps and on more, those from
+/// the other side and the reason why there is no answer may all ask for it.
 #[derive(Debug, Default)]
 pub(crate) struct AloneAnswers(RefCell<Vec<(Asked, Result<Solution, SolveError>)>>);
 

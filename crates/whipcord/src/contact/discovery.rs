@@ -6,7 +6,7 @@ use super::body::{Body, Nearest};
 use super::member::Member;
 use super::model::Compliant;
 use super::pair::{OVERLAP, Pair, grip};
-use super::pairs::{Along, BETWEEN, NEAR, Pairs};
+use super::pairs::{BETWEEN, BackboneContacts, NEAR, Pairs};
 use super::rim_places::{RimPlaces, is_all_around};
 use super::scene::{DistanceBound, Scene};
 use crate::obstacle::Obstacle;
@@ -29,12 +29,7 @@ const NEAR_IN_PIPE: f64 = 0.2;
 impl Pairs {
     /// Adds the pairs that have come near; whether some of them are where the model has not been
     /// looked at yet. Beside a contact of the backbone there is another only where it is to be looked for `closely`.
-    pub fn discover(
-        &mut self,
-        model: &impl Compliant,
-        scene: &Scene,
-        (along, closely): (Along, bool),
-    ) -> bool {
+    pub fn discover(&mut self, model: &impl Compliant, scene: &Scene, closely: bool) -> bool {
         let within = NEAR * self.length;
         let mut found = Vec::new();
         for member in &self.disks {
@@ -70,9 +65,12 @@ impl Pairs {
             }
         }
         let mut elsewhere = false;
-        let within = if along == Along::Watched { NEAR_IN_PIPE * within } else { within };
+        let within = match self.backbone {
+            BackboneContacts::Anywhere => within,
+            BackboneContacts::AtWatchedPlaces => NEAR_IN_PIPE * within,
+        };
         for (k, obstacle) in scene.iter() {
-            elsewhere |= self.discover_along(model, scene, (k, obstacle), (within, along, closely));
+            elsewhere |= self.discover_along(model, scene, (k, obstacle), (within, closely));
         }
         elsewhere
     }
@@ -83,7 +81,7 @@ impl Pairs {
         model: &impl Compliant,
         scene: &Scene,
         (number, obstacle): (usize, &Obstacle),
-        (within, along, closely): (f64, Along, bool),
+        (within, closely): (f64, bool),
     ) -> bool {
         let watched = model.watched();
         let mut added = Vec::new();
@@ -114,7 +112,7 @@ impl Pairs {
             }
             let gaps = [before, here, after];
             // At a corner the gap may be least without being flat there.
-            let is_smooth = along == Along::Everywhere
+            let is_smooth = self.backbone == BackboneContacts::Anywhere
                 && i < last
                 && before.is_finite()
                 && model.corner(i).is_none();

@@ -7,7 +7,7 @@ use super::model::Compliant;
 use super::object::Object;
 use super::object_pair::ObjectPair;
 use super::pair::{OVERLAP, Pair};
-use super::pairs::Along;
+use super::pairs::BackboneContacts;
 use super::path::{MET, PathTracker, Stop};
 use super::step::{NoStep, Reach, Stepped, turned};
 use super::step_length::{STRIDE, StepLength};
@@ -16,8 +16,8 @@ use crate::error::{Obstruction, SolveError};
 use crate::shape::Wrench;
 use crate::solution::Part;
 
-/// On the way to the answer, where disks without friction are all that touches, of a robot whose cables do not rub: nothing remembers such a
-/// place.
+/// On the way to the answer, where disks without friction are all that touches, or on the way into pipes anything without friction, of a robot
+/// whose cables do not rub: nothing remembers such a place.
 const MET_ON_WAY: f64 = 1e-5;
 /// Met as nearly as rounding allows where the robot is about to buckle under the forces alone.
 const NEARLY_MET: f64 = 1e-7;
@@ -42,7 +42,6 @@ impl<M: Compliant> PathTracker<'_, M> {
         let mut looked = false;
         let mut has_stepped = false;
         self.pairs.begin_search();
-        let along = self.along();
         for _ in 0..STEPS {
             self.pairs.pushes(&mut self.pushes);
             self.dampers.pushes(&mut self.pushes);
@@ -53,7 +52,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             if let Some(part) = step.too_far(|k| self.model.centre(k)) {
                 return Ok(Some(part));
             }
-            self.pairs.refresh(self.model, &self.scene, along);
+            self.pairs.refresh(self.model, &self.scene);
             if self.objects.count() > 0 {
                 self.objects.refresh(&self.scene, self.length);
                 self.objects.discover(&self.scene, self.length);
@@ -61,7 +60,7 @@ impl<M: Compliant> PathTracker<'_, M> {
                     return Err(Stop::Lost(self.not_held(object)));
                 }
             }
-            if self.pairs.discover(self.model, &self.scene, (along, false)) && !looked {
+            if self.pairs.discover(self.model, &self.scene, false) && !looked {
                 // The model has not been asked there yet.
                 looked = true;
                 (least, since) = (f64::INFINITY, 0);
@@ -70,8 +69,8 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.objects.balance(&self.pairs, self.model);
             self.residual = self.error();
             if self.residual <= MET
-                && along == Along::Everywhere
-                && self.pairs.discover(self.model, &self.scene, (along, true))
+                && self.pairs.backbone == BackboneContacts::Anywhere
+                && self.pairs.discover(self.model, &self.scene, true)
                 && !looked
             {
                 looked = true;
@@ -80,13 +79,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             }
             looked = false;
             // A known answer that is met at once still has to be judged.
-            let met = if self.is_on_way
-                && (self.is_going_in || (!self.rubs || self.is_lenient) && self.are_only_disks())
-            {
-                MET_ON_WAY
-            } else {
-                MET
-            };
+            let met = if self.is_on_way && self.forgets_way() { MET_ON_WAY } else { MET };
             let is_judged = match self.is_without_friction() {
                 true => has_stepped && self.scratch.is_of(&self.pairs),
                 false => self.odd.is_some(),
@@ -241,11 +234,6 @@ impl<M: Compliant> PathTracker<'_, M> {
             && self.pairs.near.iter().all(|pair| pair.grip.is_none())
     }
 
-    /// Where the backbone may have contacts.
-    pub(super) fn along(&self) -> Along {
-        if self.is_going_in && self.is_on_way { Along::Watched } else { Along::Everywhere }
-    }
-
     /// Whether no known contact is open or overlaps by more than is claimed of an answer.
     fn is_clear(&self) -> bool {
         let clear = |pair: &Pair| {
@@ -261,6 +249,12 @@ impl<M: Compliant> PathTracker<'_, M> {
         let of_objects = self.objects.near.iter().map(|pair| (pair.force, pair.grip));
         let mut pushing = of_robot.chain(of_objects).filter(|(force, _)| *force > 0.0);
         pushing.all(|(_, grip)| grip.is_some_and(|grip| grip.sticks))
+    }
+
+    /// Whether nothing remembers a place of the way as exactly as the answer is asked for.
+    fn forgets_way(&self) -> bool {
+        let is_forgotten = self.are_only_disks() || self.is_going_in && self.is_without_friction();
+        (!self.rubs || self.is_lenient) && is_forgotten
     }
 
     /// Whether nothing is near obstacles but disks without friction.

@@ -31,7 +31,7 @@ use super::held_contact::{ABOUT_TO_CHANGE, BETWEEN, Unknown, is_near_change};
 use super::model::Compliant;
 use super::object::Objects;
 use super::pair::{OVERLAP, Pair};
-use super::pairs::Pairs;
+use super::pairs::{BackboneContacts, Pairs};
 use super::scene::Scene;
 use crate::derivatives::ContactGain;
 use crate::solution::Part;
@@ -104,7 +104,8 @@ impl Holding {
                 let turned = other.nearest.normal.cross(pair.nearest.normal).norm();
                 other.member.arc_length == pair.member.arc_length && turned > GUIDED
             });
-            holding.add(pair, (model, scene), length, remembers || is_guided);
+            let follows = pairs.backbone == BackboneContacts::Anywhere;
+            holding.add(pair, (model, scene), length, (remembers || is_guided, follows));
             if let Some(grip) = pair.grip.filter(|_| remembers) {
                 let from = |s: f64| scene.carried(model.pose_before(s));
                 let along = Along { pair, grip, scene, from: &from };
@@ -125,7 +126,7 @@ impl Holding {
         pair: &Pair,
         (model, scene): (&impl Compliant, &Scene),
         length: f64,
-        slides_across: bool,
+        (slides_across, follows): (bool, bool),
     ) {
         let contact = self.places.len();
         let s = pair.member.arc_length;
@@ -174,7 +175,8 @@ impl Holding {
                 self.unknowns.push(Unknown { own, ..Unknown::new(contact, push, rate) });
             }
         }
-        if pair.member.part == Part::Backbone
+        if follows
+            && pair.member.part == Part::Backbone
             && let Some(unknown) = along_backbone((contact, s), &pose, model, length, |pose| {
                 (at(pose).normal, push(pose))
             })

@@ -17,6 +17,7 @@
 //! | `step`, `two_bodies`, `differences` | Newton's method on the conditions of contact |
 //! | `object`, `object_pair`, `object_pairs`, `features` | movable objects, and what of them and of obstacles can touch |
 //! | `holding`, `held_contact`, `carried` | the contacts of an answer, linearised; the movable objects among them |
+//! | `alone` | answers without obstacles that several attempts ask for |
 //! | `free_path`, `watched_places` | robots that keep clear of all obstacles; where rods are watched |
 //! | `rim_places`, `clearance` | disks that fit a bore closely |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |

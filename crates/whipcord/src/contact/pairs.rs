@@ -15,12 +15,14 @@ use crate::shape::Wrench;
 use crate::solution::{Contact, Part, Solution};
 
 /// Where the backbone may have contacts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Along {
-    /// At watched places only, where they stay: on the way into pipes. A backbone that lies along a bore is as near to it everywhere, so that
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum BackboneContacts {
+    /// Where the gap is least, which they follow along the backbone.
+    #[default]
+    Anywhere,
+    /// At watched places, where they stay: on the way into pipes. A backbone that lies along a bore is as near to it everywhere, so that
     /// contacts that follow the least gap move to and fro.
-    Watched,
-    Everywhere,
+    AtWatchedPlaces,
 }
 
 /// All pairs that are near, and where to look for more.
@@ -33,6 +35,8 @@ pub(super) struct Pairs {
     pub(super) radii: Vec<f64>,
     pub(super) length: f64,
     pub near: Vec<Pair>,
+    /// Where the backbone may have contacts in the step at hand.
+    pub backbone: BackboneContacts,
     /// The obstacles and arc lengths of contacts that have been added since [`Pairs::begin_search`] where the robot was in
     /// equilibrium but for them.
     pub(super) added: Vec<(usize, f64)>,
@@ -61,6 +65,7 @@ impl Pairs {
             radii: watched.iter().map(|&s| backbone_radius(robot, s)).collect(),
             length: robot.backbone().length,
             near: Vec::new(),
+            backbone: BackboneContacts::Anywhere,
             added: Vec::new(),
         }
     }
@@ -87,7 +92,7 @@ impl Pairs {
     }
 
     /// Looks at all pairs again where the robot is now.
-    pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene, along: Along) {
+    pub fn refresh(&mut self, model: &impl Compliant, scene: &Scene) {
         for k in 0..self.near.len() {
             let is_alone = self.is_alone(k);
             let pair = &mut self.near[k];
@@ -102,7 +107,7 @@ impl Pairs {
             let slides = is_alone
                 && !pair.is_placed
                 && pair.member.part == Part::Backbone
-                && along == Along::Everywhere
+                && self.backbone == BackboneContacts::Anywhere
                 && obstacle.movable.is_none();
             let place = (pair.member.arc_length, rounding, pair.moved);
             pair.slide = if slides { Slide::of(model, obstacle, place, self.length) } else { None };
@@ -229,10 +234,10 @@ impl Pairs {
     }
 
     /// A step on the way begins where the robot is: what touches has not slid yet.
-    pub fn begin_step(&mut self, model: &impl Compliant, scene: &Scene, along: Along) {
-        let keeps_place = |pair: &Pair| {
-            pair.keeps_place || along == Along::Watched && pair.member.part == Part::Backbone
-        };
+    pub fn begin_step(&mut self, model: &impl Compliant, scene: &Scene) {
+        let stays = self.backbone == BackboneContacts::AtWatchedPlaces;
+        let keeps_place =
+            |pair: &Pair| pair.keeps_place || stays && pair.member.part == Part::Backbone;
         self.near.retain(|pair| pair.force > 0.0 || !keeps_place(pair));
         for pair in &mut self.near {
             if let Some(grip) = &mut pair.grip {

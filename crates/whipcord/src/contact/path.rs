@@ -9,7 +9,7 @@ use super::holding::Holding;
 use super::model::{Compliant, Push};
 use super::noted::{Noting, OnWay};
 use super::object::Objects;
-use super::pairs::Pairs;
+use super::pairs::{BackboneContacts, Pairs};
 use super::scene::Scene;
 use super::step::Scratch;
 use super::step_length::rounded;
@@ -40,6 +40,7 @@ const JUMP: f64 = 0.02;
 
 /// Integration steps of an iteration of a rod of 100 steps without contacts.
 const INTEGRATION_STEPS: f64 = 100.0;
+
 /// Why the robot does not get on.
 pub(super) enum Stop {
     /// A step that was too long.
@@ -273,9 +274,12 @@ impl<M: Noting> PathTracker<'_, M> {
             let case = at(next);
             self.objects.load(&case, asked, acts.loads, acts.held);
             self.is_on_way = next < 1.0;
+            self.pairs.backbone = match self.is_going_in && self.is_on_way {
+                true => BackboneContacts::AtWatchedPlaces,
+                false => BackboneContacts::Anywhere,
+            };
             if way > 0.0 || !self.is_off_answer {
-                let along = self.along();
-                self.pairs.begin_step(self.model, &self.scene, along);
+                self.pairs.begin_step(self.model, &self.scene);
                 self.objects.begin_step(&self.scene);
             }
             before.iter_mut().for_each(|centre| *centre = self.scene.carried_point(*centre));
@@ -311,7 +315,7 @@ impl<M: Noting> PathTracker<'_, M> {
                     step = (next - way) * part;
                     if asked.has_rubbing_obstacles() && !self.rubs {
                         let rounded = rounded(way, step);
-                        step = if rounded >= LEAST_STEP { rounded } else { step };
+                        step = if rounded >= steps.least { rounded } else { step };
                     }
                     None
                 }
@@ -343,6 +347,8 @@ impl<M: Noting> PathTracker<'_, M> {
                 let next = (way + ahead).min(1.0);
                 self.scene.begin_step();
                 self.arrange(acting(next));
+                // Where it comes to rest is judged as an answer is.
+                self.pairs.backbone = BackboneContacts::Anywhere;
                 match self.relax(&at(next)) {
                     Ok(()) => break next,
                     Err(why @ (Stop::Spent(_) | Stop::Lost(_) | Stop::Cancelled)) => {

@@ -44,8 +44,7 @@ impl<M: Compliant> PathTracker<'_, M> {
             self.odd = None;
             let is_nudged = far < nudged;
             self.nudge = is_nudged.then(|| self.sideways());
-            let along = self.along();
-            self.pairs.begin_step(self.model, &self.scene, along);
+            self.pairs.begin_step(self.model, &self.scene);
             let before = self.centres();
             self.dampers.anchor(self.model, self.length, stiffness);
             match self.touch(case, &before) {

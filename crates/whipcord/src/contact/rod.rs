@@ -29,7 +29,7 @@ const CONTACT_STEPS: [usize; 2] = [10, 96];
 const RUBBING_EFFORT: [f64; 2] = [0.003, 3e-7];
 /// What the way may spend on few steps, and on more.
 const WAY_BUDGET: [f64; 2] = [700.0, 3500.0];
-/// What may be spent at its end, and on another one: with the way on few steps and on more less than two seconds in all.
+/// What may be spent at its end, and on another one. Refusals take two seconds at most in all, in the study of outcomes.
 const RENEWED_BUDGET: [f64; 2] = [350.0, 750.0];
 /// What the way into pipes may spend: it is long where they are narrow and bent.
 const INSERTION_BUDGET: f64 = 1500.0;

@@ -94,11 +94,12 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             return last_of(|each| self.rub_among_obstacles(case, memory, each));
         }
         self.check_among_obstacles(case)?;
-        let (first_step, alone) = match self.find_clear(case, warm_start, memory)? {
+        let (first_step, found) = match self.find_clear(case, warm_start, memory)? {
             FreeWay::Clear(solution) => return Ok(solution),
             FreeWay::Unclear { first_step, alone } => (first_step, alone),
         };
-        let alone = AloneAnswers::knowing(case, alone.filter(|_| warm_start.is_none()));
+        // Near a warm start there may be another than from rest.
+        let alone = AloneAnswers::knowing(case, found.filter(|_| warm_start.is_none()));
         let needed = self.needed_steps(case, memory);
         let meter = &*Self::meter(memory);
         let found = on_few_steps_or_more(self.accuracy(), needed, |steps| {
@@ -203,14 +204,14 @@ pub(crate) trait RodSolves: PlasticRod<Derivatives = Derivatives> {
             });
         }
         self.check_among_obstacles(case)?;
-        let first_step = match self.find_clear(case, warm_start, memory)? {
+        let (first_step, found) = match self.find_clear(case, warm_start, memory)? {
             FreeWay::Clear(solution) => {
                 let alone = Case { obstacles: Vec::new(), ..case.clone() };
                 return self.differentiate_alone(&alone, Some(&solution), parameters, memory);
             }
-            FreeWay::Unclear { first_step, .. } => first_step,
+            FreeWay::Unclear { first_step, alone } => (first_step, alone),
         };
-        let alone = AloneAnswers::default();
+        let alone = AloneAnswers::knowing(case, found.filter(|_| warm_start.is_none()));
         let needed = self.needed_steps(case, memory);
         let meter = &*Self::meter(memory);
         on_few_steps_or_more(self.accuracy(), needed, |steps| {

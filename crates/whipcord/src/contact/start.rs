@@ -5,7 +5,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::noted::{Noting, OnWay};
 use super::object::Objects;
 use super::pair::OVERLAP;
-use super::path::{Acting, PathTracker, Steps};
+use super::path::{Acting, JUMPS, PathTracker, Steps};
 use super::scene::Present;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
@@ -20,7 +20,7 @@ const INSERTED: f64 = 1.02;
 const LONGEST_INSIDE: [f64; 3] = [1.0, 0.02, 0.005];
 /// In a narrow pipe all steps are short: after one that had to be shortened the next is little longer.
 const GROWTH_INSIDE: f64 = 1.2;
-/// The least step, in a narrow pipe a part of its clearance.
+/// The least step: less than the clearance of a narrow pipe, by which the robot may move aside in one.
 const LEAST_INSIDE: f64 = 1e-4;
 
 /// Whether an obstruction may be that of an object, and not of the budget.
@@ -118,6 +118,8 @@ impl<M: Noting> PathTracker<'_, M> {
         self.is_going_in = true;
         let gone = self.go_in((case, of_case), back, start);
         self.is_going_in = false;
+        // Where it jumped without its loads is no loss of the shape under them.
+        (self.lost_at, self.slipped_at) = (None, None);
         self.budget = self.spent + self.model.budget();
         gone
     }
@@ -130,13 +132,17 @@ impl<M: Noting> PathTracker<'_, M> {
         start: f64,
     ) -> Result<(), SolveError> {
         let mut farthest: Option<(f64, SolveError)> = None;
+        let remembers = self.rubs || self.scene.iter().any(|(_, pipe)| pipe.friction > 0.0);
         for (attempt, longest_touching) in LONGEST_INSIDE.into_iter().enumerate() {
             if attempt > 0 {
                 self.draw_back_at_rest((case, of_case), start)?;
             }
+            let is_last = attempt + 1 == LONGEST_INSIDE.len();
             let steps = Steps {
                 growth_after_short: GROWTH_INSIDE,
                 longest_touching,
+                // What remembers the way jumps where nothing else leads on.
+                jumps: if remembers && !is_last { 0 } else { JUMPS },
                 least: LEAST_INSIDE,
                 ..Steps::up_to(self.longest_step)
             };
