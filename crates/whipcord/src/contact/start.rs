@@ -132,7 +132,6 @@ impl<M: Noting> PathTracker<'_, M> {
         start: f64,
     ) -> Result<(), SolveError> {
         let mut farthest: Option<(f64, SolveError)> = None;
-        let remembers = self.rubs || self.scene.iter().any(|(_, pipe)| pipe.friction > 0.0);
         for (attempt, longest_touching) in LONGEST_INSIDE.into_iter().enumerate() {
             if attempt > 0 {
                 self.draw_back_at_rest((case, of_case), start)?;
@@ -141,8 +140,8 @@ impl<M: Noting> PathTracker<'_, M> {
             let steps = Steps {
                 growth_after_short: GROWTH_INSIDE,
                 longest_touching,
-                // What remembers the way jumps where nothing else leads on.
-                jumps: if remembers && !is_last { 0 } else { JUMPS },
+                // What the holes of a cable remember is lost in a jump.
+                jumps: if self.rubs && !is_last { 0 } else { JUMPS },
                 least: LEAST_INSIDE,
                 ..Steps::up_to(self.longest_step)
             };
