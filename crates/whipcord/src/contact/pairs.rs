@@ -235,9 +235,10 @@ impl Pairs {
 
     /// A step on the way begins where the robot is: what touches has not slid yet.
     pub fn begin_step(&mut self, model: &impl Compliant, scene: &Scene) {
-        let stays = self.backbone == BackboneContacts::AtWatchedPlaces;
-        let keeps_place =
-            |pair: &Pair| pair.keeps_place || stays && pair.member.part == Part::Backbone;
+        let is_backbone_fixed = self.backbone == BackboneContacts::AtWatchedPlaces;
+        let keeps_place = |pair: &Pair| {
+            pair.keeps_place || is_backbone_fixed && pair.member.part == Part::Backbone
+        };
         self.near.retain(|pair| pair.force > 0.0 || !keeps_place(pair));
         for pair in &mut self.near {
             if let Some(grip) = &mut pair.grip {

@@ -14,13 +14,18 @@ const LENGTH: f64 = 0.15;
 
 /// A rod of 1.5 mm of nickel-titanium on which disks of 3 mm sit, with a cable at +x.
 fn catheter(sections: usize) -> Robot {
+    rod(0.0015, sections, Some(0.0015))
+}
+
+/// A rod of nickel-titanium of such a diameter, with a cable at +x, and with plates of an outer radius where it has any.
+fn rod(diameter: f64, sections: usize, plates: Option<f64>) -> Robot {
     let material =
         Material { young_modulus: Some(6e10), poisson_ratio: Some(0.3), ..Material::default() };
-    let section = Some(Section::circle(0.0015));
+    let section = Some(Section::circle(diameter));
     let backbone = Backbone { material, section, ..Backbone::new(LENGTH) };
     let disks = Disks {
-        outer_radius: Some(0.0015),
-        thickness: Some(0.001),
+        outer_radius: plates,
+        thickness: plates.map(|_| 0.001),
         ..Disks::equally_spaced(LENGTH, sections + 1, 0.001)
     };
     let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.001 });
@@ -242,17 +247,7 @@ fn a_catheter_rubs_along_a_vessel() {
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
 fn a_tube_lies_along_a_vessel() {
     for plates in [None, Some(0.0015)] {
-        let material =
-            Material { young_modulus: Some(6e10), poisson_ratio: Some(0.3), ..Material::default() };
-        let section = Some(Section::circle(0.003));
-        let backbone = Backbone { material, section, ..Backbone::new(LENGTH) };
-        let disks = Disks {
-            outer_radius: plates,
-            thickness: plates.map(|_| 0.001),
-            ..Disks::equally_spaced(LENGTH, 21, 0.001)
-        };
-        let cable = Cable::new("pull", Routing::Straight { angle: 0.0, radius: 0.001 });
-        let tube = Robot::new(backbone, disks, vec![cable]).unwrap();
+        let tube = rod(0.003, 20, plates);
         for radius in [0.003, 0.0022, 0.0018] {
             assert_models_agree(&tube, &vessel(radius, &[(9, 0.0)]));
         }
