@@ -1,5 +1,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::lanes::Lanes;
+
 /// The matrix has no usable pivot in this column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Singular {
@@ -236,8 +238,8 @@ impl DenseLu {
     }
 }
 
-/// Columns that are solved for side by side.
-const LANES: usize = 8;
+/// Columns that are solved for side by side at most.
+const MOST_LANES: usize = 8;
 
 impl DenseLu {
     /// Overwrites each column `b` by the solution of `A x = b`, to the bits of [`Self::solve`], in less time than one by one.
@@ -252,32 +254,7 @@ impl DenseLu {
     /// # Ok::<(), whipcord_numerics::Singular>(())
     /// ```
     pub fn solve_columns(&self, columns: &mut [Vec<f64>]) {
-        let n = self.n;
-        let mut block = vec![[0.0; LANES]; n];
-        for columns in columns.chunks_mut(LANES) {
-            for (i, lanes) in block.iter_mut().enumerate() {
-                for (x, column) in lanes.iter_mut().zip(columns.iter()) {
-                    *x = column[i];
-                }
-            }
-            for k in 0..n {
-                block.swap(k, self.pivots[k]);
-            }
-            for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate() {
-                let (above, below) = block.split_at_mut(k + 1);
-                subtract_lanes(below, &factors[k + 1..], &above[k]);
-            }
-            for (k, factors) in self.factors.chunks_exact(n.max(1)).enumerate().rev() {
-                let (above, below) = block.split_at_mut(k);
-                below[0].iter_mut().for_each(|x| *x /= factors[k]);
-                subtract_lanes(above, factors, &below[0]);
-            }
-            for (l, column) in columns.iter_mut().enumerate() {
-                for (x, lanes) in column.iter_mut().zip(&block) {
-                    *x = lanes[l];
-                }
-            }
-        }
+        Arch::new().dispatch(SolveColumns { lu: self, columns });
     }
 
     /// The first so many columns of the inverse.
@@ -302,10 +279,93 @@ impl DenseLu {
     }
 }
 
-/// [`subtract`], side by side.
-fn subtract_lanes(from: &mut [[f64; LANES]], factors: &[f64], times: &[f64; LANES]) {
-    for (row, factor) in from.iter_mut().zip(factors) {
-        row.iter_mut().zip(times).for_each(|(x, times)| *x -= factor * times);
+/// The solution of several columns, with the instructions that the processor has; none of the sums is fused.
+struct SolveColumns<'a> {
+    lu: &'a DenseLu,
+    columns: &'a mut [Vec<f64>],
+}
+
+impl WithSimd for SolveColumns<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { lu: DenseLu { n, factors, pivots, .. }, columns } = self;
+        let n = *n;
+        let mut block = vec![Lanes::splat(simd, 0.0); n];
+        for columns in columns.chunks_mut(Lanes::<S>::COUNT) {
+            let mut values = [0.0; MOST_LANES];
+            for (i, lanes) in block.iter_mut().enumerate() {
+                for (x, column) in values.iter_mut().zip(columns.iter()) {
+                    *x = column[i];
+                }
+                *lanes = Lanes::load(simd, &values, 0);
+            }
+            for (k, &pivot) in pivots.iter().enumerate() {
+                block.swap(k, pivot);
+            }
+            let mut k = 0;
+            while k + BLOCK <= n {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|i| &factors[(k + i) * n..(k + i + 1) * n]);
+                for (i, factors) in [a, b, c].into_iter().enumerate() {
+                    let times = block[k + i];
+                    for row in k + i + 1..k + BLOCK {
+                        block[row] = block[row] - times * factors[row];
+                    }
+                }
+                let (above, below) = block.split_at_mut(k + BLOCK);
+                let times = [above[k], above[k + 1], above[k + 2], above[k + 3]];
+                subtract_lanes(below, [a, b, c, d].map(|factors| &factors[k + BLOCK..]), &times);
+                k += BLOCK;
+            }
+            for k in k..n {
+                let times = block[k];
+                for row in k + 1..n {
+                    block[row] = block[row] - times * factors[k * n + row];
+                }
+            }
+            let mut left = n;
+            while left >= BLOCK {
+                let k = left - BLOCK;
+                let [a, b, c, d] = [0, 1, 2, 3].map(|i| &factors[(k + i) * n..(k + i + 1) * n]);
+                for (i, factors) in [a, b, c, d].into_iter().enumerate().rev() {
+                    block[k + i] = block[k + i] / Lanes::splat(simd, factors[k + i]);
+                    let times = block[k + i];
+                    for row in k..k + i {
+                        block[row] = block[row] - times * factors[row];
+                    }
+                }
+                let (above, below) = block.split_at_mut(k);
+                let times = [below[3], below[2], below[1], below[0]];
+                subtract_lanes(above, [d, c, b, a].map(|factors| &factors[..k]), &times);
+                left = k;
+            }
+            for k in (0..left).rev() {
+                block[k] = block[k] / Lanes::splat(simd, factors[k * n + k]);
+                let times = block[k];
+                for row in 0..k {
+                    block[row] = block[row] - times * factors[k * n + row];
+                }
+            }
+            for (i, lanes) in block.iter().enumerate() {
+                for (x, column) in lanes.as_slice().iter().zip(columns.iter_mut()) {
+                    column[i] = *x;
+                }
+            }
+        }
+    }
+}
+
+/// Subtracts so many times the factors of four columns from some rows, in their order.
+#[inline(always)]
+fn subtract_lanes<S: Simd>(
+    rows: &mut [Lanes<S>],
+    [a, b, c, d]: [&[f64]; 4],
+    times: &[Lanes<S>; 4],
+) {
+    let factors = a.iter().zip(b).zip(c).zip(d);
+    for (x, (((a, b), c), d)) in rows.iter_mut().zip(factors) {
+        *x = *x - times[0] * *a - times[1] * *b - times[2] * *c - times[3] * *d;
     }
 }
 

@@ -147,6 +147,8 @@ impl Body {
         const HALVINGS: usize = 40;
         // What is left after a step of Newton's method this short is rounding.
         const SETTLED: f64 = 1e-9;
+        // In rad, of a difference along the rim.
+        const BESIDE: f64 = 1e-6;
         let axes = [pose.rotation.rotate(Vec3::X), pose.rotation.rotate(Vec3::Y)];
         let see = |[x, y]: [f64; 2]| {
             let surface = obstacle.surface(pose.position + axes[0] * x + axes[1] * y);
@@ -164,12 +166,13 @@ impl Body {
             let on_the_rim = radius >= self.flat * (1.0 - 1e-12) && falls_outward;
             let phi = local[1].atan2(local[0]);
             let step = if on_the_rim {
-                let along = |phi: f64| {
+                let along = |phi: f64, [x, y]: [f64; 2]| {
                     let (sin, cos) = phi.sin_cos();
-                    let (_, [x, y]) = see(on_rim(self.flat, phi));
                     y * cos - x * sin
                 };
-                let (f, d) = (along(phi), (along(phi + 1e-5) - along(phi - 1e-5)) / 2e-5);
+                let (f, beside) = (along(phi, slope), phi + BESIDE);
+                let (_, sloping) = see(on_rim(self.flat, beside));
+                let d = (along(beside, sloping) - f) / BESIDE;
                 let step = if d > 0.0 { (-f / d).clamp(-0.4, 0.4) } else { -0.3 * f.signum() };
                 [if f == 0.0 { 0.0 } else { step }, 0.0]
             } else {

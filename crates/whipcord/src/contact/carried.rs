@@ -158,14 +158,16 @@ impl Carried {
             let force = |nearest: &Nearest, pose: &Pose| {
                 nearest.normal * pair.force + traction(nearest, pose)
             };
-            contact.geometric(force, pair.total(), 6, Differences::Central, &mut all.blocks);
+            let rates = contact.rates(force, grip.as_ref(), 6, Differences::Central);
+            let total = force(&pair.nearest, &contact.pose);
+            contact.geometric((total, pair.total()), &rates, &mut all.blocks);
             if let Some(grip) = grip.filter(|_| before.is_some()) {
                 all.remember_objects((pair, &grip), &turned, objects, scene);
             }
             let mut lines = Vec::new();
             let normal = pair.nearest.normal;
             let held = grip.as_ref().map(|grip| (grip, grip.held_axes(normal, before.is_some())));
-            contact.lines(pair.force, held, &mut lines);
+            contact.lines(pair.force, held, &rates, &mut lines);
             for (number, line) in lines.iter().enumerate() {
                 for mut end in line.ends().copied() {
                     // What slides bears along the surface in proportion.

@@ -5,6 +5,8 @@ use clarabel::solver::SolverStatus;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT};
 use whipcord_numerics::DenseLu;
 
+use super::partly_known::PartlyKnown;
+
 /// `gap = q + Mf ≥ 0, λ ≥ 0, λ·gap = 0`, and Coulomb's law where there is friction. A contact without friction
 /// has one line in M, that of its normal; one with friction has two more, along its tangents: of slip and of
 /// traction.
@@ -54,7 +56,9 @@ struct FrictionNewton {
     values: Vec<f64>,
     jacobian: Vec<f64>,
     step: Vec<f64>,
-    lu: DenseLu,
+    /// The lines of contacts that touch.
+    touching: Vec<usize>,
+    system: PartlyKnown,
 }
 
 /// What a contact with friction does.
@@ -291,19 +295,23 @@ impl Complementarity {
         let lines = self.gaps.len();
         let sharing = self.sharing();
         let Self { matrix, gaps, forces, contacts, friction_newton, .. } = self;
-        let FrictionNewton { jacobian, lu, .. } = friction_newton;
+        let FrictionNewton { jacobian, touching, system, .. } = friction_newton;
         jacobian.clear();
         jacobian.resize(lines * lines, 0.0);
+        touching.clear();
         forces.fill(0.0);
         for (contact, state) in contacts.iter().zip(states) {
             let i = contact.first;
+            if matches!(state, State::Open) {
+                continue;
+            }
+            touching.extend(i..i + contact.lines());
             for (k, row) in (i..i + contact.lines()).enumerate() {
                 match state {
                     State::Slides(way) if k > 0 => {
                         jacobian[row * lines + row] = 1.0;
                         jacobian[row * lines + i] = -contact.coefficient * way[k - 1];
                     }
-                    State::Open => jacobian[row * lines + row] = 1.0,
                     _ => {
                         let of = row * lines..(row + 1) * lines;
                         jacobian[of.clone()].copy_from_slice(&matrix[of]);
@@ -313,8 +321,7 @@ impl Complementarity {
                 }
             }
         }
-        lu.factor(lines, jacobian).map_err(|_| Unsolved)?;
-        lu.solve(forces);
+        system.solve(touching, jacobian, forces).map_err(|_| Unsolved)?;
         if forces.iter().all(|force| force.is_finite()) { Ok(()) } else { Err(Unsolved) }
     }
 
@@ -329,7 +336,7 @@ impl Complementarity {
         let lines = self.gaps.len();
         let sharing = self.sharing();
         let Self { matrix, gaps, forces, contacts, are_dependent, friction_newton, .. } = self;
-        let FrictionNewton { values, jacobian, step, lu } = friction_newton;
+        let FrictionNewton { values, jacobian, step, touching, system } = friction_newton;
         let mut before = f64::INFINITY;
         for number in 0..STEPS {
             values.clear();
@@ -341,6 +348,7 @@ impl Complementarity {
             jacobian.resize(lines * lines, 0.0);
             step.clear();
             step.resize(lines, 0.0);
+            touching.clear();
             for contact in contacts.iter_mut() {
                 let i = contact.first;
                 let by_gap = 1.0 / matrix[i * lines + i].abs();
@@ -348,12 +356,10 @@ impl Complementarity {
                 contact.sticks = false;
                 let range = i..i + contact.lines();
                 if !contact.touches {
-                    for row in range {
-                        jacobian[row * lines + row] = 1.0;
-                        step[row] = -forces[row];
-                    }
+                    range.for_each(|row| step[row] = -forces[row]);
                     continue;
                 }
+                touching.extend(range);
                 // Contacts that depend on one another share what they carry.
                 let close = |row: usize, jacobian: &mut [f64], step: &mut [f64]| {
                     let of = row * lines..(row + 1) * lines;
@@ -391,8 +397,7 @@ impl Complementarity {
                     }
                 }
             }
-            lu.factor(lines, jacobian).map_err(|_| Unsolved)?;
-            lu.solve(step);
+            system.solve(touching, jacobian, step).map_err(|_| Unsolved)?;
             if step.iter().any(|change| !change.is_finite()) {
                 return Err(Unsolved);
             }
@@ -418,7 +423,7 @@ impl Complementarity {
                         forces[contact.first..contact.first + contact.lines()].fill(0.0);
                     }
                 }
-                return Ok(Touching { negative: lu.is_determinant_negative() });
+                return Ok(Touching { negative: system.is_determinant_negative() });
             }
         }
         Err(Unsolved)

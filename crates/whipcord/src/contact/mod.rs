@@ -13,7 +13,7 @@
 //! | `sliding` | contacts that move along the backbone |
 //! | `friction` | stick and slip of a contact |
 //! | `stability` | the directions in which a robot leaves an equilibrium in contact |
-//! | `complementarity`, `descent` | which contacts touch and which stick |
+//! | `complementarity`, `descent`, `partly_known` | which contacts touch and which stick |
 //! | `step`, `two_bodies`, `differences` | Newton's method on the conditions of contact |
 //! | `object`, `object_pair`, `object_pairs`, `features` | movable objects, and what of them and of obstacles can touch |
 //! | `holding`, `held_contact`, `carried` | the contacts of an answer, linearised; the movable objects among them |
@@ -59,6 +59,7 @@ mod object_pairs;
 mod overlap;
 mod pair;
 mod pairs;
+mod partly_known;
 mod path;
 mod refinement;
 mod relaxation;

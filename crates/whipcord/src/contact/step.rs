@@ -112,23 +112,24 @@ impl Scratch {
             let carried = |grip: Grip| Grip { from: scene.carry(pair.obstacle, grip.from), ..grip };
             let normal_line = self.lines.len();
             let grip = pair.grip.map(carried);
+            let normal = |nearest: &Nearest| nearest.normal * pair.force;
+            let force = |nearest: &Nearest, _: &Pose| normal(nearest) + pair.traction();
+            // A ball looks the same from all sides, and what neither pushes nor rubs does nothing.
+            let motions = match (grip, pair.force > 0.0) {
+                (Some(_), _) => 6,
+                (None, true) if pair.member.body.is_ball() => 3,
+                (None, true) => 6,
+                (None, false) => 0,
+            };
+            let rates = contact.rates(force, grip.as_ref(), motions, quick);
             let grip = grip.as_ref().map(|grip| (grip, tangents(pair.nearest.normal)));
-            contact.lines(pair.force, grip, &mut self.lines);
+            contact.lines(pair.force, grip, &rates, &mut self.lines);
             self.lines[normal_line].gap -= pair.slide.map_or(0.0, |slide| slide.depth());
             self.lines[normal_line].gap += pair.nearest.normal.dot(ahead);
-            let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
-            // A ball looks the same from all sides.
-            let motions = if pair.member.body.is_ball() { 3 } else { 6 };
-            let normal = |nearest: &Nearest| nearest.normal * pair.force;
             if pair.force > 0.0 {
-                let force = |nearest: &Nearest, _: &Pose| normal(nearest) + traction;
-                contact.geometric(
-                    force,
-                    normal(&pair.nearest),
-                    motions,
-                    quick,
-                    &mut self.geometric,
-                );
+                let total = force(&pair.nearest, &contact.pose);
+                let turning = normal(&pair.nearest);
+                contact.geometric((total, turning), &rates, &mut self.geometric);
                 if let Some(slide) = &pair.slide {
                     let matrix = slide.stiffness(pair.force);
                     self.geometric.push(Block { row: k, column: k, matrix });
@@ -148,13 +149,16 @@ impl Scratch {
             let contact = of_objects(pair, (&*scene, &*objects), sections);
             let carried = |grip: Grip| Grip { from: scene.carry(pair.other, grip.from), ..grip };
             let grip = pair.grip.map(carried);
-            let grip = grip.as_ref().map(|grip| (grip, tangents(pair.nearest.normal)));
-            contact.lines(pair.force, grip, &mut self.lines);
             let traction = pair.grip.map_or(Vec3::ZERO, |grip| grip.traction);
             let normal = |nearest: &Nearest| nearest.normal * pair.force;
+            let force = |nearest: &Nearest, _: &Pose| normal(nearest) + traction;
+            let motions = if grip.is_some() || pair.force > 0.0 { 6 } else { 0 };
+            let rates = contact.rates(force, grip.as_ref(), motions, quick);
+            let grip = grip.as_ref().map(|grip| (grip, tangents(pair.nearest.normal)));
+            contact.lines(pair.force, grip, &rates, &mut self.lines);
             if pair.force > 0.0 {
-                let force = |nearest: &Nearest, _: &Pose| normal(nearest) + traction;
-                contact.geometric(force, normal(&pair.nearest), 6, quick, &mut self.geometric);
+                let total = force(&pair.nearest, &contact.pose);
+                contact.geometric((total, normal(&pair.nearest)), &rates, &mut self.geometric);
             }
         }
         self.add_objects(sections, objects);

@@ -38,6 +38,9 @@ pub(super) enum Differences {
     OneSided,
 }
 
+/// How with each motion of the first body change its force in N, the lever of what touches in m, and its slip in m.
+pub(super) type Rates = [[Vec3; 3]; 6];
+
 /// A unit of force along a line, on one body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
@@ -92,12 +95,36 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         wrench_of(axis, self.arm(centre)).map(|component| -component)
     }
 
-    /// Its lines: that of the normal with this force, and those along the surface where there is friction; the grip begins where the first
-    /// body was, carried along with the second.
+    /// How what it exerts and how far it has slid change with the first motions of the first body: where its grip begins where that body
+    /// was, carried along with the second.
+    pub fn rates(
+        &self,
+        force: impl Fn(&Nearest, &Pose) -> Vec3,
+        grip: Option<&Grip>,
+        motions: usize,
+        differences: Differences,
+    ) -> Rates {
+        let value = |nearest: &Nearest, pose: &Pose| {
+            let slip = grip.map(|grip| grip.slip_at(pose, nearest, self.rounding));
+            let lever = nearest.lever(self.rounding);
+            [force(nearest, pose), lever, slip.unwrap_or(Vec3::ZERO)]
+        };
+        let see = |pose: &Pose| value(&(self.look)(pose), pose);
+        match differences {
+            Differences::Central => central(motions, &self.pose, self.reach, see),
+            Differences::OneSided => {
+                let here = value(self.nearest, &self.pose);
+                one_sided(motions, &self.pose, self.reach, here, see)
+            }
+        }
+    }
+
+    /// Its lines: that of the normal with this force, and those along the surface where there is friction.
     pub fn lines(
         &self,
         force: f64,
         grip: Option<(&Grip, impl IntoIterator<Item = Vec3>)>,
+        rates: &Rates,
         lines: &mut Vec<Line>,
     ) {
         let Nearest { normal, gap, .. } = *self.nearest;
@@ -110,11 +137,9 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         });
         lines.push(Line { force: normal, ends: [on_first, on_second], gap, before: force });
         let Some((grip, axes)) = grip else { return };
-        let slip = |pose: &Pose| [grip.slip_at(pose, &(self.look)(pose), self.rounding)];
-        let rates = central(6, &self.pose, self.reach, slip);
         for axis in axes {
             let unit = wrench_of(axis, self.nearest.lever(self.rounding));
-            let rate = rates.map(|[rate]| rate.dot(axis));
+            let rate = rates.map(|[.., slip]| slip.dot(axis));
             let on_first = first.map(|body| End { body, unit, rate });
             let on_second = second.map(|(body, centre)| {
                 let motions = self.carried(centre);
@@ -133,28 +158,16 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         carried(self.pose.position - centre)
     }
 
-    /// `∂W/∂X` of what it exerts on both bodies, by the first motions of the first one: of the force on that one where it is, of
-    /// which this part turns with both bodies.
+    /// `∂W/∂X` of what it exerts on both bodies: of this force on the first one, of which a part turns with both.
     pub fn geometric(
         &self,
-        force: impl Fn(&Nearest, &Pose) -> Vec3,
-        turning: Vec3,
-        motions: usize,
-        differences: Differences,
+        (total, turning): (Vec3, Vec3),
+        rates: &Rates,
         blocks: &mut Vec<Block>,
     ) {
-        let see = |pose: &Pose| {
-            let nearest = (self.look)(pose);
-            [force(&nearest, pose), nearest.lever(self.rounding)]
-        };
         let Bodies { first, second } = self.bodies;
-        let (total, lever) = (force(self.nearest, &self.pose), self.nearest.lever(self.rounding));
-        let by_first = match differences {
-            Differences::Central => central(motions, &self.pose, self.reach, see),
-            Differences::OneSided => {
-                one_sided(motions, &self.pose, self.reach, [total, lever], see)
-            }
-        };
+        let lever = self.nearest.lever(self.rounding);
+        let by_first = rates.map(|[force, lever, _]| [force, lever]);
         let mut columns = [[[0.0; 6]; 6]; 2];
         let mut add = |column: usize, turned: [[Vec3; 2]; 6], own: bool| {
             for (b, [change, l]) in turned.into_iter().enumerate() {

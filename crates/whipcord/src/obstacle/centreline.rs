@@ -18,6 +18,8 @@ pub enum Bends {
 const SAMPLES: usize = 12;
 /// Newton's steps, or halvings, to the nearest point; from a sample, four or five are enough.
 const STEPS: usize = 60;
+/// Steps shorter than this part of the distance of two samples are the last.
+const SETTLED: f64 = 1e-8;
 /// Most points, so that none looks for long.
 const MOST_POINTS: usize = 10_000;
 
@@ -28,6 +30,8 @@ pub(super) struct Centreline {
     at: Vec<f64>,
     samples: Vec<Vec3>,
     tangents: Vec<Vec3>,
+    /// First two derivatives of a smooth line by the parameter at each sample.
+    derivatives: Vec<[Vec3; 2]>,
     /// The smooth line by its coordinates; none of a line with corners.
     smooth: Option<[PiecewiseCubic; 3]>,
     /// Balls that hold the samples, so many to each in their order; the last holds what is left.
@@ -93,6 +97,7 @@ impl Centreline {
                 at,
                 samples: points.to_vec(),
                 tangents,
+                derivatives: Vec::new(),
                 smooth: None,
                 balls: Vec::new(),
             });
@@ -102,16 +107,17 @@ impl Centreline {
             (0..SAMPLES).map(move |i| a + (b - a) * i as f64 / SAMPLES as f64)
         };
         let fine: Vec<f64> = at.windows(2).flat_map(between).chain(at.last().copied()).collect();
-        let (samples, tangents) = fine
+        let (samples, derivatives): (Vec<Vec3>, Vec<[Vec3; 2]>) = fine
             .iter()
             .map(|&u| {
-                let [c, dc, _] = evaluate(&smooth, u);
-                (c, dc / dc.norm())
+                let [c, dc, ddc] = evaluate(&smooth, u);
+                (c, [dc, ddc])
             })
             .unzip();
-        let samples: Vec<Vec3> = samples;
+        let tangents = derivatives.iter().map(|[dc, _]| *dc / dc.norm()).collect();
         let balls = samples.chunks(SAMPLES).map(Ball::around).collect();
-        let line = Self { bends, at: fine, samples, tangents, smooth: Some(smooth), balls };
+        let smooth = Some(smooth);
+        let line = Self { bends, at: fine, samples, tangents, derivatives, smooth, balls };
         match line.tangents.iter().position(|t| !t.is_finite()) {
             // Points that go back the way they came.
             Some(k) => {
@@ -236,13 +242,21 @@ impl Centreline {
         if nearest == last && growth(at(high)).0 <= 0.0 {
             return end(last, self.tangents[last]);
         }
-        // The parameter is a length, nearly: what the point is ahead of the sample along the tangent is a start.
-        let ahead = (point - self.samples[nearest]).dot(self.tangents[nearest]);
+        // A step of Newton's method from the sample, where the squared distance bends upwards there, is a start; else the parameter is a
+        // length, nearly.
+        let [dc, ddc] = self.derivatives[nearest];
+        let (g, dg) = growth([self.samples[nearest], dc, ddc]);
+        let ahead = -g / if dg > 0.0 { dg } else { dc.norm_squared() };
         let mut u = (self.at[nearest] + ahead).clamp(low, high);
         let mut here = at(u);
+        let spacing = self.at[1] - self.at[0];
         for _ in 0..STEPS {
             let (g, dg) = growth(here);
-            if g == 0.0 {
+            let newton = -g / dg;
+            // Quadratic: what is left after a step this short is below rounding. It may lead out of the interval by rounding.
+            if dg > 0.0 && newton.abs() <= SETTLED * spacing {
+                let [c, dc, ddc] = here;
+                here = [c + newton * (dc + 0.5 * newton * ddc), dc + newton * ddc, ddc];
                 break;
             }
             if g > 0.0 {
@@ -250,14 +264,9 @@ impl Centreline {
             } else {
                 low = u;
             }
-            let newton = u - g / dg;
-            let next =
-                if dg > 0.0 && newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            // Quadratic: what is left after a step this short is below rounding.
-            let step = next - u;
-            if step.abs() <= 1e-9 * (self.at[1] - self.at[0]) {
-                let [c, dc, ddc] = here;
-                here = [c + step * dc, dc + step * ddc, ddc];
+            let inside = dg > 0.0 && u + newton > low && u + newton < high;
+            let next = if inside { u + newton } else { 0.5 * (low + high) };
+            if next == u {
                 break;
             }
             u = next;
