@@ -27,7 +27,7 @@ const NEARLY_THERE: f64 = 1e-7;
 const PATIENCE: usize = 8;
 /// Steps of Newton's method at one place of the way; each may find another contact.
 const STEPS: usize = 40;
-/// The columns of so many contacts double the cost of an iteration.
+/// The columns of so many cross-sections, or the slips of so many contacts that rub, double the cost of an iteration.
 const COSTLY: f64 = 10.0;
 /// The dense equations of so many cross-sections cost as much as an iteration without contacts.
 const DENSE: f64 = 22.0;
@@ -164,7 +164,8 @@ impl<M: Compliant> PathTracker<'_, M> {
         // Dampers have columns as contacts have. What the model does depends on the cross-sections, however many contacts each has.
         let pushes = (contacts + self.dampers.all.len()) as f64;
         let sections = self.sections() as f64;
-        let columns = 1.0 + sections / COSTLY;
+        let rubbing = self.pairs.near.iter().filter(|pair| pair.grip.is_some()).count() as f64;
+        let columns = 1.0 + (sections + rubbing) / COSTLY;
         let dense = (sections / DENSE).powi(3) + (pushes / DENSE_CONTACTS).powi(3);
         let effort = self.model.effort() * columns + dense;
         if self.spent + effort > self.budget || self.model.meter().is_spent() {

@@ -54,7 +54,7 @@ pub(crate) trait Compliant {
 
     /// What it may spend on the way into pipes, before the way to the answer.
     fn insertion_budget(&self) -> f64 {
-        self.budget()
+        4500.0
     }
 
     /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then

@@ -186,11 +186,12 @@ fn sections_lie_where_the_rod_does() {
 
 /// The models agree where a robot lies in a vessel.
 fn assert_models_agree(robot: &Robot, vessel: &Obstacle) {
+    let Form::Pipe(bore) = &vessel.form else { unreachable!() };
     let case = among(Case::with_tensions(&[20.0]), vec![vessel.clone()]);
     let solve = |kind: ModelKind| {
         let model = Model::new(kind, Stations::Equal(121), Actuation::Natural);
         let solved = model.prepare(robot, &case.loads).unwrap().solve(&case, None);
-        solved.unwrap_or_else(|error| panic!("{kind} in {:?}: {error}", vessel.form))
+        solved.unwrap_or_else(|error| panic!("{kind} in a bore of {} m: {error}", bore.radius()))
     };
     let sections = solve(ModelKind::PiecewiseConstantCurvature);
     for kind in [ModelKind::Cosserat, ModelKind::CosseratDisks, ModelKind::PseudoRigidBody] {
