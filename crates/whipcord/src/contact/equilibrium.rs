@@ -27,7 +27,7 @@ const NEARLY_THERE: f64 = 1e-7;
 const PATIENCE: usize = 8;
 /// Steps of Newton's method at one place of the way; each may find another contact.
 const STEPS: usize = 40;
-/// The columns of so many cross-sections, or the slips of so many contacts that rub, double the cost of an iteration.
+/// The columns of so many cross-sections, or the slips of so many places near obstacles with friction, double the cost of an iteration.
 const COSTLY: f64 = 10.0;
 /// The dense equations of so many cross-sections cost as much as an iteration without contacts.
 const DENSE: f64 = 22.0;

@@ -52,9 +52,9 @@ pub(crate) trait Compliant {
         0.5 * self.budget()
     }
 
-    /// What it may spend on the way into pipes, before the way to the answer.
+    /// What it may spend on the way into pipes, before the way to the answer: with it refusals take less than two seconds.
     fn insertion_budget(&self) -> f64 {
-        4500.0
+        INSERTION_BUDGET
     }
 
     /// Makes its equations finer where the answer is not yet as accurate as was asked for; `true` where it then
@@ -134,6 +134,9 @@ pub(crate) trait Compliant {
     /// The last equilibrium as an answer, without its contacts.
     fn solution(&mut self, case: &Case, pushes: &[Push]) -> Result<Solution, SolveError>;
 }
+
+/// What models of sections may spend on the way into pipes.
+const INSERTION_BUDGET: f64 = 4500.0;
 
 /// The case with the pushes as point loads.
 pub(crate) fn with_pushes(case: &Case, pushes: &[Push]) -> Case {

@@ -11,8 +11,9 @@ pub(super) struct PartlyKnown {
 }
 
 impl PartlyKnown {
-    /// Solves the rows of the unknowns with these numbers of `A x = b`, with a matrix by rows. All of `x` comes with the right-hand side `b`
-    /// where it is unknown, and with its value where it is known; rows of what is known are not looked at.
+    /// Solves the rows of the unknowns with these numbers of `A x = b`, with a matrix by rows. In `x` come the right-hand side where it is
+    /// unknown, and the values that are known; the solution takes the place of the right-hand side, which is lost after an error. Rows of
+    /// what is known are not looked at.
     ///
     /// # Errors
     /// [`Singular`] where the equations of the unknowns do not determine them.
@@ -64,6 +65,12 @@ mod tests {
         let left = [x[0] - 2.0, x[1] - 2.0, x[2] - 3.0];
         assert!(left.iter().all(|left| left.abs() < 1e-15), "{x:?}");
         assert!(!system.is_determinant_negative());
+        // The determinant of the part, −2, is negative, that of the whole is not.
+        let matrix = [0.0, 5.0, 1.0, 5.0, -1.0, 5.0, 2.0, 5.0, 0.0];
+        let mut x = [3.0, 0.0, 4.0];
+        system.solve(&[0, 2], &matrix, &mut x).unwrap();
+        assert_eq!(x, [2.0, 0.0, 3.0]);
+        assert!(system.is_determinant_negative());
         // Nothing is unknown.
         system.solve(&[], &matrix, &mut x).unwrap();
         assert_eq!(x[1], 2.0);

@@ -38,7 +38,7 @@ pub(super) enum Differences {
     OneSided,
 }
 
-/// How with each motion of the first body change its force in N, the lever of what touches in m, and its slip in m.
+/// How with each motion of the first body, by m or rad, change its force in N, the lever of what touches in m, and its slip in m.
 pub(super) type Rates = [[Vec3; 3]; 6];
 
 /// A unit of force along a line, on one body.
@@ -95,8 +95,8 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         wrench_of(axis, self.arm(centre)).map(|component| -component)
     }
 
-    /// How what it exerts and how far it has slid change with the first motions of the first body: where its grip begins where that body
-    /// was, carried along with the second.
+    /// The changes of its force in N, its lever in m and its slip in m with each of the first so many motions of the first body, zero with
+    /// the others. The grip begins where that body was, carried along with the second.
     pub fn rates(
         &self,
         force: impl Fn(&Nearest, &Pose) -> Vec3,
@@ -104,16 +104,17 @@ impl<L: Fn(&Pose) -> Nearest> TwoBodies<'_, L> {
         motions: usize,
         differences: Differences,
     ) -> Rates {
-        let value = |nearest: &Nearest, pose: &Pose| {
-            let slip = grip.map(|grip| grip.slip_at(pose, nearest, self.rounding));
+        let see = |pose: &Pose| {
+            let nearest = (self.look)(pose);
+            let slip = grip.map(|grip| grip.slip_at(pose, &nearest, self.rounding));
             let lever = nearest.lever(self.rounding);
-            [force(nearest, pose), lever, slip.unwrap_or(Vec3::ZERO)]
+            [force(&nearest, pose), lever, slip.unwrap_or(Vec3::ZERO)]
         };
-        let see = |pose: &Pose| value(&(self.look)(pose), pose);
         match differences {
             Differences::Central => central(motions, &self.pose, self.reach, see),
             Differences::OneSided => {
-                let here = value(self.nearest, &self.pose);
+                // What is nearest may be another place than when it was last looked at.
+                let here = if motions > 0 { see(&self.pose) } else { [Vec3::ZERO; 3] };
                 one_sided(motions, &self.pose, self.reach, here, see)
             }
         }

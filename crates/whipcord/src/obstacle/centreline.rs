@@ -16,10 +16,10 @@ pub enum Bends {
 
 /// Samples from one point to the next of a smooth line.
 const SAMPLES: usize = 12;
-/// Newton's steps, or halvings, to the nearest point; from a sample, four or five are enough.
+/// Newton's steps, or halvings, to the nearest point; from a sample, two or three are enough.
 const STEPS: usize = 60;
-/// Steps shorter than this part of the distance of two samples are the last.
-const SETTLED: f64 = 1e-8;
+/// Steps shorter than this part of the distance between the samples before and after are the last.
+const SETTLED: f64 = 4e-9;
 /// Most points, so that none looks for long.
 const MOST_POINTS: usize = 10_000;
 
@@ -144,12 +144,8 @@ impl Centreline {
 
     /// The greatest curvature at a sample, in 1/m; zero of a line with corners.
     pub(super) fn sharpest(&self) -> f64 {
-        let Some(smooth) = &self.smooth else { return 0.0 };
-        let curvature = |&u: &f64| {
-            let [_, dc, ddc] = evaluate(smooth, u);
-            dc.cross(ddc).norm() / dc.norm().powi(3)
-        };
-        self.at.iter().map(curvature).fold(0.0, f64::max)
+        let curvature = |[dc, ddc]: &[Vec3; 2]| dc.cross(*ddc).norm() / dc.norm().powi(3);
+        self.derivatives.iter().map(curvature).fold(0.0, f64::max)
     }
 
     /// The nearest point of the line, from the nearest of its samples: exact wherever the point is
@@ -249,12 +245,12 @@ impl Centreline {
         let ahead = -g / if dg > 0.0 { dg } else { dc.norm_squared() };
         let mut u = (self.at[nearest] + ahead).clamp(low, high);
         let mut here = at(u);
-        let spacing = self.at[1] - self.at[0];
+        let settled = (SETTLED * (high - low)).max(4.0 * f64::EPSILON * self.at[last]);
         for _ in 0..STEPS {
             let (g, dg) = growth(here);
             let newton = -g / dg;
             // Quadratic: what is left after a step this short is below rounding. It may lead out of the interval by rounding.
-            if dg > 0.0 && newton.abs() <= SETTLED * spacing {
+            if dg > 0.0 && newton.abs() <= settled {
                 let [c, dc, ddc] = here;
                 here = [c + newton * (dc + 0.5 * newton * ddc), dc + newton * ddc, ddc];
                 break;
@@ -266,6 +262,7 @@ impl Centreline {
             }
             let inside = dg > 0.0 && u + newton > low && u + newton < high;
             let next = if inside { u + newton } else { 0.5 * (low + high) };
+            // Halved until nothing is left.
             if next == u {
                 break;
             }
@@ -308,4 +305,52 @@ fn evaluate_piece(smooth: &[PiecewiseCubic; 3], piece: usize, u: f64) -> [Vec3; 
     let y = y.evaluate_piece(piece, u);
     let z = z.evaluate_piece(piece, u);
     [Vec3::new(x[0], y[0], z[0]), Vec3::new(x[1], y[1], z[1]), Vec3::new(x[2], y[2], z[2])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The foot is exact to rounding: away from it leads no part along the line.
+    fn assert_exact(points: &[Vec3]) {
+        let line = Centreline::new(points, Bends::Smooth).unwrap();
+        let size = points.iter().map(|point| point.norm()).fold(0.0, f64::max);
+        let (samples, tangents) = line.samples();
+        let mut looked = 0;
+        for (k, (&sample, &tangent)) in samples.iter().zip(tangents).enumerate().skip(1) {
+            let spacing = (sample - samples[k - 1]).norm();
+            let across = tangent.cross(Vec3::new(0.3, -0.5, 0.8));
+            let across = across / across.norm();
+            // On the sample, next to it by rounding, and between it and the next.
+            for ahead in [0.0, 1e-15, -1e-15, 1e-9, 0.3, -0.499] {
+                for aside in [1e-3, 0.1] {
+                    let point = sample + tangent * (ahead * spacing) + across * (aside * spacing);
+                    let Foot { foot, tangent, place } = line.nearest(point);
+                    if matches!(place, Where::Along) {
+                        let along = (point - foot).dot(tangent);
+                        assert!(along.abs() < 4.0 * f64::EPSILON * size, "{along} at {point:?}");
+                        looked += 1;
+                    }
+                }
+            }
+        }
+        assert!(looked > 10 * samples.len(), "{looked}");
+    }
+
+    #[test]
+    fn the_nearest_point_is_exact_to_rounding() {
+        let bend = |k: u8| {
+            let (sin, cos) = (f64::from(k) * 0.17).sin_cos();
+            Vec3::new(0.08 * (1.0 - cos), 0.0, 0.08 * sin)
+        };
+        assert_exact(&(0..10).map(bend).collect::<Vec<_>>());
+        let coil = |k: u8| {
+            let (sin, cos) = (f64::from(k) * 0.5).sin_cos();
+            Vec3::new(0.05 * cos, 0.05 * sin, 0.004 * f64::from(k))
+        };
+        assert_exact(&(0..30).map(coil).collect::<Vec<_>>());
+        // Chords that differ by a factor of 1000.
+        let chords = [0.0, 1.0, 1.001, 1.002, 1.1, 2.0];
+        assert_exact(&chords.map(|z: f64| Vec3::new(0.01 * (3.0 * z).sin(), 0.0, z)));
+    }
 }
