@@ -53,10 +53,8 @@ impl AloneAnswers {
     }
 
     fn keep(&self, asked: Asked, found: &Result<Solution, SolveError>) {
-        // Another attempt may have more to spend.
-        let is_ended =
-            matches!(found, Err(SolveError::Cancelled { .. } | SolveError::BudgetSpent { .. }));
-        if !is_ended {
+        // One that spent what there was would have no more.
+        if !matches!(found, Err(SolveError::Cancelled { .. })) {
             self.0.borrow_mut().push((asked, found.clone()));
         }
     }

@@ -60,7 +60,9 @@ impl<M: Noting> PathTracker<'_, M> {
                     self.lose_notes();
                     return Ok(());
                 }
-                Err(error @ (SolveError::Cancelled { .. } | SolveError::BudgetSpent { .. })) => {
+                Err(error @ SolveError::Cancelled { .. }) => return Err(error),
+                // The answer without the obstacles may have had a part of the budget.
+                Err(error @ SolveError::BudgetSpent { .. }) if self.model.meter().is_spent() => {
                     return Err(error);
                 }
                 Err(_) => {}
