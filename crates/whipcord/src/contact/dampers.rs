@@ -7,6 +7,8 @@ use crate::shape::Wrench;
 
 /// So many cross-sections are held by dampers.
 const COUNT: usize = 6;
+/// So many are guided to a line.
+const GUIDED: usize = 20;
 /// Stiffness against rotation, relative to that against displacement times the square of the length.
 const ROTATIONAL: f64 = 0.05;
 
@@ -45,22 +47,34 @@ pub(super) struct Dampers {
 impl Dampers {
     /// Dampers at the place where the robot is, of a stiffness in units of EI/L³ for them all.
     pub fn anchor(&mut self, model: &impl Compliant, length: f64, stiffness: f64) {
-        let linear = stiffness * model.force_scale() / (length * COUNT as f64);
-        let angular = ROTATIONAL * linear * length * length;
-        let watched = model.watched();
+        let places = places(model, length, COUNT);
+        let anchors = places.iter().map(|&s| model.pose(s)).collect();
         self.all.clear();
-        for k in 1..=COUNT {
-            let target = length * k as f64 / COUNT as f64;
-            let next = watched.partition_point(|&s| s < target).min(watched.len() - 1);
-            let arc_length = watched[next];
-            let anchor = model.pose(arc_length);
-            self.all.push(Damper {
-                arc_length,
-                anchor,
-                stiffness: [linear, angular],
-                given: [0.0; 6],
-            });
-        }
+        self.hold(&places, anchors, stiffnesses(model, length, stiffness / COUNT as f64));
+    }
+
+    /// Dampers that draw the robot to poses, by the arc lengths in m of their cross-sections; they push as they did until the model looks again.
+    pub fn guide(
+        &mut self,
+        model: &impl Compliant,
+        length: f64,
+        stiffness: f64,
+        poses: impl Fn(&[f64]) -> Vec<Pose>,
+    ) {
+        let places = places(model, length, GUIDED);
+        let anchors = poses(&places);
+        self.hold(&places, anchors, stiffnesses(model, length, stiffness / GUIDED as f64));
+    }
+
+    fn hold(&mut self, places: &[f64], anchors: Vec<Pose>, stiffness: [f64; 2]) {
+        let given: Vec<[f64; 6]> = self.all.iter().map(|damper| damper.given).collect();
+        self.all.clear();
+        self.all.extend(places.iter().zip(anchors).enumerate().map(
+            |(k, (&arc_length, anchor))| {
+                let given = given.get(k).copied().unwrap_or_default();
+                Damper { arc_length, anchor, stiffness, given }
+            },
+        ));
     }
 
     /// What the model is given.
@@ -83,4 +97,22 @@ impl Dampers {
         };
         self.all.iter().map(of).fold(0.0, f64::max)
     }
+}
+
+/// Arc lengths in m of so many watched cross-sections, about as far from one another.
+fn places(model: &impl Compliant, length: f64, count: usize) -> Vec<f64> {
+    let watched = model.watched();
+    let place = |k: usize| {
+        let target = length * k as f64 / count as f64;
+        watched[watched.partition_point(|&s| s < target).min(watched.len() - 1)]
+    };
+    let mut places: Vec<f64> = (1..=count).map(place).collect();
+    places.dedup();
+    places
+}
+
+/// Stiffnesses against displacement in N/m and rotation in N·m, of the first in units of EI/L³.
+fn stiffnesses(model: &impl Compliant, length: f64, stiffness: f64) -> [f64; 2] {
+    let linear = stiffness * model.force_scale() / length;
+    [linear, ROTATIONAL * linear * length * length]
 }

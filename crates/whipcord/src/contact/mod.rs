@@ -21,6 +21,7 @@
 //! | `free_path`, `watched_places` | robots that keep clear of all obstacles; where rods are watched |
 //! | `rim_places`, `clearance` | disks that fit a bore closely |
 //! | `relaxation`, `dampers` | where the robot jumps to if it loses its equilibrium on the way |
+//! | `laid_along`, `bore_line` | the robot that finds no way into a pipe, laid along its bore |
 //! | `approach`, `drawn_out` | where it may come to if it finds no rest |
 //! | `noted` | the equilibria on the way, for derivatives |
 //! | `step_length` | how far the robot may move in one step on the way |
@@ -31,6 +32,7 @@
 mod alone;
 mod approach;
 pub mod body;
+mod bore_line;
 mod carried;
 mod clearance;
 pub mod complementarity;
@@ -49,6 +51,7 @@ mod friction;
 mod held_contact;
 mod holding;
 mod homotopy;
+mod laid_along;
 mod loaded_places;
 pub mod member;
 pub(crate) mod model;

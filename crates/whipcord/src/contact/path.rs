@@ -116,6 +116,8 @@ pub(super) struct PathTracker<'a, M> {
     pub(super) is_off_answer: bool,
     /// Whether its cables rub in their holes, which remember every place of the way.
     pub(super) rubs: bool,
+    /// Whether nothing remembers the way into pipes: no cable rubs, no pipe, and no backbone that is bent.
+    pub(super) forgets_way_in: bool,
     /// The longest step of a way that they remember.
     pub(super) longest_step: f64,
     /// Whether a place of the way is taken less nearly than they remember: cables that stick may hold the robot so that nothing tells the force of a
@@ -224,6 +226,7 @@ impl<'a, M: Compliant> PathTracker<'a, M> {
             slipped_at: None,
             is_off_answer: false,
             rubs,
+            forgets_way_in: !rubs && !robot.has_bending_friction() && !case.has_rubbing_obstacles(),
             longest_step: if rubs { FROM_REST } else { 1.0 },
             is_lenient: false,
             on_way: OnWay { step, ..OnWay::default() },

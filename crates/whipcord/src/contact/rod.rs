@@ -32,7 +32,7 @@ const WAY_BUDGET: [f64; 2] = [700.0, 3500.0];
 /// What may be spent at its end, and on another one. Refusals take two seconds at most in all, in the study of outcomes.
 const RENEWED_BUDGET: [f64; 2] = [350.0, 750.0];
 /// What the way into pipes may spend on few steps, and on more: it is long where they are narrow and bent.
-const INSERTION_BUDGET: [f64; 2] = [1500.0, 4000.0];
+const INSERTION_BUDGET: [f64; 2] = [2000.0, 4000.0];
 /// What a solve may spend where cables rub.
 const RUBBING_BUDGET: f64 = 2000.0;
 

@@ -5,7 +5,7 @@ use whipcord_numerics::{Pose, Vec3};
 use super::noted::{Noting, OnWay};
 use super::object::Objects;
 use super::pair::OVERLAP;
-use super::path::{Acting, JUMPS, PathTracker, Steps};
+use super::path::{Acting, JUMPS, PathTracker, Steps, Stop};
 use super::scene::Present;
 use crate::case::Case;
 use crate::error::{Obstruction, SolveError};
@@ -114,10 +114,28 @@ impl<M: Noting> PathTracker<'_, M> {
         self.scene.draw_back(start);
         self.refuse_overlap()?;
         let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
-        self.budget = self.spent + self.model.insertion_budget();
+        // Half of it for each of two ways, where there are two.
+        let ways = if self.forgets_way_in { 2.0 } else { 1.0 };
+        let budget = self.model.insertion_budget() / ways;
+        self.budget = self.spent + budget;
         self.is_going_in = true;
-        let gone = self.go_in((case, of_case), back, start);
+        let mut gone = self.go_in((case, of_case), back, start);
         self.is_going_in = false;
+        if let Err(error) = &gone
+            && self.forgets_way_in
+            && !matches!(error, SolveError::Cancelled { .. } | SolveError::BudgetSpent { .. })
+        {
+            self.draw_back_at_rest((case, of_case), 0.0)?;
+            self.budget = self.spent + budget;
+            match self.lay_along(case) {
+                Ok(()) => {
+                    self.lose_notes();
+                    gone = Ok(());
+                }
+                Err(Stop::Cancelled) => return Err(SolveError::Cancelled { last_load: None }),
+                Err(_) => {}
+            }
+        }
         // Where it jumped without its loads is no loss of the shape under them.
         (self.lost_at, self.slipped_at) = (None, None);
         self.budget = self.spent + self.model.budget();

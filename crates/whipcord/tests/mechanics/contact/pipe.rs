@@ -233,6 +233,14 @@ fn a_catheter_follows_a_vessel_that_bends_to_and_fro_and_in_space() {
     }
 }
 
+/// Where no way in is found they are laid along the bore and let go, and come to where a way in leads to.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
+fn robots_lie_in_narrow_vessels_that_bend_to_and_fro_and_in_space() {
+    assert_models_agree(&catheter(20), &vessel(0.0022, &[(4, 0.0), (4, 90.0)]));
+    assert_models_agree(&rod(0.003, 20, None), &vessel(0.0022, &[(5, 0.0), (5, 180.0)]));
+}
+
 /// Friction remembers the way in.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "a minute without optimisation")]
