@@ -24,6 +24,9 @@ pub(crate) trait ContactRod: Default {
     /// Where it stands, to go back to.
     type Kept: Default;
 
+    /// What a step costs in an iteration, relative to one of a rod whose cables follow its curve.
+    const WORK_OF_STEP: f64;
+
     /// How fine its steps are.
     fn refinement(&mut self) -> &mut Refinement;
 

@@ -390,7 +390,8 @@ impl<R: ContactRod> Compliant for RodAdapter<'_, R> {
 
     fn effort(&self) -> f64 {
         // To look at a watched place costs a tenth of a step.
-        let steps = (self.found.steps() as f64 + 0.1 * self.watched.len() as f64) / 100.0;
+        let steps = R::WORK_OF_STEP * self.found.steps() as f64;
+        let steps = (steps + 0.1 * self.watched.len() as f64) / 100.0;
         let tensions = self.found.rubbing_tensions() as f64;
         steps + RUBBING_EFFORT[0] * tensions + RUBBING_EFFORT[1] * tensions.powi(3)
     }

@@ -175,6 +175,8 @@ impl ContactResponse {
 impl ContactRod for ContactResponse {
     type Kept = Kept;
 
+    const WORK_OF_STEP: f64 = 1.0;
+
     fn refinement(&mut self) -> &mut Refinement {
         &mut self.refinement
     }
