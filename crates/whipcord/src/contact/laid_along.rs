@@ -19,17 +19,19 @@ const SOFTER: [f64; 2] = [1.3, 8.0];
 const STEPS: [f64; 3] = [0.05, 0.25, 1e-3];
 
 impl<M: Noting> PathTracker<'_, M> {
-    /// A stable equilibrium at rest in the only pipe that there is, from where the robot lies along its line.
-    pub(super) fn lay_along(&mut self, case: &Case) -> Result<(), Stop> {
+    /// The line of the pipe that it is inserted into, where there is one only and nothing remembers the way in.
+    pub(super) fn only_bore(&self) -> Option<BoreLine> {
         let mut pipes = self.scene.iter();
-        let line = match (pipes.next(), pipes.next()) {
-            (Some((_, pipe)), None) => BoreLine::new(pipe, self.length),
+        match (pipes.next(), pipes.next()) {
+            (Some((_, pipe)), None) if self.forgets_way_in => BoreLine::new(pipe, self.length),
             _ => None,
-        };
-        let Some(line) = line else { return Err(Stop::Slips) };
-        drop(pipes);
+        }
+    }
+
+    /// A stable equilibrium at rest in a pipe, from where the robot lies along its line.
+    pub(super) fn lay_along(&mut self, case: &Case, line: &BoreLine) -> Result<(), Stop> {
         self.scene.keep(Present::None);
-        let bent = self.bend_along(case, &line);
+        let bent = self.bend_along(case, line);
         self.scene.keep(Present::Pipes);
         self.dampers.all.clear();
         bent?;

@@ -110,24 +110,24 @@ impl<M: Noting> PathTracker<'_, M> {
         if let Some(error) = walled {
             return Err(error);
         }
+        let line = self.only_bore();
         let start = INSERTED * self.length;
         self.scene.draw_back(start);
         self.refuse_overlap()?;
         let back = |way: f64| Acting { drawn_back: start * (1.0 - way), of_case, ..Acting::ALL };
         // Half of it for each of two ways, where there are two.
-        let ways = if self.forgets_way_in { 2.0 } else { 1.0 };
+        let ways = if line.is_some() { 2.0 } else { 1.0 };
         let budget = self.model.insertion_budget() / ways;
         self.budget = self.spent + budget;
         self.is_going_in = true;
         let mut gone = self.go_in((case, of_case), back, start);
         self.is_going_in = false;
-        if let Err(error) = &gone
-            && self.forgets_way_in
+        if let (Err(error), Some(line)) = (&gone, line)
             && !matches!(error, SolveError::Cancelled { .. } | SolveError::BudgetSpent { .. })
         {
             self.draw_back_at_rest((case, of_case), 0.0)?;
             self.budget = self.spent + budget;
-            match self.lay_along(case) {
+            match self.lay_along(case, &line) {
                 Ok(()) => {
                     self.lose_notes();
                     gone = Ok(());
