@@ -191,8 +191,8 @@ fn gradients_through_an_impact_by_ramps_are_those_of_differences() {
             let gradient = base.gradient();
             let (found, unit) = match drive {
                 Drive::Tension => (&gradient.cables, 1e-4),
-                Drive::Length => (&gradient.cables, 1e-8),
-                _ => (&gradient.motors, 1e-6),
+                Drive::Length => (&gradient.cables, 1e-7),
+                _ => (&gradient.motors, 1e-5),
             };
             let scale = found.iter().flatten().fold(0.0_f64, |max, x| max.max(x.abs()));
             for (k, row) in found.iter().enumerate() {
