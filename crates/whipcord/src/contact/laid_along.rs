@@ -37,16 +37,16 @@ impl<M: Noting> PathTracker<'_, M> {
         bent?;
         self.is_going_in = true;
         self.pairs.backbone = BackboneContacts::AtWatchedPlaces;
-        let settled = self.settle(case);
+        let relaxed = self.relax_to_walls(case);
         self.is_going_in = false;
         self.pairs.backbone = BackboneContacts::Anywhere;
         self.dampers.all.clear();
-        settled?;
+        relaxed?;
         self.relax(case)
     }
 
     /// Lets it come to the walls in steps against dampers, which are not judged, until it is nearly at rest.
-    fn settle(&mut self, case: &Case) -> Result<(), Stop> {
+    fn relax_to_walls(&mut self, case: &Case) -> Result<(), Stop> {
         let [mut stiffness, least, most] = LETTING_GO;
         let [least_softer, most_softer] = SOFTER;
         let mut softer = most_softer;

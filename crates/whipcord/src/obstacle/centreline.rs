@@ -19,7 +19,7 @@ const SAMPLES: usize = 12;
 /// Newton's steps, or halvings, to the nearest point; from a sample, two or three are enough.
 const STEPS: usize = 60;
 /// Steps shorter than this part of the distance between the samples before and after are the last.
-const SETTLED: f64 = 4e-9;
+const CONVERGED: f64 = 4e-9;
 /// Most points, so that none looks for long.
 const MOST_POINTS: usize = 10_000;
 
@@ -245,12 +245,12 @@ impl Centreline {
         let ahead = -g / if dg > 0.0 { dg } else { dc.norm_squared() };
         let mut u = (self.at[nearest] + ahead).clamp(low, high);
         let mut here = at(u);
-        let settled = (SETTLED * (high - low)).max(4.0 * f64::EPSILON * self.at[last]);
+        let tolerance = (CONVERGED * (high - low)).max(4.0 * f64::EPSILON * self.at[last]);
         for _ in 0..STEPS {
             let (g, dg) = growth(here);
             let newton = -g / dg;
             // Quadratic: what is left after a step this short is below rounding. It may lead out of the interval by rounding.
-            if dg > 0.0 && newton.abs() <= settled {
+            if dg > 0.0 && newton.abs() <= tolerance {
                 let [c, dc, ddc] = here;
                 here = [c + newton * (dc + 0.5 * newton * ddc), dc + newton * ddc, ddc];
                 break;
